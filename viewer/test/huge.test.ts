@@ -57,7 +57,7 @@ describe("errors beyond all bounds", () => {
       for (const place of [".label .state", "#facts dd"]) await says(visit.page.locator(place), new RegExp(`·10${power}`));
       const chart = visit.page.locator(".plot");
       await until(async () => new RegExp(`·10${power} at iteration ${last}`).test((await chart.getAttribute("aria-label")) ?? ""), "the chart has it");
-      assert.ok(await drawn(visit), "the chart has lines to its right end");
+      assert.ok(await drawn(visit), "the chart has a line to its right end");
       await says(visit.page.locator(".label"), /too far from the data/);
       assert.doesNotMatch((await visit.page.locator("body").innerText()) + (await visit.page.content()), /NaN|undefined|Infinity/);
       await visit.still();
@@ -66,7 +66,8 @@ describe("errors beyond all bounds", () => {
       await visit.page.keyboard.press("Home");
       await becomes(async () => (await visit.iteration())[0], 0);
       await visit.still();
-      await until(async () => (await visit.difference(first)) < 0.001, "the first is as it was");
+      // Edges are softer or sharper with WebGL than without.
+      await until(async () => (await visit.difference(first, 240)) < 0.002, "the first is as it was");
       await visit.end();
     });
   }

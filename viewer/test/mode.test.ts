@@ -44,7 +44,11 @@ describe("without the Edit mode", () => {
   const swipe = async ({ page }: Visit, by = 220) => {
     const { x, y, width, height } = (await page.locator("#stage").boundingBox())!;
     const session = await page.context().newCDPSession(page);
-    await session.send("Input.synthesizeScrollGesture", { x: x + width / 2, y: y + height * 0.75, yDistance: -by, gestureSourceType: "touch", speed: 600 });
+    const touch = (type: "touchStart" | "touchMove" | "touchEnd", up = 0) =>
+      session.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x: x + width / 2, y: y + height * 0.75 - up }] });
+    await touch("touchStart");
+    for (let up = 0; up <= by; up += 10) await touch("touchMove", up);
+    await touch("touchEnd");
     await session.detach();
   };
   const scrolled = (visit: Visit) => visit.page.evaluate(() => scrollY);

@@ -15,18 +15,18 @@ const ROSE = { name: "rose", curve: { points: steps.map((t) => [petals(t) * Math
 /** What somebody does with a field before the press, by kinds of fields. */
 const CHANGES: Readonly<Record<string, (page: Page) => Promise<unknown>>> = {
   "a text": (page) => field(page, "/name").fill("other"),
-  "a number": (page) => field(page, "/curve/basis/degree").fill("2"),
-  "a number with long help": (page) => field(page, "/stop/tolerance").fill("1e-5"),
+  "a number": (page) => field(page, "/curve/basis/degree").fill("5"),
+  "a number with long help": (page) => field(page, "/stop/relative_tolerance").fill("1e-5"),
   "a number that is left as it is": (page) => field(page, "/stop/max_iterations").focus(),
   "a list": (page) => field(page, "/method/kind").selectOption("weighted"),
   "a setting of a method": (page) => field(page, "/method/omega").fill("1.1"),
   "a list that has no other fields": (page) => field(page, "/method/kind").selectOption("global"),
   "a box": (page) => field(page, "/curve/closed").setChecked(false),
-  "a box that has other fields": (page) => field(page, "/curve/closed").setChecked(true),
-  "a folded section": (page) => page.getByText("Ends, parameters, weights").click(),
+  "a number that is cleared": (page) => field(page, "/stop/max_iterations").fill(""),
+  "a folded section": (page) => unfold(page, "Ends, parameters, weights"),
   "a list in a folded section": (page) => field(page, "/curve/parameters").selectOption({ index: 1 }),
   "the request as JSON": async (page) => {
-    await page.getByText("The request, as JSON and for curl").click();
+    await unfold(page, "The request, as JSON and for curl");
     const area = page.locator("#request-json");
     await until(async () => (await area.inputValue()) !== "", "the request is there");
     await area.fill((await area.inputValue()).replace(/"name": "\w+"/, '"name": "written"'));
@@ -91,6 +91,10 @@ describe("a press of a tenth of a second", () => {
 
 function field(page: Page, pointer: string): Locator {
   return page.locator(`[data-field='${pointer}'] :is(input, select)`).first();
+}
+
+function unfold(page: Page, title: string): Promise<void> {
+  return page.locator("details", { hasText: title }).last().evaluate((details: HTMLDetailsElement) => void (details.open = true));
 }
 
 /** Presses a button for a tenth of a second; what went wrong, if nothing was sent or the button was elsewhere. */

@@ -14,7 +14,7 @@ interface Grid {
 const FAR = 64;
 
 // What is further away than so many radii is drawn that far away: 32 bits would not hold what diverges.
-const EDGE = 1e6;
+const EDGE = 1e3;
 // Further than this 32 bits do not reach, whatever the radius.
 const REACH = 1e37;
 

@@ -14,6 +14,9 @@ const FURTHEST = 4;
 // Nor is a tolerance seen that is smaller than this part of all errors.
 const OUT_OF_REACH = 1e-13;
 
+/** All powers of ten: without its increments uPlot leaves an axis out. */
+const POWERS = Array.from({ length: 632 }, (_, i) => 10 ** (i - 323));
+
 export function chart(app: App): void {
   const root = byId("chart");
   const { view, fits } = app;
@@ -113,7 +116,7 @@ function options(colors: () => Colors, fits: () => readonly Fit[], shownAt: () =
     scales: { x: { time: false, range: (_, min, max) => [min, Math.max(max, min + 1)] }, y: { distr: 3, range: (_, min, max) => heights(min, max, fits()) } },
     axes: [
       { ...axis, size: 24, gap: 4, incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000], space: 56, values: (_, ticks) => ticks.map(count) },
-      { ...axis, size: 46, gap: 8, space: 26, grid: { show: true, stroke: () => colors().css.line, width: 1 }, splits: (_, __, low, high) => powers(low, high), filter: (_, ticks) => ticks, values: (_, ticks) => ticks.map(power) },
+      { ...axis, incrs: POWERS, size: 46, gap: 8, space: 26, grid: { show: true, stroke: () => colors().css.line, width: 1 }, splits: (_, __, low, high) => powers(low, high), filter: (_, ticks) => ticks, values: (_, ticks) => ticks.map(power) },
     ],
     series: [{}, ...Array.from({ length: MOST_JOBS }, (_, i) => [line(i), guess(i)]).flat()],
     hooks: { draw: [(u) => marks(u, colors(), fits(), shownAt())] },

@@ -71,7 +71,7 @@ function about(app: App, exhibit: Exhibit, many: boolean, isNarrow: boolean): No
   const k = exhibit.shownOf(app.view.value);
   const level = exhibit.held ?? fit.levels[k];
   const error = short(level?.error.max);
-  const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(exhibit) }, isNarrow ? standing(exhibit) : `${standing(exhibit)}${seen(exhibit, k, error)}${reason(fit)}`);
+  const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(exhibit) }, isNarrow ? standing(exhibit) : described(exhibit, k, error));
   const advice = fit.latest < 0 && isGone(fit.problem) && el("p", {}, "It may have been deleted. Open an example, another job, or points of your own.");
   const warnings = many ? [] : (fit.job?.status.warnings ?? []).map(({ detail }) => el("p", { class: "warning" }, detail));
   return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit, level?.controls ?? fit.head?.control_points ?? 0))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${error}`)] : []), ...scales(app, exhibit)];
@@ -101,11 +101,13 @@ function standing({ held, fit }: Exhibit): string {
   return `${STATES[end.state]} in ${count(end.iterations)} ${end.iterations === 1 ? "iteration" : "iterations"}`;
 }
 
-/** The error of what is seen, and which iteration that is if it is not the last. */
-function seen({ held, fit }: Exhibit, k: number, error: string): string {
-  if (held !== null) return `, iteration ${count(held.number)}, error ${error}`;
-  if (fit.latest < 0) return "";
-  return k < fit.latest ? `; shown: iteration ${count(k)}, error ${error}` : `, error ${error}`;
+/** How the job stands, with the error of what is seen, and which iteration that is if it is not the last. */
+function described(exhibit: Exhibit, k: number, error: string): string {
+  const { held, fit } = exhibit;
+  if (held !== null) return `${standing(exhibit)}, iteration ${count(held.number)}, error ${error}`;
+  if (fit.latest < 0) return standing(exhibit);
+  if (k >= fit.latest) return `${standing(exhibit)}, error ${error}${reason(fit)}`;
+  return `${standing(exhibit)}${reason(fit)}; shown: iteration ${count(k)}, error ${error}`;
 }
 
 /** Why a job has ended that has not converged. */
