@@ -15,6 +15,8 @@ import { Surface } from "./surface.js";
 /** Everything that is drawn of an iteration. */
 export interface Picture {
   readonly samples: Samples;
+  /** Too far from the data to be seen: a surface is not drawn then. */
+  readonly isAway: boolean;
   readonly control: Points | null;
   /** Pairs of points: from the fit at the parameter of a data point to that, enlarged. */
   readonly spikes: Float32Array | null;
@@ -131,7 +133,7 @@ export class Figure {
     const { picture } = this;
     const isSurface = (picture?.samples.rows ?? 1) > 1;
     this.#curve.visible = picture !== null && !isSurface;
-    this.#surface.visible = picture !== null && isSurface;
+    this.#surface.visible = picture !== null && isSurface && !picture.isAway;
     this.#surface.setZebra(layers.zebra);
     this.#data.visible = layers.data;
     const controlled = layers.polygon && picture?.control != null;

@@ -30,6 +30,8 @@ export interface Judged extends Picture {
 // How long the longest spikes and teeth may be, in radii of the data.
 const SPIKE = 0.22;
 const TOOTH = 0.26;
+// An error of so many radii of the data leaves the view: each triangle of such a surface would cover all of it.
+const AWAY = 30;
 // Errors so many times larger than the first one have the colour of the largest.
 const OVERSHOOT = 100;
 // More spikes are a fur.
@@ -59,6 +61,7 @@ export function judged(fit: Fit, data: Data, k: number, samples: Samples, contro
   return {
     k,
     samples,
+    isAway: !((level?.error.max ?? Infinity) < AWAY * data.axes.radius),
     control,
     distances: far,
     spikes: spikes?.segments ?? null,

@@ -24,8 +24,6 @@ const STATES: Readonly<Record<api.JobState, string>> = {
 
 // In a figure that is not so wide the error is that of the iteration that is shown alone; in pixels.
 const NARROW = 300;
-// An error of so many radii of the data leaves the view.
-const AWAY = 10;
 
 export function labels(app: App, hall: Hall, root: HTMLElement): void {
   const layer = el("div", { class: "labels" });
@@ -120,8 +118,7 @@ function reason({ end }: Fit): string {
 function scales(app: App, { fit, shown, data }: Exhibit): Node[] {
   const { layers } = app.view.value;
   const notes: Node[] = [];
-  const error = fit.levels[shown?.k ?? -1]?.error.max;
-  if (data !== null && shown !== null && !((error ?? Infinity) < AWAY * data.axes.radius)) notes.push(el("p", {}, "It is too far from the data to be seen as a whole."));
+  if (shown?.isAway) notes.push(el("p", {}, `It is too far from the data to be ${data?.isSurface ? "drawn" : "seen as a whole"}.`));
   if (layers.spikes && shown !== null && shown.spikeScale > 0) notes.push(el("p", { class: "scale" }, `spikes × ${big(shown.spikeScale)}`));
   if (layers.comb && shown !== null && shown.combScale > 0) notes.push(el("p", { class: "scale" }, `curvature 1 is drawn ${short(shown.combScale)} long`));
   if (layers.heat && data?.isSurface && app.fits.shown[0] === fit) {
