@@ -368,7 +368,7 @@ fn dense(case: &Case, [u, v]: &[Line; 2]) -> Dense {
     Dense { a, n, data, rows }
 }
 
-/// Whether a constraint says what point there is at a corner, which has these parameters.
+/// Returns true if a constraint gives the point at a corner, which has these parameters.
 fn replaces(asked: &Asked, case: &Case, (i, j): (usize, usize), [s, t]: [f64; 2]) -> bool {
     match asked {
         Asked::At(At::Index(row, column), [0, 0], _) => (*row, *column) == (i, j),
@@ -393,7 +393,7 @@ enum Kind {
     Contradicts,
 }
 
-/// Whether the value of a row is the same sum of those before it; `None` if that is not clear.
+/// Compares the value of a row with the same sum of those before it; `None` if that is not clear.
 fn kind(row: &DVector<f64>, value: &[f64], kept: &[&(DVector<f64>, Vec<f64>)]) -> Option<Kind> {
     if kept.is_empty() {
         return Some(Kind::Contradicts);

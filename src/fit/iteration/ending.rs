@@ -69,12 +69,12 @@ impl Iteration {
         }
     }
 
-    /// Whether the distances are rounding errors of the data.
+    /// Returns true if the distances are rounding errors of the data.
     fn is_rounding(&self) -> bool {
         self.level.error.rms <= self.system.problem().rounding()
     }
 
-    /// Whether they are no more than what sums of many terms make of them.
+    /// Returns true if they are at most what sums of many terms make of rounding errors.
     fn is_near_rounding(&self) -> bool {
         self.level.error.rms <= SUMS * self.system.problem().rounding()
     }

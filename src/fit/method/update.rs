@@ -81,8 +81,7 @@ pub(in crate::fit) trait Update: Debug + Send {
         false
     }
 
-    /// Whether distances within the tolerance do not end the fit yet: it is on its way to a minimum of more than
-    /// distances.
+    /// Returns true if distances within the tolerance do not end the fit yet, as it minimizes more than distances.
     fn seeks_minimum(&self) -> bool {
         false
     }

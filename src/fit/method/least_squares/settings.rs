@@ -140,13 +140,13 @@ impl LeastSquares {
         self.data_weights.is_none() && !self.has_energy()
     }
 
-    /// Whether derivatives are given by their directions.
+    /// Returns true if a constraint gives the direction of a derivative.
     pub(super) fn has_tangents(&self) -> bool {
         let is_tangent = |constraint: &Constraint| matches!(constraint.wanted, Wanted::Tangent(_));
         self.constraints.iter().any(is_tangent)
     }
 
-    /// Whether more is made small than distances.
+    /// Returns true if the fit minimizes more than distances.
     pub(super) fn has_energy(&self) -> bool {
         self.fairness().is_some() || self.gap_stiffness().is_some()
     }

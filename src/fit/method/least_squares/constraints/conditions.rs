@@ -115,7 +115,7 @@ fn corners(setup: &Setup) -> Vec<usize> {
     .collect()
 }
 
-/// Whether a constraint says what point there is at an end of a curve, or at a corner of a surface.
+/// Returns true if a constraint gives the point at an end of a curve, or at a corner of a surface.
 fn replaces(setup: &Setup, constraint: &Constraint, end: usize) -> bool {
     let (grid, at_end) = (setup.grid(), parameters(setup, end));
     let is_point = match &constraint.wanted {
