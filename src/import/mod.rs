@@ -7,6 +7,7 @@
 //! - `layout`: which columns are coordinates, and what is a title, a remark or a damaged point;
 //! - `table`: lines become points, with titles above them and remarks below them; `plain`: those of
 //!   large files, by all threads;
+//! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
 //! - `closing`: an outline that comes back to its first point is closed;
@@ -17,6 +18,7 @@ mod closing;
 mod lattice;
 mod layout;
 mod notation;
+mod off;
 mod plain;
 mod table;
 
@@ -98,9 +100,26 @@ pub(crate) fn read(file: &[u8], hints: &Hints) -> Result<Imported, Vec<Mistake>>
     // Where all of it is UTF-8, which is found out much faster than where it is not.
     let text = str::from_utf8(file).map(Cow::Borrowed);
     let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
-    let table = table::read(&text, hints.most)?;
-    let table = airfoil::around(table);
+    let table = match off::vertices(&text) {
+        None => airfoil::around(table::read(&text, hints.most)?),
+        Some(vertices) => {
+            let vertices = vertices.map_err(|mistake| vec![mistake])?;
+            let lines = table::read(vertices.text, hints.most);
+            let mut table = lines.map_err(|mistakes| below(mistakes, vertices.above))?;
+            table.move_down(vertices.above);
+            table.notices.insert(0, vertices.notice);
+            table
+        }
+    };
     lattice::arranged(table, hints).map_err(|mistake| vec![mistake])
+}
+
+/// The mistakes of a part of a file below so many lines.
+fn below(mut mistakes: Vec<Mistake>, lines: usize) -> Vec<Mistake> {
+    for line in mistakes.iter_mut().filter_map(|it| it.line.as_mut()) {
+        *line += lines;
+    }
+    mistakes
 }
 
 #[cfg(test)]

@@ -38,6 +38,15 @@ impl Notation {
         }
     }
 
+    /// How fields are written in a line that has texts among its numbers.
+    pub(super) fn of_fields(line: &str) -> Self {
+        let separator = Self::of_names(line).separator.filter(|it| *it != '\t');
+        Self {
+            separator,
+            comma: separator != Some(',') && !line.contains('.'),
+        }
+    }
+
     /// Whether columns are separated by the same character, and not by blanks.
     pub(super) fn separates_as(self, other: Self) -> bool {
         self.separator.is_some() && self.separator == other.separator

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::layout::Layout;
+use super::layout::{Layout, text_column};
 use super::notation::Notation;
 use super::plain::{self, Piece};
 use super::{MOST_MISTAKES, Mistake, airfoil};
@@ -34,11 +34,28 @@ pub(super) struct Table {
     pub(super) notices: Vec<String>,
 }
 
+impl Table {
+    /// Counts the lines of a table that stands below so many lines from the beginning of its file.
+    pub(super) fn move_down(&mut self, lines: usize) {
+        let lines = u32::try_from(lines).unwrap_or(u32::MAX);
+        for line in &mut self.lines {
+            *line = line.saturating_add(lines);
+        }
+    }
+}
+
+/// What the lines of a text end with. Blanks at their ends are taken away, among them that of `\r\n`. Old
+/// Macintosh files end their lines with it alone.
+pub(super) fn line_end(text: &str) -> char {
+    match text.contains('\n') {
+        true => '\n',
+        false => '\r',
+    }
+}
+
 /// Reads the lines of a file, no more points than that.
 pub(super) fn read(text: &str, most: usize) -> Result<Table, Vec<Mistake>> {
-    // Blanks at the ends of lines are taken away, among them that of `\r\n`. Old Macintosh files end
-    // their lines with it alone.
-    let end = if text.contains('\n') { '\n' } else { '\r' };
+    let end = line_end(text);
     let mut reader = Reader::new(most, plain::count_lines(text, end));
     let mut rest = Some(text);
     for number in 1.. {
@@ -55,6 +72,10 @@ pub(super) fn read(text: &str, most: usize) -> Result<Table, Vec<Mistake>> {
             reader.pause();
         } else if let Err(mistake) = reader.line(number, line) {
             reader.mistakes.push(mistake);
+            // Of a file without a line of numbers so far all further lines are wrong in the same way.
+            if reader.layout.is_none() {
+                break;
+            }
         }
         if reader.mistakes.len() >= MOST_MISTAKES || reader.is_full() {
             break;
@@ -64,7 +85,7 @@ pub(super) fn read(text: &str, most: usize) -> Result<Table, Vec<Mistake>> {
 }
 
 /// A line without blanks around it, and without a comment.
-fn without_comment(line: &str) -> &str {
+pub(super) fn without_comment(line: &str) -> &str {
     let line = line.trim_matches(|c: char| c.is_whitespace() || c == '\0');
     if COMMENTS.iter().any(|mark| line.starts_with(mark)) {
         return "";
@@ -293,15 +314,18 @@ impl Reader {
             let detail = "this is JSON, which is sent as application/json";
             return Err(Mistake::at(number, detail));
         }
-        if self.titles.len() == MOST_TITLES {
+        self.titles.push((number, line.to_owned()));
+        if self.titles.len() <= MOST_TITLES {
+            return Ok(());
+        }
+        let unknown = || {
             let detail = format!(
                 "{} is no line of numbers, and there are {MOST_TITLES} lines of words above it",
                 quoted(line)
             );
-            return Err(Mistake::at(number, detail));
-        }
-        self.titles.push((number, line.to_owned()));
-        Ok(())
+            Mistake::at(number, detail)
+        };
+        Err(text_column(&self.titles).unwrap_or_else(unknown))
     }
 
     fn end(self) -> Result<Table, Vec<Mistake>> {
@@ -309,7 +333,8 @@ impl Reader {
             return Err(self.mistakes);
         }
         let (Some(points), Some(layout)) = (self.points, self.layout) else {
-            return Err(vec![Mistake::of_file("there are no points in the file")]);
+            let none = || Mistake::of_file("there are no points in the file");
+            return Err(vec![text_column(&self.titles).unwrap_or_else(none)]);
         };
         if points.len() == 1 {
             let detail = "there is one point in the file, and a curve has at least 2";

@@ -278,6 +278,53 @@ fn lines_of_words_stand_above_the_points() {
 }
 
 #[test]
+fn columns_of_text_are_named_once() {
+    let rows = |text: &str| (1..9).map(|i| text.replace('#', &i.to_string())).collect();
+    for (head, row, line, detail) in [
+        ("id;easting;northing\n", "p#;431200,0;541182#,5\n", 2, "column 1 (\"id\") is text, \"p1\" here"),
+        ("", "p# 1 #\n", 1, "column 1 is text, \"p1\" here"),
+        ("P,N,D\n", "10#,5411.5,\"kerb\"\n", 2, "column 3 (\"D\") is text, \"kerb\" here"),
+        ("a survey\n\nP\tN\tD\n", "10#\t5411\tEP\n", 4, "column 3"),
+    ] {
+        let rows: String = rows(row);
+        let wrong = mistakes(&format!("{head}{rows}"));
+        assert_eq!((wrong.len(), wrong[0].0), (1, Some(line)), "{wrong:?}");
+        assert!(wrong[0].1.starts_with(detail), "{wrong:?}");
+    }
+    // Few lines, and lines that have no column of text.
+    let few = mistakes("x,y,code\n1,2,a\n3,4,b\n");
+    assert_eq!((few.len(), few[0].0), (1, Some(2)), "{few:?}");
+    let words = mistakes(&"these are words\n".repeat(20));
+    assert_eq!((words.len(), words[0].0), (1, Some(4)), "{words:?}");
+}
+
+#[test]
+fn vertices_of_off_files_are_the_points() {
+    let vertices = "0 0 0\n1 0 1\n\n0.9 1 2 # a corner\n0 1.1 1\n";
+    for (head, above) in [
+        ("OFF\n4 2 5\n", 2),
+        ("OFF\n# made by hand\n\n4 2\n", 4),
+        ("COFF 4 2 0\n", 1),
+        ("OFF\r\n4 2 5\r\n", 2),
+    ] {
+        let file = read(&format!("{head}{vertices}3 0 1 2\n3 0 2 3\n"), &HINTS).unwrap();
+        assert_eq!(file.points.len(), 4, "{head}");
+        assert_eq!(file.lines, [1, 2, 4, 5].map(|line| line + above));
+        assert_eq!((&file.name, file.points.lane(0)[2]), (&None, 0.9));
+        assert!(file.notices[0].contains("2 faces are not read"), "{:?}", file.notices);
+    }
+    let cloud = read(&format!("OFF\n4 0 0\n{vertices}"), &HINTS).unwrap();
+    assert!(cloud.notices[0].contains("4 vertices"), "{:?}", cloud.notices);
+    // Fewer than are said, one that is none, and a title that looks like it.
+    assert_eq!(
+        mistakes(&format!("OFF\n5 0 0\n{vertices}")),
+        [(None, "the file has 4 vertices, and says that it has 5 (OFF)".to_owned())]
+    );
+    assert_eq!(mistakes("OFF\n2 1 0\n0 0 0\n1 x 0\n")[0].0, Some(4));
+    assert_eq!(points("OFF\n0.5 1\n2 3\n"), [[0.5, 1.0], [2.0, 3.0]]);
+}
+
+#[test]
 fn files_of_mses_have_a_domain_and_one_element() {
     let wing = "N+3 T100\n -2.0 3.0 -2.5 3.5\n1 0.5\n0.5 0.25\n0 0\n";
     let imported = read(wing, &HINTS).unwrap();
