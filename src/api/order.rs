@@ -12,6 +12,7 @@ use crate::api::jobs;
 use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem, Words};
 use crate::config::Config;
+use crate::export::{self, ExportError, Format};
 use crate::fit::foot;
 use crate::fit::nurbs::Nurbs;
 use crate::fit::problem as fit;
@@ -124,6 +125,11 @@ impl Order {
             return Ok(());
         }
         options::check_range(request, job, &self.problem)
+    }
+
+    /// Checks that the result can be written in a format, before the fit begins.
+    pub(super) fn check_export(&self, format: Format) -> Result<(), ExportError> {
+        export::check(format, &self.problem)
     }
 
     /// Begins the fit for one answer, without making a job that is kept.

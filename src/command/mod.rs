@@ -4,6 +4,7 @@
 //! at a URL. So both give the same control points and refuse the same things.
 //!
 //! - [`arguments`]: what can be said; `input`: what is read;
+//! - `point_kind`: what is known of the points before the fit;
 //! - `options`: flags as fields of a job; `request`: the job that is posted;
 //! - `client`: the server; `events`: what it tells of the fit;
 //! - `outputs`, `iterations`: the files; `progress`, `summary`: what is told to people;
@@ -19,6 +20,7 @@ mod input;
 mod iterations;
 mod options;
 mod outputs;
+mod point_kind;
 mod pointer;
 mod progress;
 mod refusal;
@@ -46,6 +48,7 @@ use failure::Failure;
 use input::{Content, Input};
 use options::Asked;
 use outputs::{Output, Place};
+use point_kind::PointKind;
 use progress::Progress;
 use request::Request;
 use summary::Shape;
@@ -100,11 +103,14 @@ pub fn fit(arguments: &FitArguments) -> ExitCode {
 /// Fits and writes; tells whether the fit has converged.
 async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool, Failure> {
     let outputs = outputs::outputs(arguments)?;
-    let (path, max_bytes) = (arguments.input.clone(), arguments.max_input.as_u64());
-    let reading = tokio::task::spawn_blocking(move || Input::read(&path, max_bytes)).await;
-    let input = reading.map_err(|reason| Failure::Failed(reason.to_string()))??;
-    let asked = Asked::of(arguments, &input)?;
-    let request = Request::new(&input, &asked)?;
+    let (owned, formats) = (arguments.clone(), outputs.clone());
+    let reading = tokio::task::spawn_blocking(move || prepare(&owned, &formats)).await;
+    let prepared = reading.map_err(|reason| Failure::Failed(reason.to_string()))??;
+    let Prepared {
+        input,
+        asked,
+        request,
+    } = prepared;
     if let Some(directory) = &arguments.iterations {
         iterations::prepare(directory)?;
     }
@@ -141,6 +147,26 @@ async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool
         Some(failure) => Err(failure),
         None => Ok(end.state == "converged"),
     }
+}
+
+/// What is posted, and what it was made of.
+struct Prepared {
+    input: Input,
+    asked: Asked,
+    request: Request,
+}
+
+/// Reads the input, and refuses what is known to be impossible before the fit.
+fn prepare(arguments: &FitArguments, outputs: &[Output]) -> Result<Prepared, Failure> {
+    let input = Input::read(&arguments.input, arguments.max_input.as_u64())?;
+    let asked = Asked::of(arguments, &input)?;
+    let request = Request::new(&input, &asked)?;
+    outputs::check_formats(outputs, || PointKind::of(&input, &asked))?;
+    Ok(Prepared {
+        input,
+        asked,
+        request,
+    })
 }
 
 /// What is found out about a file of points, in the meantime. It is the same that those find who read it.

@@ -12,7 +12,8 @@ use tempfile::NamedTempFile;
 
 use super::arguments::FitArguments;
 use super::failure::Failure;
-use crate::export::Format;
+use super::point_kind::PointKind;
+use crate::export::{Format, check_shape};
 
 /// The format of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,6 +116,31 @@ pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> 
         return Err(Failure::usage(format!("--units {units}: {detail}")));
     }
     Ok(outputs)
+}
+
+/// Checks that results for these points can be written in the formats of all outputs. The points are looked
+/// at only if a format does not hold everything.
+pub(super) fn check_formats(
+    outputs: &[Output],
+    points: impl FnOnce() -> Option<PointKind>,
+) -> Result<(), Failure> {
+    let files = outputs.iter().filter_map(|output| match output.format {
+        OutputFormat::Json | OutputFormat::File(Format::Csv) => None,
+        OutputFormat::File(format) => Some((&output.place, format)),
+    });
+    let mut files = files.peekable();
+    let Some(points) = files.peek().and_then(|_| points()) else {
+        return Ok(());
+    };
+    let refusals = files.filter_map(|(place, format)| {
+        let refused = check_shape(format, points.surface, points.dimension).err()?;
+        Some(format!("{place}: {refused}"))
+    });
+    let refusals: Vec<String> = refusals.collect();
+    match refusals.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::Usage(refusals)),
+    }
 }
 
 fn output(path: &Path, given: Option<OutputFormat>) -> Result<Output, Failure> {

@@ -1,11 +1,12 @@
-//! The line at which a part of a JSON text stands.
+//! Parts of a JSON text: the line at which one stands, and its value.
+
+use serde_json::{Deserializer, Value};
 
 /// The line, from 1, of the value at a JSON pointer (RFC 6901), or of the nearest part that it is in.
 pub(super) fn line(text: &[u8], pointer: &str) -> usize {
     let mut scanner = Scanner { text, at: 0 };
     let mut place = scanner.value();
-    for name in pointer.split('/').skip(1) {
-        let name = name.replace("~1", "/").replace("~0", "~");
+    for name in names(pointer) {
         match scanner.enter(&name) {
             Some(inner) => place = inner,
             None => break,
@@ -13,6 +14,23 @@ pub(super) fn line(text: &[u8], pointer: &str) -> usize {
     }
     let before = text.get(..place).unwrap_or(text);
     1 + before.iter().filter(|byte| **byte == b'\n').count()
+}
+
+/// The value at a JSON pointer of a text that is JSON, without reading the rest of it.
+pub(super) fn value(text: &[u8], pointer: &str) -> Option<Value> {
+    let mut scanner = Scanner { text, at: 0 };
+    let mut place = scanner.value();
+    for name in names(pointer) {
+        place = scanner.enter(&name)?;
+    }
+    let mut values = Deserializer::from_slice(text.get(place..)?).into_iter();
+    values.next()?.ok()
+}
+
+/// The names in a JSON pointer.
+fn names(pointer: &str) -> impl Iterator<Item = String> {
+    let names = pointer.split('/').skip(1);
+    names.map(|name| name.replace("~1", "/").replace("~0", "~"))
 }
 
 /// Goes through a text that is JSON.
@@ -122,6 +140,9 @@ mod tests {
         ] {
             assert_eq!(line(text, pointer), expected, "{pointer}");
         }
+        assert_eq!(value(text, "/d/e~1f/1"), Some(serde_json::json!([1, 1])));
+        assert_eq!(value(text, "/d/e~1f/9"), None);
+        assert_eq!(value(b"", "/a"), None);
         assert_eq!(line(b"", "/a"), 1);
         assert_eq!(line(b"{\"a", "/a"), 1);
     }

@@ -59,12 +59,7 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
     if format == Format::Csv {
         return csv::write(fitted);
     }
-    if fitted.problem.dimension() < 2 {
-        return Err(ExportError::OneCoordinate { format });
-    }
-    if matches!(format, Format::Step | Format::Iges) {
-        check_degree(format, fitted.problem)?;
-    }
+    check(format, fitted.problem)?;
     let nurbs = Nurbs::new(fitted.problem, fitted.control_points)?;
     match format {
         Format::Step => Ok(step::write(&nurbs, fitted)),
@@ -101,14 +96,30 @@ pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> us
     }
 }
 
-fn check_degree(format: Format, problem: &Problem) -> Result<(), ExportError> {
+/// Checks what is known of a problem before it is fitted: whether its results can be written in a format.
+pub fn check(format: Format, problem: &Problem) -> Result<(), ExportError> {
+    check_shape(format, problem.v().is_some(), problem.dimension())?;
     let degrees = problem.directions().map(|it| it.basis.degree());
     match degrees.max() {
-        Some(degree) if degree > MOST_CAD_DEGREE => Err(ExportError::Degree {
-            format,
-            degree,
-            most: MOST_CAD_DEGREE,
-        }),
+        Some(degree)
+            if degree > MOST_CAD_DEGREE && matches!(format, Format::Step | Format::Iges) =>
+        {
+            Err(ExportError::Degree {
+                format,
+                degree,
+                most: MOST_CAD_DEGREE,
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks whether curves or surfaces through points of so many coordinates can be written in a format.
+pub fn check_shape(format: Format, surface: bool, dimension: usize) -> Result<(), ExportError> {
+    match format {
+        Format::Csv => Ok(()),
+        _ if dimension < 2 => Err(ExportError::OneCoordinate { format }),
+        Format::Stl if !surface => Err(ExportError::NoTriangles { format }),
         _ => Ok(()),
     }
 }

@@ -11,12 +11,9 @@ use super::sampling::{cross, minus, unit};
 const HEADER: usize = 80;
 const TRIANGLE: usize = 50;
 
-/// The triangles of a surface; curves have none.
+/// The triangles of a surface.
 pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
     let format = Format::Stl;
-    if nurbs.v.is_none() {
-        return Err(ExportError::NoTriangles { format });
-    }
     let mesh = Mesh::new(nurbs, fitted.options.samples, format)?;
     let place = |position: &[f32; 3]| -> Result<[f32; 3], ExportError> {
         let [x, y, z] = [0, 1, 2].map(|c| f64::from(position[c]) + mesh.origin[c]);

@@ -100,6 +100,28 @@ async fn what_does_not_converge_is_told() {
     );
 }
 
+/// A file that cannot hold the result is refused before the fit, which here would not converge.
+#[tokio::test]
+async fn files_that_cannot_be_written_are_refused_before_the_fit() {
+    let server = Server::start().await;
+    let stop = json!({"tolerance": 1e-9, "max_iterations": 1});
+    let curve = json!({"curve": {"points": data::helix()}, "stop": stop});
+    let heights = json!({"surface": {"points": [[1, 2, 3, 4], [2, 3, 1, 2]]}, "stop": stop});
+    let steep = json!({"curve": {"points": data::wave(40), "basis": "bernstein"}, "stop": stop});
+    for (media_type, job) in [
+        ("model/stl", &curve),
+        ("model/step", &heights),
+        ("image/svg+xml", &heights),
+        ("model/iges", &steep),
+    ] {
+        let (status, told) = problem(answer(&server, media_type, job).await).await;
+        let expected = (409, &json!("/problems/no-export"));
+        assert_eq!((status, &told["type"]), expected, "{media_type}: {told:#}");
+    }
+    let (status, _) = problem(answer(&server, "text/csv", &heights).await).await;
+    assert_eq!(status, 422);
+}
+
 /// A client that goes away ends its fit, and so does a server that stops.
 #[tokio::test]
 async fn it_ends_with_its_request() {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::extract::{Request, State};
 use axum::response::Response;
 
+use super::export::Representation;
 use super::geometry::{show_result, wanted};
 use super::points::Fields;
 use super::query::{IterationQuery, OF_RESULTS};
@@ -33,6 +34,9 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
     let (bytes, room) = (body.bytes, body.room);
     let order = create::order(&app, language, bytes, fields).await?;
     drop(room);
+    if let Representation::File(format) = representation {
+        order.check_export(format)?;
+    }
     let fit = order.begin(&app, None).await?;
     let job = CancelledWithItsRequest(Arc::clone(&fit.job));
     let wanted = wanted(&job.0, query, representation).await?;

@@ -1,0 +1,53 @@
+//! What is known of the points of an input before they are fitted.
+
+use serde_json::Value;
+
+use super::input::{Content, Input};
+use super::options::Asked;
+use super::pointer;
+use crate::import::{self, Kind};
+
+/// What points are of, and how many coordinates they have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PointKind {
+    /// Whether they are of a surface.
+    pub surface: bool,
+    /// The number of coordinates.
+    pub dimension: usize,
+}
+
+impl PointKind {
+    /// That of an input with these options; `None` if it cannot be read, which the server reports.
+    pub(super) fn of(input: &Input, asked: &Asked) -> Option<Self> {
+        match input.content {
+            Content::Text => {
+                let hints = asked.hints();
+                let read = import::read(&input.bytes, &hints).ok()?;
+                let surface = hints.kind == Some(Kind::Surface);
+                Some(Self {
+                    surface: surface || read.grid.is_some(),
+                    dimension: read.points.dimension(),
+                })
+            }
+            Content::Points => None,
+            Content::Job => Self::of_job(input.json()),
+        }
+    }
+
+    /// That of a job in JSON.
+    fn of_job(json: &[u8]) -> Option<Self> {
+        let lists = [
+            ("/curve/points/0", false),
+            ("/surface/points/0/0", true),
+            ("/surface/scattered/0", true),
+        ];
+        lists.into_iter().find_map(|(first, surface)| {
+            let dimension = match pointer::value(json, first)? {
+                Value::Array(coordinates) => coordinates.len(),
+                Value::Number(_) => 1,
+                _ => return None,
+            };
+            Some(Self { surface, dimension })
+        })
+    }
+}
