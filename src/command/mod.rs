@@ -160,6 +160,9 @@ struct Prepared {
 fn prepare(arguments: &FitArguments, outputs: &[Output]) -> Result<Prepared, Failure> {
     let input = Input::read(&arguments.input, arguments.max_input.as_u64())?;
     let asked = Asked::of(arguments, &input)?;
+    if arguments.server.is_none() {
+        asked.check_foot_points(&input)?;
+    }
     let request = Request::new(&input, &asked)?;
     outputs::check_formats(outputs, || PointKind::of(&input, &asked))?;
     Ok(Prepared {

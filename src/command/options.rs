@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use super::arguments::FitArguments;
 use super::failure::Failure;
 use super::input::{Content, Input, not_json, not_read};
+use super::pointer;
 use crate::api::json::request::file;
 use crate::api::json::request::path::{insert, insert_value};
 use crate::files;
@@ -14,6 +15,9 @@ use crate::model::stream::Samples;
 
 /// The field of a request with a file of points that says how many rows and columns there are.
 pub(super) const SIZE: &str = "surface.size";
+
+/// The parameters of scattered points that are those of foot points.
+const FOOT_POINTS: &str = "foot_points";
 
 /// What the flags ask for.
 #[derive(Debug, Default)]
@@ -61,6 +65,34 @@ impl Asked {
         let flags = std::mem::replace(&mut asked.fields, from_file);
         merge(&mut asked.fields, flags);
         Ok(asked)
+    }
+
+    /// Refuses foot points on the surface of another job, which only a server has.
+    pub(super) fn check_foot_points(&self, input: &Input) -> Result<(), Failure> {
+        let is_one = |parameters: &Value| {
+            parameters == FOOT_POINTS || parameters.get(FOOT_POINTS).is_some()
+        };
+        let surface = self.fields.get("surface");
+        let given = surface.and_then(|surface| surface.get("parameters"));
+        let place = match given {
+            Some(given) if is_one(given) => {
+                let flag = self.flag("surface.parameters");
+                flag.unwrap_or("--json").to_owned()
+            }
+            None if input.content == Content::Job => {
+                let pointer = "/surface/parameters";
+                match pointer::value(input.json(), pointer).filter(is_one) {
+                    None => return Ok(()),
+                    Some(_) => {
+                        let line = pointer::line(&input.bytes, pointer);
+                        format!("{}:{line}: {pointer}", input.name)
+                    }
+                }
+            }
+            _ => return Ok(()),
+        };
+        let detail = "foot points are on the surface of a job of a server, and there is none: name it with --server URL";
+        Err(Failure::usage(format!("{place}: {detail}")))
     }
 
     fn take_settings(&mut self, arguments: &FitArguments) -> Result<(), Failure> {

@@ -96,7 +96,7 @@ impl Mistake {
 
 impl Asked {
     /// The flag that a field comes from: the one with the longest path around it, or one inside of it.
-    fn flag(&self, path: &str) -> Option<&str> {
+    pub(super) fn flag(&self, path: &str) -> Option<&str> {
         if path == SIZE {
             return Some("--surface");
         }

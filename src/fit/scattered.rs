@@ -1,6 +1,6 @@
 //! Scattered points of a surface: without an order, each with a (u, v) of its own.
 //!
-//! Their parameters are given, or they are coordinates: x and y themselves, or those in the plane
+//! Their parameters are given, or they are coordinates: two of the points' own, or those in the plane
 //! that lies nearest to the points, along the principal axes of the points. The first axis, that of
 //! u, is the one along which the points spread most; the sense of each axis is that in which its
 //! largest component (the first of several) is positive. So (u, v) do not depend on the order of
@@ -32,8 +32,30 @@ pub enum Scattered {
     Given(Arc<Points>),
     /// Their coordinates in the plane nearest to them.
     Plane,
-    /// Their x and y.
-    Coordinates,
+    /// Two of their coordinates themselves.
+    Coordinates(CoordinatePlane),
+}
+
+/// A plane of two coordinates, of which the first is u.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoordinatePlane {
+    /// x and y.
+    Xy,
+    /// x and z.
+    Xz,
+    /// y and z.
+    Yz,
+}
+
+impl CoordinatePlane {
+    /// The indices of its coordinates.
+    fn axes(self) -> [usize; 2] {
+        match self {
+            Self::Xy => [0, 1],
+            Self::Xz => [0, 2],
+            Self::Yz => [1, 2],
+        }
+    }
 }
 
 impl Scattered {
@@ -53,10 +75,14 @@ impl Scattered {
                 [pairs.lane(0).to_vec(), pairs.lane(1).to_vec()]
             }
             Self::Plane => in_plane(points)?,
-            Self::Coordinates => match points.lanes() {
-                [x, y, ..] => [x.to_vec(), y.to_vec()],
-                _ => return Err(no_plane()),
-            },
+            Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
+            Self::Coordinates(plane) => {
+                let axes = plane.axes();
+                if axes.iter().any(|axis| *axis >= points.dimension()) {
+                    return Err(no_third_coordinate());
+                }
+                axes.map(|axis| points.lane(axis).to_vec())
+            }
         };
         for (axis, values) in [Axis::U, Axis::V].into_iter().zip(&parameters) {
             check(values, axis)?;
@@ -230,6 +256,12 @@ fn no_plane() -> Invalid {
     Invalid::at(Place::Parameters(Axis::U), detail)
 }
 
+/// Points of the plane have x and y only.
+fn no_third_coordinate() -> Invalid {
+    let detail = "points of two coordinates have no z: project them to \"xy\", or give u and v of each point";
+    Invalid::at(Place::Parameters(Axis::U), detail)
+}
+
 /// All points lie on a line.
 fn on_line() -> Invalid {
     let detail = "all points lie on a line (or are equal), so that there is no plane nearest to them: give u and v of each point";
@@ -291,6 +323,24 @@ mod tests {
         assert_eq!(Scattered::Plane.parameters(&equal), Err(on_line()));
         let values = Points::zeros(1, 9);
         assert_eq!(Scattered::Plane.parameters(&values), Err(no_plane()));
-        assert_eq!(Scattered::Coordinates.parameters(&values), Err(no_plane()));
+        let plane = |plane| Scattered::Coordinates(plane);
+        let found = plane(CoordinatePlane::Xy).parameters(&values);
+        assert_eq!(found, Err(no_plane()));
+        let flat = Points::from_lanes(vec![vec![1.0, 2.0], vec![3.0, 5.0]]);
+        let found = plane(CoordinatePlane::Yz).parameters(&flat);
+        assert_eq!(found, Err(no_third_coordinate()));
+    }
+
+    #[test]
+    fn planes_of_coordinates_have_those_of_the_points() {
+        let points = tilted(9);
+        for (plane, axes) in [
+            (CoordinatePlane::Xy, [0, 1]),
+            (CoordinatePlane::Xz, [0, 2]),
+            (CoordinatePlane::Yz, [1, 2]),
+        ] {
+            let found = Scattered::Coordinates(plane).parameters(&points).unwrap();
+            assert_eq!(found, axes.map(|axis| points.lane(axis).to_vec()));
+        }
     }
 }

@@ -20,7 +20,7 @@ use crate::fit::foot::foot_points;
 use crate::fit::nurbs::Nurbs;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::Points;
-use crate::fit::scattered::Scattered;
+use crate::fit::scattered::{CoordinatePlane, Scattered};
 
 /// The parameters of the data points of a surface.
 #[derive(Clone, Debug)]
@@ -38,12 +38,37 @@ pub enum SurfaceParameters {
 enum ProjectionPlane {
     Nearest,
     Xy,
+    Xz,
+    Yz,
 }
 
 names!(ProjectionPlane, "plane", [
     "nearest" => Nearest,
     "xy" => Xy,
+    "xz" => Xz,
+    "yz" => Yz,
 ]);
+
+impl From<ProjectionPlane> for Scattered {
+    fn from(plane: ProjectionPlane) -> Self {
+        match plane {
+            ProjectionPlane::Nearest => Self::Plane,
+            ProjectionPlane::Xy => Self::Coordinates(CoordinatePlane::Xy),
+            ProjectionPlane::Xz => Self::Coordinates(CoordinatePlane::Xz),
+            ProjectionPlane::Yz => Self::Coordinates(CoordinatePlane::Yz),
+        }
+    }
+}
+
+impl From<CoordinatePlane> for ProjectionPlane {
+    fn from(plane: CoordinatePlane) -> Self {
+        match plane {
+            CoordinatePlane::Xy => Self::Xy,
+            CoordinatePlane::Xz => Self::Xz,
+            CoordinatePlane::Yz => Self::Yz,
+        }
+    }
+}
 
 /// The surface of another job, for foot points: the nearest points of it. They are found once, when the
 /// new job is made.
@@ -134,12 +159,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         } = Each::deserialize(MapAccessDeserializer::new(map))?;
         let missing = |name| Err(A::Error::missing_field(name));
         match (project, foot_points, u, v) {
-            (Some(ProjectionPlane::Nearest), None, None, None) => {
-                Ok(SurfaceParameters::Scattered(Scattered::Plane))
-            }
-            (Some(ProjectionPlane::Xy), None, None, None) => {
-                Ok(SurfaceParameters::Scattered(Scattered::Coordinates))
-            }
+            (Some(plane), None, None, None) => Ok(SurfaceParameters::Scattered(plane.into())),
             (None, Some(base), None, None) => Ok(SurfaceParameters::FootPoints(base)),
             (None, None, Some(u), Some(v)) => {
                 Ok(SurfaceParameters::Grid(PerDirection::Each { u, v }))
@@ -171,8 +191,8 @@ impl Serialize for SurfaceParameters {
                 serializer.collect_seq((0..pairs.len()).map(|k| pairs.point(k).collect::<Vec<_>>()))
             }
             Self::Scattered(Scattered::Plane) => serializer.serialize_str("project"),
-            Self::Scattered(Scattered::Coordinates) => {
-                serializer.collect_map([("project", ProjectionPlane::Xy)])
+            Self::Scattered(Scattered::Coordinates(plane)) => {
+                serializer.collect_map([("project", ProjectionPlane::from(*plane))])
             }
             Self::FootPoints(base) => serializer.collect_map([("foot_points", base)]),
         }
@@ -202,7 +222,7 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
         }),
         json_schema!({
             "title": "Projection",
-            "description": "Of scattered points: `nearest` is the same, `xy` their x and y.",
+            "description": "Of scattered points: `nearest` is the same, `xy`, `xz` and `yz` are two of their coordinates.",
             "type": "object",
             "properties": {
                 "project": {"type": "string", "enum": ProjectionPlane::names(), "description": "The plane.", "examples": ["xy"]},

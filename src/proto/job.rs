@@ -12,7 +12,7 @@ use crate::fit::direction::DirectionChoice;
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Tolerance, Weights};
-use crate::fit::scattered::Scattered;
+use crate::fit::scattered::{CoordinatePlane, Scattered};
 use crate::model::ends::{DirectionEnds, EndsInput};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::JobRequest;
@@ -194,7 +194,9 @@ fn scattered(
             return Ok(SurfaceParameters::Scattered(Scattered::Given(pairs)));
         }
         pb::Projection::Nearest => Scattered::Plane,
-        pb::Projection::Xy => Scattered::Coordinates,
+        pb::Projection::Xy => Scattered::Coordinates(CoordinatePlane::Xy),
+        pb::Projection::Xz => Scattered::Coordinates(CoordinatePlane::Xz),
+        pb::Projection::Yz => Scattered::Coordinates(CoordinatePlane::Yz),
     };
     match values.is_empty() {
         true => Ok(SurfaceParameters::Scattered(plane)),
@@ -209,7 +211,14 @@ fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
     let (projection, values) = match scattered {
         Scattered::Given(pairs) => (pb::Projection::Unspecified, pairs.to_flat()),
         Scattered::Plane => (pb::Projection::Nearest, Vec::new()),
-        Scattered::Coordinates => (pb::Projection::Xy, Vec::new()),
+        Scattered::Coordinates(plane) => {
+            let projection = match plane {
+                CoordinatePlane::Xy => pb::Projection::Xy,
+                CoordinatePlane::Xz => pb::Projection::Xz,
+                CoordinatePlane::Yz => pb::Projection::Yz,
+            };
+            (projection, Vec::new())
+        }
     };
     pb::ScatteredParameters {
         projection: projection.into(),

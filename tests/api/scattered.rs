@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::messages as pb;
 use crate::rpc::connect;
-use crate::support::{Server, problem};
+use crate::support::{Server, base, problem};
 
 /// Points of Franke's function, and the surfaces near them, by `tests/golden/scattered.py`.
 fn golden() -> Value {
@@ -541,4 +541,34 @@ async fn messages_ask_for_the_same() {
         let details = String::from_utf8_lossy(error.details()).into_owned();
         assert!(details.contains(field), "{field}: {details}");
     }
+}
+
+/// Planes of coordinates are those of the points as they stand.
+#[tokio::test]
+async fn every_plane_of_coordinates_serves() {
+    let server = Server::start().await;
+    let saddle = saddle();
+    let points = saddle["surface"]["scattered"].as_array().unwrap();
+    let with = |plane: &str, order: [usize; 3]| {
+        let point = |it: &Value| order.map(|c| it[c].clone());
+        let mut job = saddle.clone();
+        job["surface"]["scattered"] = json!(points.iter().map(point).collect::<Vec<_>>());
+        job["surface"]["parameters"] = json!({"project": plane});
+        job
+    };
+    let expected = server.fit(&with("xy", [0, 1, 2])).await;
+    for (plane, order) in [("xz", [0, 2, 1]), ("yz", [2, 0, 1])] {
+        let job = with(plane, order);
+        let fitted = server.fit(&job).await;
+        let [found, known] = [&fitted, &expected].map(|it| it["error"]["max"].as_f64().unwrap());
+        assert!((found - known).abs() < 1e-12, "{plane}: {fitted:#}");
+        let input = server.json(&format!("{}/input", base(&fitted))).await;
+        assert_eq!(input["surface"]["parameters"], json!({"project": plane}));
+    }
+    let flat: Vec<Value> = points.iter().map(|it| json!([it[0], it[1]])).collect();
+    let mut job = with("xz", [0, 1, 2]);
+    job["surface"]["scattered"] = json!(flat);
+    server
+        .assert_refused(&job, "/surface/parameters", "have no z")
+        .await;
 }

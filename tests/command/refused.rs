@@ -93,3 +93,30 @@ fn mistakes_in_flags_are_told_with_them() {
     }
     assert_eq!(folder.names(), ["curve.csv"]);
 }
+
+/// Foot points are on the surface of a job, and there is none without a server.
+#[test]
+fn foot_points_need_a_server() {
+    let folder = Folder::new();
+    folder.write(
+        "job.json",
+        "{\"surface\": {\"scattered\": [[0,0,0],[1,0,1],[0,1,1],[1,1,0]],\n  \"parameters\": {\"foot_points\": {\"job\": \"01a1e1b6-7c2e-7d58-9b5f-6c1f6f3c1b7a\"}}}}",
+    );
+    folder.write("scan.xyz", "0 0 0\n1 0 1\n0 1.1 1\n1 1 0\n");
+    for (arguments, expected) in [
+        (vec!["job.json"], "job.json:2: /surface/parameters: foot points are"),
+        (
+            vec!["scan.xyz", "--surface", "--set", "surface.parameters=foot_points"],
+            "--set surface.parameters: foot points are",
+        ),
+        (
+            vec!["scan.xyz", "--surface", "--set", "surface.parameters.foot_points.job=01a1e1b6"],
+            "--set surface.parameters.foot_points.job: foot points are",
+        ),
+    ] {
+        let told = folder.fit(&arguments);
+        assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
+        assert!(told.err.starts_with(expected), "{arguments:?}: {}", told.err);
+        assert!(told.err.contains("--server"), "{}", told.err);
+    }
+}

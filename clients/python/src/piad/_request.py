@@ -41,7 +41,7 @@ SurfaceEnds = Union[Ends, Mapping[Literal["u", "v"], Ends]]
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
 ScatteredParameters = Union[
     Literal["project"],
-    Mapping[Literal["project"], Literal["nearest", "xy"]],
+    Mapping[Literal["project"], Literal["nearest", "xy", "xz", "yz"]],
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]

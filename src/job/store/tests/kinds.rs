@@ -13,7 +13,7 @@ use crate::fit::method::{
 use crate::fit::parameters::Parametrization;
 use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Problem, Request, Tolerance, Weights};
-use crate::fit::scattered::Scattered;
+use crate::fit::scattered::{CoordinatePlane, Scattered};
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::samples::queued;
 use crate::job::store::Record;
@@ -126,7 +126,8 @@ fn scattered() -> impl Iterator<Item = Problem> {
     let kinds = [
         Scattered::Given(Arc::new(Points::from_flat(2, &pairs))),
         Scattered::Plane,
-        Scattered::Coordinates,
+        Scattered::Coordinates(CoordinatePlane::Xy),
+        Scattered::Coordinates(CoordinatePlane::Yz),
     ];
     kinds.into_iter().map(|kind| {
         let mut request = request(true, 4, 0, 7);
