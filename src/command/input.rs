@@ -15,9 +15,7 @@ use crate::model::short::without_mark;
 /// What an input is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
-    /// Points as text, which `import` reads.
-    Text,
-    /// A JSON array of points.
+    /// Points in any form, which `import` reads.
     Points,
     /// A whole job in JSON.
     Job,
@@ -51,7 +49,7 @@ impl Input {
             bytes: bytes.into(),
             content,
         };
-        if content != Content::Text {
+        if content == Content::Job {
             let checked = serde_json::from_slice::<IgnoredAny>(input.json());
             checked.map_err(|error| input.not_json(&error))?;
         }
@@ -100,8 +98,7 @@ pub(super) fn not_read(name: &str, reason: &io::Error) -> Failure {
 fn content(bytes: &[u8]) -> Content {
     match without_mark(bytes).trim_ascii_start().first() {
         Some(b'{') => Content::Job,
-        Some(b'[') => Content::Points,
-        _ => Content::Text,
+        _ => Content::Points,
     }
 }
 
@@ -112,9 +109,9 @@ mod tests {
     #[test]
     fn contents_are_recognised() {
         for (text, expected) in [
-            ("x,y\n1,2\n", Content::Text),
-            ("", Content::Text),
-            ("NACA 2412\n1 0\n", Content::Text),
+            ("x,y\n1,2\n", Content::Points),
+            ("", Content::Points),
+            ("NACA 2412\n1 0\n", Content::Points),
             (" \n[[1, 2]]", Content::Points),
             ("\u{feff}[[1, 2]]", Content::Points),
             ("{\"curve\": {}}", Content::Job),

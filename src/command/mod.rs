@@ -174,7 +174,7 @@ fn prepare(arguments: &FitArguments, outputs: &[Output]) -> Result<Prepared, Fai
 
 /// What is found out about a file of points, in the meantime. It is the same that those find who read it.
 fn notices(arguments: &FitArguments, input: &Input, hints: Hints) -> JoinHandle<Vec<String>> {
-    let wanted = !arguments.quiet && input.content == Content::Text;
+    let wanted = !arguments.quiet && input.content == Content::Points;
     let bytes = input.bytes.clone();
     tokio::task::spawn_blocking(move || match wanted {
         true => input::notices(&bytes, &hints),

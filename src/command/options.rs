@@ -5,12 +5,13 @@ use serde_json::{Map, Value, json};
 use super::arguments::FitArguments;
 use super::failure::Failure;
 use super::input::{Content, Input, not_json, not_read};
+use super::point_kind::PointKind;
 use super::pointer;
 use crate::api::json::request::file;
 use crate::api::json::request::path::{insert, insert_value};
 use crate::files;
 use crate::fit::points::Grid;
-use crate::import::{self, Hints};
+use crate::import::Hints;
 use crate::model::stream::Samples;
 
 /// The field of a request with a file of points that says how many rows and columns there are.
@@ -215,23 +216,16 @@ fn is_other_kind(before: &Map<String, Value>, after: &Map<String, Value>) -> boo
 /// Whether the points of an input are of a curve or of a surface.
 fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
-        Content::Text => {
-            let hints = Asked::default().hints();
-            // What is wrong with it is told by those who read it.
-            import::read(&input.bytes, &hints).is_ok_and(|read| read.grid.is_some())
+        // What is wrong with it is told by those who read it.
+        Content::Points => {
+            PointKind::of(input, &Asked::default()).is_some_and(|points| points.surface)
         }
-        Content::Points => is_grid(&input.value()?),
         Content::Job => input.value()?.get("surface").is_some(),
     };
     Ok(match surface {
         true => "surface",
         false => "curve",
     })
-}
-
-/// Whether an array of points is one of rows of points.
-pub(super) fn is_grid(points: &Value) -> bool {
-    points[0][0].is_array()
 }
 
 /// A number if it is one; else the text, which the reader of jobs refuses.

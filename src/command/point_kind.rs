@@ -20,7 +20,7 @@ impl PointKind {
     /// That of an input with these options; `None` if it cannot be read, which the server reports.
     pub(super) fn of(input: &Input, asked: &Asked) -> Option<Self> {
         match input.content {
-            Content::Text => {
+            Content::Points => {
                 let hints = asked.hints();
                 let read = import::read(&input.bytes, &hints).ok()?;
                 let surface = hints.kind == Some(Kind::Surface);
@@ -29,7 +29,6 @@ impl PointKind {
                     dimension: read.points.dimension(),
                 })
             }
-            Content::Points => None,
             Content::Job => Self::of_job(input.json()),
         }
     }

@@ -79,16 +79,10 @@ impl Mistake {
             return format!("{flag}: {detail}");
         }
         match input.content {
-            Content::Text => format!("{name}: {detail}"),
+            Content::Points => format!("{name}: {detail}"),
             Content::Job => {
                 let line = pointer::line(&input.bytes, pointer);
                 format!("{name}:{line}: {pointer}: {detail}")
-            }
-            Content::Points => {
-                let lists = ["/curve/points", "/surface/points", "/surface/scattered"];
-                let inner = lists.iter().find_map(|list| pointer.strip_prefix(list));
-                let line = pointer::line(&input.bytes, inner.unwrap_or(""));
-                format!("{name}:{line}: {detail}")
             }
         }
     }

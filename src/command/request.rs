@@ -2,11 +2,11 @@
 
 use bytes::Bytes;
 use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
-use serde_json::{Map, Value, json};
+use serde_json::Value;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::{Asked, SIZE, is_grid, merge};
+use super::options::{Asked, SIZE, merge};
 
 /// Streams of progress: no geometry, and no iteration that is out of date.
 pub(super) const PROGRESS: &str = "view=errors&pace=latest";
@@ -29,11 +29,7 @@ impl Request {
     /// The request for a fit of an input with these options.
     pub(super) fn new(input: &Input, asked: &Asked) -> Result<Self, Failure> {
         match input.content {
-            Content::Text => Self::of_text(input, asked),
-            Content::Points => {
-                let job = job_of_points(input.value()?, asked)?;
-                Ok(Self::of_json(job.to_string().into()))
-            }
+            Content::Points => Self::of_points(input, asked),
             Content::Job if asked.size.is_some() => Err(Failure::usage(format!(
                 "--surface: {} is a whole job, which has its rows",
                 input.name
@@ -60,7 +56,7 @@ impl Request {
     }
 
     /// Points go as they are, and the other fields in the query.
-    fn of_text(input: &Input, asked: &Asked) -> Result<Self, Failure> {
+    fn of_points(input: &Input, asked: &Asked) -> Result<Self, Failure> {
         let mut path = format!("/v1/jobs/stream?{PROGRESS}");
         let mut add = |name: &str, text: &str| {
             let text = utf8_percent_encode(text, NON_ALPHANUMERIC);
@@ -85,40 +81,4 @@ impl Request {
             body: input.bytes.clone(),
         })
     }
-}
-
-/// A job with these points, in rows if they are, or if there are so many.
-fn job_of_points(points: Value, asked: &Asked) -> Result<Value, Failure> {
-    let mut fields: Map<String, Value> = asked.fields.clone();
-    let surface = fields.contains_key("surface") || is_grid(&points);
-    let name = if surface { "surface" } else { "curve" };
-    let points = match (&asked.size, points) {
-        (Some(size), Value::Array(points)) if !points.iter().any(|it| it[0].is_array()) => {
-            in_rows(points, size)?
-        }
-        (_, points) => points,
-    };
-    let scattered = surface && asked.size.is_none() && !is_grid(&points);
-    let list = if scattered { "scattered" } else { "points" };
-    let shape = fields.entry(name).or_insert_with(|| json!({}));
-    if let Some(shape) = shape.as_object_mut() {
-        shape.insert(list.to_owned(), points);
-    }
-    Ok(fields.into())
-}
-
-fn in_rows(points: Vec<Value>, size: &str) -> Result<Value, Failure> {
-    let mut numbers = size.split('x').filter_map(|text| text.parse().ok());
-    let (rows, columns): (usize, usize) = (
-        numbers.next().unwrap_or_default(),
-        numbers.next().unwrap_or_default(),
-    );
-    if columns == 0 || rows.checked_mul(columns) != Some(points.len()) {
-        let count = points.len();
-        let detail = format!("{count} points, which are not {rows} rows of {columns}");
-        return Err(Failure::usage(format!("--surface: {detail}")));
-    }
-    let mut points = points.into_iter();
-    let row = |_| points.by_ref().take(columns).collect::<Value>();
-    Ok((0..rows).map(row).collect())
 }

@@ -1,4 +1,5 @@
-//! Outlines whose last point is the first one again: closed curves, in which a point is there once.
+//! Outlines whose last point is the first one again, also to rounding: closed curves, in which a point is
+//! there once.
 
 use super::table::Table;
 use super::{Hints, Kind};
@@ -12,11 +13,14 @@ const SHARPEST_TURN: f64 = 0.5;
 /// from a curve, and closed curves of some degrees need as many.
 const FEWEST: usize = 8;
 
+/// The last point is the first one if it is no further from it than this part of the size of the outline.
+const SAME: f64 = 1e-9;
+
 /// Whether the points are those of a closed curve. If so, the copy of the first point is taken away.
 pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
     let last = table.points.len() - 1;
     let surface = hints.kind == Some(Kind::Surface);
-    if surface || last < 3 || table.points.distance(0, last) != 0.0 {
+    if surface || last < 3 || !is_same(&table.points, last) {
         return false;
     }
     let smooth = last >= FEWEST && turn(&table.points) >= SHARPEST_TURN;
@@ -34,6 +38,13 @@ pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
     let notice = format!("The last point is the first one again: {what}.");
     table.notices.push(notice);
     closed
+}
+
+/// Returns true if the last point is the first one, but for rounding.
+fn is_same(points: &Points, last: usize) -> bool {
+    let distance = points.distance(0, last);
+    let near = SAME * points.bounding_diagonal();
+    distance == 0.0 || (near.is_finite() && distance <= near)
 }
 
 /// Cosine of the angle between the last edge of a closed polygon and the first one. Edges of length

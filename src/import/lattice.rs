@@ -20,6 +20,7 @@ pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, Mist
     Ok(Imported {
         points: table.points,
         grid,
+        missing: Vec::new(),
         closed,
         lines: table.lines,
         name: table.name,

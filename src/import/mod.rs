@@ -1,4 +1,4 @@
-//! Files of points: CSV, tables with blanks, point clouds (XYZ) and airfoils (`.dat`).
+//! Files of points: CSV, tables with blanks, point clouds (XYZ), airfoils (`.dat`) and JSON arrays.
 //!
 //! [`read`] is the only entry. It knows nothing of HTTP or of jobs: a file becomes points, and what is
 //! wrong with it is told at its line. What it is, is seen from what is in it:
@@ -7,6 +7,7 @@
 //! - `layout`: which columns are coordinates, and what is a title, a remark or a damaged point;
 //! - `table`: lines become points, with titles above them and remarks below them; `plain`: those of
 //!   large files, by all threads;
+//! - `array`: points, rows of points and rows of heights in JSON;
 //! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -14,6 +15,7 @@
 //! - `lattice`: rows of points become a surface.
 
 mod airfoil;
+mod array;
 mod closing;
 mod lattice;
 mod layout;
@@ -59,6 +61,8 @@ pub(crate) struct Imported {
     pub points: Points,
     /// The rows and columns of a surface.
     pub grid: Option<Grid>,
+    /// The indices of missing points of a surface, increasing.
+    pub missing: Vec<usize>,
     /// Whether the curve is closed, so that the copy of its first point has been taken away.
     pub closed: bool,
     /// The line of each point, from 1.
@@ -100,6 +104,9 @@ pub(crate) fn read(file: &[u8], hints: &Hints) -> Result<Imported, Vec<Mistake>>
     // Where all of it is UTF-8, which is found out much faster than where it is not.
     let text = str::from_utf8(file).map(Cow::Borrowed);
     let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
+    if array::is_array(&text) {
+        return array::read(&text, hints).map_err(|mistake| vec![mistake]);
+    }
     let table = match off::vertices(&text) {
         None => airfoil::around(table::read(&text, hints.most)?),
         Some(vertices) => {

@@ -35,6 +35,18 @@ pub(super) struct Table {
 }
 
 impl Table {
+    /// Points and their lines, if there are enough.
+    pub(super) fn new(points: Points, lines: Vec<u32>) -> Result<Self, Mistake> {
+        check_count(points.len())?;
+        Ok(Self {
+            points,
+            lines,
+            breaks: Vec::new(),
+            name: None,
+            notices: Vec::new(),
+        })
+    }
+
     /// Counts the lines of a table that stands below so many lines from the beginning of its file.
     pub(super) fn move_down(&mut self, lines: usize) {
         let lines = u32::try_from(lines).unwrap_or(u32::MAX);
@@ -42,6 +54,16 @@ impl Table {
             *line = line.saturating_add(lines);
         }
     }
+}
+
+/// Refuses files with fewer than two points.
+fn check_count(count: usize) -> Result<(), Mistake> {
+    let detail = match count {
+        0 => "there are no points in the file",
+        1 => "there is one point in the file, and a curve has at least 2",
+        _ => return Ok(()),
+    };
+    Err(Mistake::of_file(detail))
 }
 
 /// What the lines of a text end with. Blanks at their ends are taken away, among them that of `\r\n`. Old
@@ -333,13 +355,10 @@ impl Reader {
             return Err(self.mistakes);
         }
         let (Some(points), Some(layout)) = (self.points, self.layout) else {
-            let none = || Mistake::of_file("there are no points in the file");
-            return Err(vec![text_column(&self.titles).unwrap_or_else(none)]);
+            let mistake = text_column(&self.titles).or_else(|| check_count(0).err());
+            return Err(mistake.into_iter().collect());
         };
-        if points.len() == 1 {
-            let detail = "there is one point in the file, and a curve has at least 2";
-            return Err(vec![Mistake::of_file(detail)]);
-        }
+        check_count(points.len()).map_err(|mistake| vec![mistake])?;
         let mut notices = self.notices;
         notices.extend(layout.notice());
         let titles = self.titles.len() - usize::from(layout.named);

@@ -114,6 +114,14 @@ async fn outlines_that_come_back_are_closed() {
         let asked = job["curve"].get("closed").filter(|it| **it == true);
         assert_eq!(asked.is_some(), closed == true, "{query}: {job:#}");
     }
+    // The same as a JSON array, in which the point comes again but for rounding.
+    let array = "[[2,0],[3,1],[3,2],[2,3],[1,3],[0,2],[0,1],[1,0],[2,2.4e-16]]";
+    let shown = read(&server, array).await;
+    assert_eq!(shown["curve"]["closed"], true, "{shown:#}");
+    assert!(shown["notices"][0].as_str().unwrap().contains("is closed"));
+    let expected = input(&server, "", outline).await;
+    assert_eq!(input(&server, "", array).await, expected);
+    assert_eq!(input(&server, "?curve.closed=true", array).await, expected);
     // A trailing edge is an end.
     let wing = read(&server, "1 0\n.5 .06\n0 0\n.5 -.04\n1 0\n").await;
     assert_eq!(wing["curve"].get("closed"), None);
@@ -177,6 +185,26 @@ async fn mistakes_are_told_at_their_lines() {
             .unwrap()
             .contains("5 points, which are not 2 rows of 2")
     );
+}
+
+/// Rows of heights and rows of points as JSON arrays are surfaces.
+#[tokio::test]
+async fn rows_in_arrays_are_surfaces() {
+    let server = Server::start().await;
+    let heights = json!([[1, 2, 3, 4, 3], [2, 3, 1, 2, 4], [1, 0, null, 2, 1], [3, 1, 2, 2, 2]]);
+    let shown = read(&server, &heights.to_string()).await;
+    let row = &shown["surface"]["points"][2];
+    assert_eq!(row, &json!([[1.0], [0.0], null, [2.0], [1.0]]), "{shown:#}");
+    assert!(shown["notices"][0].as_str().unwrap().contains("heights"));
+    let query = "?method.kind=least_squares&method.control_points=4";
+    let job = input(&server, query, &heights.to_string()).await;
+    assert_eq!(job["surface"]["points"][3][1], json!([1.0]), "{job:#}");
+    let rows = json!([[[0, 0, 1], [0, 1, 2]], [[1, 0, 1], [1.5, 1, 0]]]);
+    let job = input(&server, "?surface.degree=1", &rows.to_string()).await;
+    assert_eq!(job["surface"]["points"][1][1], json!([1.5, 1.0, 0.0]));
+    let ragged = "[[1,2,3,4],\n[1,2,3]]";
+    let (status, answer) = problem(send(&server, "/v1/jobs", "text/csv", ragged).await).await;
+    assert_eq!((status, &answer["errors"][0]["line"]), (422, &json!(2)), "{answer:#}");
 }
 
 /// The limits are those of jobs.

@@ -130,6 +130,32 @@ fn odd_files_are_fitted_or_refused_at_their_lines() {
     }
 }
 
+/// A bare array is what the same numbers in a table are: closed, or rows of heights.
+#[test]
+fn arrays_are_read_as_tables_are() {
+    let folder = Folder::new();
+    let outline = "2,0\n3,1\n3,2\n2,3\n1,3\n0,2\n0,1\n1,0\n2,0\n";
+    folder.write("outline.csv", outline);
+    let points: Vec<String> = outline.lines().map(|line| format!("[{line}]")).collect();
+    folder.write("outline.json", &format!("[{}]", points.join(",")));
+    let around = points.join(",").replacen("[2,0]", "[2,2.4e-16]", 1);
+    folder.write("rounded.json", &format!("[{around}]"));
+    for name in ["outline.csv", "outline.json", "rounded.json"] {
+        for flags in [&["--tolerance", "1e-4"][..], &["--closed", "--tolerance", "1e-4"]] {
+            let told = folder.fit(&[&[name], flags].concat());
+            assert_eq!(told.json()["closed"], true, "{name}: {}", told.err);
+            assert!(told.err.contains("the curve is closed"), "{}", told.err);
+        }
+    }
+    folder.write("heights.json", "[[1,2,3,4,2],[2,3,1,2,1],[1,0,1,2,3],[3,1,2,2,1]]");
+    let told = folder.fit(&["heights.json", "--degree", "3,2"]);
+    assert_eq!(told.json()["kind"], "surface", "{}", told.err);
+    assert!(told.err.contains("4 rows of 5 heights"), "{}", told.err);
+    let told = folder.fit(&["heights.json", "-o", "out.step"]);
+    assert_eq!(told.status, 2, "{}", told.err);
+    assert!(told.err.starts_with("out.step: step holds"), "{}", told.err);
+}
+
 #[test]
 fn scattered_points_are_no_outline() {
     let folder = Folder::new();

@@ -75,7 +75,7 @@ pub(crate) fn read(
     }
     let data = match (kind, file.grid) {
         (Kind::Curve, _) => Data::Curve(file.points),
-        (Kind::Surface, Some(grid)) => Data::Grid(file.points, grid),
+        (Kind::Surface, Some(grid)) => Data::Grid(file.points, grid, file.missing),
         (Kind::Surface, None) => Data::Scattered(file.points),
     };
     match job::read_with(&to_bytes(&fields), data, hints.most) {

@@ -50,8 +50,8 @@ fn placed(request: JobRequest) -> (JobRequest, Places) {
 pub(crate) enum Data {
     /// Those of a curve.
     Curve(Points),
-    /// Those of a surface, in rows.
-    Grid(Points, Grid),
+    /// Those of a surface, in rows, and the indices of those that are missing.
+    Grid(Points, Grid, Vec<usize>),
     /// Those of a surface, without rows.
     Scattered(Points),
 }
@@ -77,11 +77,11 @@ impl JobRequest {
                 let place = curve.map(|curve| &mut curve.points);
                 put(place.filter(|it| it.0.is_empty()), PointList(points.into()))
             }
-            Data::Grid(points, grid) => {
+            Data::Grid(points, grid, missing) => {
                 let place = surface.and_then(|surface| surface.points.as_mut());
                 let points = PointGrid {
                     points: points.into(),
-                    missing: Vec::new(),
+                    missing,
                     grid,
                 };
                 put(place.filter(|it| it.points.is_empty()), points)

@@ -37,7 +37,7 @@ pub(super) fn take_out(body: &[u8], part: usize, most: usize) -> Option<(Vec<u8>
     let data = match (reader.lists(part, most)?, points) {
         (Lists::Points(points), Some(_)) => Data::Curve(points),
         (Lists::Points(points), None) => Data::Scattered(points),
-        (Lists::Rows(points, grid), Some(_)) => Data::Grid(points, grid),
+        (Lists::Rows(points, grid), Some(_)) => Data::Grid(points, grid, Vec::new()),
         (Lists::Rows(..), None) => return None,
     };
     let end = body.len() - reader.rest.len();

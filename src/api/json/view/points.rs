@@ -53,6 +53,7 @@ impl PointsView {
         let Imported {
             points,
             grid,
+            missing,
             closed,
             name,
             notices,
@@ -72,7 +73,7 @@ impl PointsView {
                 Some(SurfacePoints {
                     points: PointGrid {
                         points,
-                        missing: Vec::new(),
+                        missing,
                         grid,
                     },
                 }),
