@@ -60,9 +60,13 @@ pub struct FitArguments {
     pub(crate) degree: Option<String>,
 
     /// The points are of a surface, with so many rows and columns, such as 40x60; without a value the file
-    /// shows them.
+    /// shows them, or the points are scattered.
     #[arg(long, value_name = "ROWSxCOLUMNS", num_args = 0..=1, value_parser = size, help_heading = "Fit")]
     pub(crate) surface: Option<Option<String>>,
+
+    /// The order of the points of a curve: given is that of the file, also where the points seem to have none.
+    #[arg(long, value_name = "ORDER", value_parser = PossibleValuesParser::new(["given"]), help_heading = "Fit")]
+    pub(crate) order: Option<String>,
 
     /// Basis: bspline, bernstein, said_ball or wang_ball [default: bspline].
     #[arg(long, value_name = "BASIS", help_heading = "Fit")]

@@ -7,7 +7,7 @@ use super::failure::Failure;
 use super::input::{Content, Input, not_json, not_read};
 use super::point_kind::PointKind;
 use super::pointer;
-use crate::api::json::request::file;
+use crate::api::json::request::file::{self, FileHints};
 use crate::api::json::request::path::{insert, insert_value};
 use crate::files;
 use crate::fit::points::Grid;
@@ -16,6 +16,9 @@ use crate::model::stream::Samples;
 
 /// The field of a request with a file of points that says how many rows and columns there are.
 pub(super) const SIZE: &str = "surface.size";
+
+/// The field that says that the order of the points of a curve is meant.
+pub(super) const ORDER: &str = "curve.order";
 
 /// The parameters of scattered points that are those of foot points.
 const FOOT_POINTS: &str = "foot_points";
@@ -27,6 +30,8 @@ pub(super) struct Asked {
     pub fields: Map<String, Value>,
     /// Rows and columns.
     pub size: Option<String>,
+    /// The order of the points of a curve.
+    pub order: Option<String>,
     /// Where each flag has gone.
     pub flags: Vec<(String, String)>,
 }
@@ -38,7 +43,8 @@ impl Asked {
             Some(Samples::Grid(rows, columns)) => Some(Grid { rows, columns }),
             _ => None,
         };
-        file::hints(&self.fields, size, usize::MAX)
+        let ordered = self.order.is_some();
+        file::hints(&self.fields, FileHints { size, ordered }, usize::MAX)
     }
 
     /// What the flags ask of an input.
@@ -53,6 +59,7 @@ impl Asked {
             asked.fields.entry("surface").or_insert_with(|| json!({}));
             asked.flags.push((SIZE.to_owned(), "--surface".to_owned()));
         }
+        asked.order.clone_from(&arguments.order);
         let from_file = match &arguments.json {
             None => Map::new(),
             Some(path) => {
@@ -185,6 +192,9 @@ impl Asked {
         let flag = format!("--set {path}");
         if path == SIZE {
             return Err(Failure::usage(format!("{flag}: use --surface {value}")));
+        }
+        if path == ORDER {
+            return Err(Failure::usage(format!("{flag}: use --order {value}")));
         }
         let inserted = insert(&mut self.fields, path, value);
         inserted.map_err(|detail| Failure::usage(format!("{flag}: {detail}")))?;

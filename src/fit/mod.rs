@@ -160,11 +160,13 @@ pub(crate) mod linear;
 pub mod method;
 pub(crate) mod missing;
 mod monotonic;
+mod no_data;
 pub(crate) mod norms;
 pub(crate) mod nurbs;
 pub(crate) mod operator;
 pub mod parameters;
 mod plain;
+pub(crate) mod point_order;
 pub mod points;
 pub mod problem;
 #[cfg(test)]

@@ -224,6 +224,7 @@ impl Problem {
             let size = (self.diagonal(), self.tolerance);
             warnings.extend(Warning::of_points(&self.points, size));
         }
+        warnings.extend(Warning::of_data(&self.request));
         // Fewer control points have knots of their own, which are not at the data.
         if self.method().scheme().control_points().is_some() {
             return warnings;

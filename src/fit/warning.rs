@@ -13,7 +13,10 @@ use super::convergence::Forecast;
 use super::direction::Direction;
 use super::ends::{End, Ends, MOST_ESTIMATED};
 use super::invalid::{Axis, Place};
+use super::no_data::no_data;
+use super::point_order::is_unordered;
 use super::points::Points;
+use super::request::Request;
 
 /// What is doubtful about a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,6 +47,15 @@ pub enum Warning {
         inner: f64,
         /// The tolerance in data units.
         tolerance: f64,
+    },
+    /// The points of a curve have no order along it.
+    Unordered,
+    /// A value of the points of a grid stands for missing data.
+    NoData {
+        /// The value.
+        value: f64,
+        /// How many points have it.
+        count: usize,
     },
     /// Extended: distances between are so much larger than the data that rounding leaves more than
     /// the tolerance.
@@ -130,6 +142,20 @@ impl Warning {
         })
     }
 
+    /// Whether the points of a curve have an order, or the values of a grid one that stands for missing data.
+    pub(super) fn of_data(request: &Request) -> Option<Self> {
+        let Request {
+            points, missing, ..
+        } = request;
+        match request.v {
+            None => is_unordered(points).then_some(Self::Unordered),
+            Some(_) if request.grid.is_rows() => {
+                no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
+            }
+            Some(_) => None,
+        }
+    }
+
     /// Whether the slowest part of the error will hardly have changed at level `iterations`, the
     /// last one, although the fit does not end before, at level `predicted`.
     pub(super) fn of_rate(
@@ -147,7 +173,7 @@ impl Warning {
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 9] = [
+    pub const CODES: [&str; 11] = [
         "few_points",
         "even_degree",
         "rounding",
@@ -157,6 +183,8 @@ impl Warning {
         "outliers",
         "reversed_tangent",
         "slow_steps",
+        "unordered",
+        "no_data_value",
     ];
 
     /// The name on the wire.
@@ -171,6 +199,8 @@ impl Warning {
             Self::Outliers { .. } => "outliers",
             Self::ReversedTangent { .. } => "reversed_tangent",
             Self::SlowSteps { .. } => "slow_steps",
+            Self::Unordered => "unordered",
+            Self::NoData { .. } => "no_data_value",
         }
     }
 
@@ -178,7 +208,7 @@ impl Warning {
     pub fn place(&self) -> Place {
         match *self {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
-            Self::Outliers { .. } => Place::Points,
+            Self::Outliers { .. } | Self::Unordered | Self::NoData { .. } => Place::Points,
             Self::ReversedTangent { index } => Place::Constraint(index),
             _ => Place::Method,
         }
@@ -232,6 +262,14 @@ impl Warning {
             Self::ReversedTangent { index } => format!(
                 "the data run against the tangent of constraint {index}: the derivative there is zero; reverse the \
                  vector, or leave the constraint out"
+            ),
+            Self::Unordered => "fewer than a third of the points have one of their two neighbours in the list among their \
+                 three nearest points: they seem to have no order along a curve, which goes to and fro between them; put \
+                 them in order, or fit a surface to scattered points"
+                .to_owned(),
+            Self::NoData { value, count } => format!(
+                "{count} points have the value {value}, which often stands for missing data, and is fitted like all others; \
+                 give null for missing points, which least squares leaves out"
             ),
             Self::WithoutData { count } => format!(
                 "{count} control points have no data where their functions differ from zero: they stay where they \

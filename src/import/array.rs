@@ -62,6 +62,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Imported, Mistake> {
         grid: Some(grid),
         missing,
         closed: false,
+        unordered: false,
         lines: lines(text, shape),
         name: None,
         notices: vec![format!("The file has {rows} rows of {columns} {what}.")],
@@ -137,6 +138,7 @@ mod tests {
         kind: None,
         size: None,
         closed: None,
+        ordered: false,
         most: 100,
     };
 

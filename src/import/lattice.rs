@@ -2,7 +2,11 @@
 
 use super::table::Table;
 use super::{Hints, Imported, Kind, Mistake, closing};
+use crate::fit::point_order::is_unordered;
 use crate::fit::points::{Grid, Points};
+
+/// What is said of points that seem to have no order along a curve.
+const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=project in a query), or say that their order is meant (--order given, or curve.order=given)";
 
 /// The points as a curve or a surface.
 pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, Mistake> {
@@ -16,12 +20,18 @@ pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, Mist
         } => None,
         _ => shown(&mut table),
     };
+    let unordered = grid.is_none() && !hints.ordered;
+    let unordered = unordered && (table.is_mesh || is_unordered(&table.points));
+    if unordered && hints.kind != Some(Kind::Surface) {
+        return Err(Mistake::of_file(NO_ORDER));
+    }
     let closed = grid.is_none() && closing::closed(&mut table, hints);
     Ok(Imported {
         points: table.points,
         grid,
         missing: Vec::new(),
         closed,
+        unordered,
         lines: table.lines,
         name: table.name,
         notices: table.notices,

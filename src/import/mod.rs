@@ -41,6 +41,8 @@ pub(crate) struct Hints {
     pub size: Option<Grid>,
     /// Whether a curve is closed; the file shows it where nobody says it.
     pub closed: Option<bool>,
+    /// Whether the order of points is known to be meant, so that it is not looked at.
+    pub ordered: bool,
     /// The most points that may be in it.
     pub most: usize,
 }
@@ -65,6 +67,8 @@ pub(crate) struct Imported {
     pub missing: Vec<usize>,
     /// Whether the curve is closed, so that the copy of its first point has been taken away.
     pub closed: bool,
+    /// Whether the points seem to have no order along a curve.
+    pub unordered: bool,
     /// The line of each point, from 1.
     pub lines: Vec<u32>,
     /// What the file calls itself.
@@ -115,6 +119,7 @@ pub(crate) fn read(file: &[u8], hints: &Hints) -> Result<Imported, Vec<Mistake>>
             let mut table = lines.map_err(|mistakes| below(mistakes, vertices.above))?;
             table.move_down(vertices.above);
             table.notices.insert(0, vertices.notice);
+            table.is_mesh = vertices.faces > 0;
             table
         }
     };

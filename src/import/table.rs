@@ -30,6 +30,8 @@ pub(super) struct Table {
     pub(super) lines: Vec<u32>,
     /// The indices of points before which there were blank lines.
     pub(super) breaks: Vec<usize>,
+    /// Whether the points are the vertices of a mesh, whose order means nothing.
+    pub(super) is_mesh: bool,
     pub(super) name: Option<String>,
     pub(super) notices: Vec<String>,
 }
@@ -42,6 +44,7 @@ impl Table {
             points,
             lines,
             breaks: Vec::new(),
+            is_mesh: false,
             name: None,
             notices: Vec::new(),
         })
@@ -380,6 +383,7 @@ impl Reader {
             points,
             lines: self.lines,
             breaks,
+            is_mesh: false,
             name: name.map(|(_, name)| name.replace('\t', " ")),
             notices,
         })

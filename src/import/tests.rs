@@ -8,6 +8,7 @@ const HINTS: Hints = Hints {
     kind: None,
     size: None,
     closed: None,
+    ordered: false,
     most: 100,
 };
 
@@ -307,7 +308,8 @@ fn vertices_of_off_files_are_the_points() {
         ("COFF 4 2 0\n", 1),
         ("OFF\r\n4 2 5\r\n", 2),
     ] {
-        let file = read(&format!("{head}{vertices}3 0 1 2\n3 0 2 3\n"), &HINTS).unwrap();
+        let surface = Hints { kind: Some(Kind::Surface), ..HINTS };
+        let file = read(&format!("{head}{vertices}3 0 1 2\n3 0 2 3\n"), &surface).unwrap();
         assert_eq!(file.points.len(), 4, "{head}");
         assert_eq!(file.lines, [1, 2, 4, 5].map(|line| line + above));
         assert_eq!((&file.name, file.points.lane(0)[2]), (&None, 0.9));
@@ -322,6 +324,39 @@ fn vertices_of_off_files_are_the_points() {
     );
     assert_eq!(mistakes("OFF\n2 1 0\n0 0 0\n1 x 0\n")[0].0, Some(4));
     assert_eq!(points("OFF\n0.5 1\n2 3\n"), [[0.5, 1.0], [2.0, 3.0]]);
+}
+
+/// Points of a spiral in an order of their own.
+fn mixed(count: usize) -> String {
+    let point = |i: usize| {
+        let t = (i * 37 % count) as f64 * 0.1;
+        format!("{} {}\n", t * t.cos(), t * t.sin())
+    };
+    (0..count).map(point).collect()
+}
+
+#[test]
+fn curves_have_an_order() {
+    let text = mixed(200);
+    let wrong = mistakes_of(&text, HINTS);
+    assert!(wrong[0].detail.contains("--order given"), "{wrong:?}");
+    let curve = Hints { kind: Some(Kind::Curve), ..HINTS };
+    assert_eq!(mistakes_of(&text, curve), wrong);
+    let ordered = Hints { ordered: true, ..HINTS };
+    assert!(!read_many(&text, ordered).unwrap().unordered);
+    let surface = Hints { kind: Some(Kind::Surface), ..HINTS };
+    assert!(read_many(&text, surface).unwrap().unordered);
+    // The vertices of a mesh have none, however they lie.
+    let mesh = "OFF\n3 1 3\n0 0 0\n1 0 0\n2 0 0.1\n3 0 1 2\n";
+    assert_eq!(mistakes_of(mesh, HINTS), wrong);
+}
+
+fn read_many(text: &str, hints: Hints) -> Result<Imported, Vec<Mistake>> {
+    read(text, &Hints { most: 1000, ..hints })
+}
+
+fn mistakes_of(text: &str, hints: Hints) -> Vec<Mistake> {
+    read_many(text, hints).unwrap_err()
 }
 
 #[test]

@@ -18,7 +18,7 @@ use serde_json::{Map, Value};
 use super::answer::whole;
 use super::{body, negotiate};
 use crate::api::app::App;
-use crate::api::json::request::file::{self, FileWords};
+use crate::api::json::request::file::{self, FileHints, FileWords};
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
 use crate::api::json::view::to_bytes;
@@ -38,6 +38,12 @@ use crate::model::stream::Samples;
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 const SIZE: &str = "surface.size";
 
+/// Says that the order of the points of a curve is meant; likewise.
+const ORDER: &str = "curve.order";
+
+/// The only order that can be said: that of the file.
+const GIVEN: &str = "given";
+
 /// The JSON of points takes at most so many times the memory of their file, also while it grows: 1e15 has sixteen
 /// digits there.
 const JSON_OF_POINTS: usize = 12;
@@ -47,17 +53,24 @@ const JSON_OF_POINTS: usize = 12;
 struct PointsQuery {
     #[serde(rename = "surface.size")]
     size: Option<String>,
+    #[serde(rename = "curve.order")]
+    order: Option<String>,
 }
 
 /// `POST /v1/points`: the points of a file, as the JSON of a job has them.
 pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Response, Problem> {
     negotiate::json(request.headers())?;
     let query: PointsQuery = negotiate::query(request.uri())?;
-    let size = query.size.as_deref().map(size).transpose()?;
+    let mut reading = FileHints::default();
+    for (name, text) in [(SIZE, query.size), (ORDER, query.order)] {
+        if let Some(text) = text {
+            take(&mut reading, name, &text)?;
+        }
+    }
     let body = body::read_points(&app, request, JSON_OF_POINTS).await?;
     let (length, most) = (body.bytes.len(), app.config.limits().points);
     let work = move || {
-        let hints = file::hints(&Map::new(), size, most);
+        let hints = file::hints(&Map::new(), reading, most);
         let points = imported(&body.bytes, &hints)?;
         let json = to_bytes(&PointsView::new(points));
         // Held until now: the file and its points take memory.
@@ -96,7 +109,7 @@ fn imported(bytes: &Bytes, hints: &Hints) -> Result<Imported, Problem> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Fields {
     json: Map<String, Value>,
-    size: Option<Grid>,
+    reading: FileHints,
 }
 
 impl Fields {
@@ -123,10 +136,9 @@ impl Fields {
         let given: Vec<(String, String)> = negotiate::query(&only(uri, &job))?;
         let mut fields = Self::default();
         for (name, text) in given {
-            match name.as_str() {
-                SIZE => fields.size = Some(size(&text)?),
-                _ => path::insert(&mut fields.json, &name, &text)
-                    .map_err(|detail| Problem::at_parameter(&name, detail))?,
+            if !take(&mut fields.reading, &name, &text)? {
+                path::insert(&mut fields.json, &name, &text)
+                    .map_err(|detail| Problem::at_parameter(&name, detail))?;
             }
         }
         Ok((answer, fields))
@@ -134,11 +146,11 @@ impl Fields {
 
     /// The same text for the same fields.
     pub(super) fn text(&self) -> String {
-        let size = self
-            .size
-            .map(|size| format!("{}x{}", size.rows, size.columns));
+        let FileHints { size, ordered } = self.reading;
+        let size = size.map(|size| format!("{}x{}", size.rows, size.columns));
+        let order = if ordered { GIVEN } else { "" };
         format!(
-            "{} {}",
+            "{} {} {order}",
             Value::from(self.json.clone()),
             size.unwrap_or_default()
         )
@@ -150,7 +162,7 @@ impl Fields {
         bytes: &Bytes,
         config: &Config,
     ) -> Result<(JobRequest, FileWords), Problem> {
-        let hints = file::hints(&self.json, self.size, config.limits().points);
+        let hints = file::hints(&self.json, self.reading, config.limits().points);
         let points = imported(bytes, &hints)?;
         file::read(self.json, points, &hints)
     }
@@ -161,6 +173,20 @@ fn only(uri: &Uri, parameters: &[&str]) -> Uri {
     let text = format!("{}?{}", uri.path(), parameters.join("&"));
     // Its parts have been in an address before.
     text.parse().unwrap_or_default()
+}
+
+/// Takes a parameter that says how a file is read; returns true if it is one.
+fn take(reading: &mut FileHints, name: &str, text: &str) -> Result<bool, Problem> {
+    match name {
+        SIZE => reading.size = Some(size(text)?),
+        ORDER if text == GIVEN => reading.ordered = true,
+        ORDER => {
+            let detail = format!("{} is no order; there is {GIVEN}", quoted(text));
+            return Err(Problem::at_parameter(ORDER, detail));
+        }
+        _ => return Ok(false),
+    }
+    Ok(true)
 }
 
 /// Rows and columns, such as 40x60.

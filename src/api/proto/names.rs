@@ -50,6 +50,8 @@ pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::Outliers { .. } => pb::WarningCode::Outliers,
         Warning::SlowSteps { .. } => pb::WarningCode::SlowSteps,
         Warning::ReversedTangent { .. } => pb::WarningCode::ReversedTangent,
+        Warning::Unordered => pb::WarningCode::Unordered,
+        Warning::NoData { .. } => pb::WarningCode::NoDataValue,
     }
 }
 

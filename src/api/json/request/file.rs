@@ -15,8 +15,18 @@ use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
 use crate::model::short;
 
-/// What these fields, and a size in rows and columns, say of a file of at most so many points.
-pub(crate) fn hints(fields: &Map<String, Value>, size: Option<Grid>, most: usize) -> Hints {
+/// What is said of a file of points beside the fields of a job, as a help to read it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FileHints {
+    /// The rows and columns of a surface.
+    pub size: Option<Grid>,
+    /// Whether the order of the points of a curve is meant.
+    pub ordered: bool,
+}
+
+/// What these fields, and what is said of the file, are for a file of at most so many points.
+pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize) -> Hints {
+    let FileHints { size, ordered } = reading;
     let has = |name| fields.contains_key(name);
     let kind = match (has("curve"), has("surface") || size.is_some()) {
         (true, _) => Some(Kind::Curve),
@@ -27,6 +37,7 @@ pub(crate) fn hints(fields: &Map<String, Value>, size: Option<Grid>, most: usize
         kind,
         size,
         closed: closed(fields),
+        ordered,
         most,
     }
 }
@@ -60,6 +71,9 @@ pub(crate) fn read(
     };
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
+        if list == "scattered" && file.unordered {
+            shape.entry("parameters").or_insert("project".into());
+        }
         if list == "scattered" && !shape.contains_key("parameters") {
             let detail = "the file does not show the rows of a surface: say how many rows and columns there are, such as 40x60, or give surface.parameters for scattered points, such as project";
             return Err(Problem::at_parameter("surface.size", detail));

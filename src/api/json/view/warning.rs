@@ -25,7 +25,9 @@ pub(crate) struct WarningView {
     /// and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
     /// part: its diagonal is more than 100 times that of the inner 90 % of the points. `reversed_tangent`: the
     /// data run against the vector of a tangent, so that the derivative there is zero. `slow_steps`: Chebyshev steps take hundreds of iterations to a
-    /// hundredth of the error, and `global` is nearer in the first ones. There may be others in later versions.
+    /// hundredth of the error, and `global` is nearer in the first ones.
+    /// `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
+    /// points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
     /// A JSON pointer into the input of the job.
