@@ -163,6 +163,7 @@ fn outline(job: &ValidJob) -> Outline {
         name: job.name.clone(),
         parent: None,
         stream: job.stream.clone(),
+        notices: Vec::new(),
     };
     Outline::new(label, &job.problem, None)
 }

@@ -57,6 +57,26 @@ pub(super) struct Order {
     similar: Option<Arc<System>>,
 }
 
+/// A job that was read from a body.
+pub(super) struct ReadJob<W> {
+    /// What it asks for.
+    pub request: JobRequest,
+    /// Where its parts stand.
+    pub words: W,
+    /// What was understood of the file that has its points, in sentences.
+    pub notices: Vec<String>,
+}
+
+impl<W> From<(JobRequest, W)> for ReadJob<W> {
+    fn from((request, words): (JobRequest, W)) -> Self {
+        Self {
+            request,
+            words,
+            notices: Vec::new(),
+        }
+    }
+}
+
 /// An edit that can be made.
 pub(super) struct EditOrder {
     pub order: Order,
@@ -71,11 +91,15 @@ impl Order {
     pub(super) async fn new<W: Words + Send + 'static>(
         app: &App,
         bytes: usize,
-        read: impl FnOnce(&Config) -> Result<(JobRequest, W), Problem> + Send + 'static,
+        read: impl FnOnce(&Config) -> Result<ReadJob<W>, Problem> + Send + 'static,
     ) -> Result<Self, Problem> {
         let (config, limits) = (Arc::clone(&app.config), limits(app));
         let is_small = bytes <= PARSED_AT_ONCE;
-        let (request, words) = compute(app, is_small, move || read(&config)).await?;
+        let ReadJob {
+            request,
+            words,
+            notices,
+        } = compute(app, is_small, move || read(&config)).await?;
         let base = match request.base().cloned() {
             None => Err(no_base()),
             Some(base) => frame_of(app, &base).await?,
@@ -102,6 +126,7 @@ impl Order {
                 name: valid.name,
                 parent: None,
                 stream: valid.stream,
+                notices,
             },
             problem: valid.problem,
             similar: None,
@@ -205,6 +230,7 @@ impl EditOrder {
                     iteration,
                 }),
                 stream: valid.stream,
+                notices: Vec::new(),
             },
             problem: valid.problem,
             similar: shared.at_hand(),

@@ -12,7 +12,7 @@ use crate::model::stream::Samples;
 
 /// What is told below the flags.
 const MORE: &str = "\
-Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ), airfoils (.dat, Selig, Lednicer and MSES), a JSON array of points, or a whole job as POST /v1/jobs takes it. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so.
+Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ), airfoils (.dat, Selig, Lednicer and MSES), vertices of meshes (OFF), a JSON array of points, of rows of points or of rows of heights, or a whole job as POST /v1/jobs takes it. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then.
 
 Output is written as the ending of its name says: .json, .step (.stp), .iges (.igs), .obj, .gltf (.glb), .stl, .dxf, .svg, .csv. Without -o the result goes to the standard output. Files appear when they are complete; those that are there are overwritten.
 

@@ -41,6 +41,8 @@ pub(super) struct JobEvent {
     pub stop: Stop,
     #[serde(default)]
     pub warnings: Vec<Warning>,
+    #[serde(default)]
+    pub notices: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]

@@ -9,7 +9,6 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use crate::files;
-use crate::import::{self, Hints};
 use crate::model::short::without_mark;
 
 /// What an input is.
@@ -78,12 +77,6 @@ pub(super) fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     let told = error.to_string();
     let detail = told.split(" at line ").next().unwrap_or(&told);
     Failure::usage(format!("{name}:{line}: {detail}"))
-}
-
-/// What is found out about a file of points, in sentences.
-pub(super) fn notices(bytes: &[u8], hints: &Hints) -> Vec<String> {
-    let read = import::read(bytes, hints);
-    read.map(|read| read.notices).unwrap_or_default()
 }
 
 /// Why a file was not read.

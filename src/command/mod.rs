@@ -38,14 +38,13 @@ use std::time::Duration;
 use axum::body::Body;
 use http_body_util::BodyExt;
 use tokio::runtime::Runtime;
-use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
 use arguments::FitArguments;
 use client::Client;
 use events::{EndEvent, Event, Events, JobEvent};
 use failure::Failure;
-use input::{Content, Input};
+use input::Input;
 use options::Asked;
 use outputs::{Output, Place};
 use point_kind::PointKind;
@@ -55,7 +54,6 @@ use summary::Shape;
 
 use crate::access::BOOTSTRAP;
 use crate::files;
-use crate::import::Hints;
 use crate::signals;
 use crate::terminal::say;
 
@@ -114,7 +112,6 @@ async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool
     if let Some(directory) = &arguments.iterations {
         iterations::prepare(directory)?;
     }
-    let notices = notices(arguments, &input, asked.hints());
     let client = client(arguments).await?;
     let client = shared.get_or_init(|| client);
     let Request {
@@ -131,9 +128,6 @@ async fn run(arguments: &FitArguments, shared: &OnceLock<Client>) -> Result<bool
             true => shape(client).await?,
             false => None,
         };
-        for notice in notices.await.unwrap_or_default() {
-            say(format_args!("{}: {notice}", input.name));
-        }
         summary::tell(&input.name, &job, &end, shape.as_ref());
         for (place, bytes) in &written.files {
             summary::tell_written(place, *bytes);
@@ -169,16 +163,6 @@ fn prepare(arguments: &FitArguments, outputs: &[Output]) -> Result<Prepared, Fai
         input,
         asked,
         request,
-    })
-}
-
-/// What is found out about a file of points, in the meantime. It is the same that those find who read it.
-fn notices(arguments: &FitArguments, input: &Input, hints: Hints) -> JoinHandle<Vec<String>> {
-    let wanted = !arguments.quiet && input.content == Content::Points;
-    let bytes = input.bytes.clone();
-    tokio::task::spawn_blocking(move || match wanted {
-        true => input::notices(&bytes, &hints),
-        false => Vec::new(),
     })
 }
 

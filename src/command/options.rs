@@ -77,9 +77,8 @@ impl Asked {
 
     /// Refuses foot points on the surface of another job, which only a server has.
     pub(super) fn check_foot_points(&self, input: &Input) -> Result<(), Failure> {
-        let is_one = |parameters: &Value| {
-            parameters == FOOT_POINTS || parameters.get(FOOT_POINTS).is_some()
-        };
+        let is_one =
+            |parameters: &Value| parameters == FOOT_POINTS || parameters.get(FOOT_POINTS).is_some();
         let surface = self.fields.get("surface");
         let given = surface.and_then(|surface| surface.get("parameters"));
         let place = match given {

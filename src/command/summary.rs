@@ -31,6 +31,9 @@ pub(super) fn is_automatic(job: &JobEvent) -> bool {
 
 /// What was fitted, and how it ended.
 pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
+    for notice in &job.notices {
+        say(format_args!("{name}: {notice}"));
+    }
     for warning in &job.warnings {
         say(format_args!("{name}: warning: {}", warning.detail));
     }

@@ -20,7 +20,9 @@ pub(super) fn no_data(points: &Points, missing: &[usize]) -> Option<(f64, usize)
     let is_given = |index: usize| missing.binary_search(&index).is_err();
     let given = || {
         let values = values.iter().enumerate();
-        values.filter(|(index, _)| is_given(*index)).map(|(_, it)| *it)
+        values
+            .filter(|(index, _)| is_given(*index))
+            .map(|(_, it)| *it)
     };
     let low = given().fold(f64::INFINITY, f64::min);
     let high = given().fold(f64::NEG_INFINITY, f64::max);

@@ -48,7 +48,10 @@ fn has_neighbour_near(points: &Points, index: usize) -> bool {
     };
     let before = index.checked_sub(1).map(square);
     let after = (index + 1 < points.len()).then(|| square(index + 1));
-    let near = before.into_iter().chain(after).fold(f64::INFINITY, f64::min);
+    let near = before
+        .into_iter()
+        .chain(after)
+        .fold(f64::INFINITY, f64::min);
     let nearer = (0..points.len()).filter(|j| *j != index && square(*j) < near);
     nearer.take(NEAREST).count() < NEAREST
 }

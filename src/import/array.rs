@@ -176,12 +176,37 @@ mod tests {
             ("[]", HINTS, None, "there are no points in the file"),
             ("[[1, 2]]", HINTS, None, "there is one point"),
             ("[1, 2, 3]", HINTS, Some(1), "invalid type"),
-            ("[[1, 2],\n[3]]", HINTS, Some(2), "this point has 1 coordinates"),
-            ("[[1, 2],\n[3, 4", HINTS, Some(2), "EOF while parsing a list"),
-            ("[[1, 2],\n[3, 1e999]]", HINTS, Some(2), "number out of range"),
-            ("[[[1], [2]],\n[[3]]]", HINTS, Some(2), "this row has 1 points"),
+            (
+                "[[1, 2],\n[3]]",
+                HINTS,
+                Some(2),
+                "this point has 1 coordinates",
+            ),
+            (
+                "[[1, 2],\n[3, 4",
+                HINTS,
+                Some(2),
+                "EOF while parsing a list",
+            ),
+            (
+                "[[1, 2],\n[3, 1e999]]",
+                HINTS,
+                Some(2),
+                "number out of range",
+            ),
+            (
+                "[[[1], [2]],\n[[3]]]",
+                HINTS,
+                Some(2),
+                "this row has 1 points",
+            ),
             ("[[1,2,3,4],[5,6,7,8]]", curve, None, "these are rows"),
-            ("[[1,2,3,4],[5,6,7,8]]", surface(grid(4, 2)), None, "the file has 2 rows of 4"),
+            (
+                "[[1,2,3,4],[5,6,7,8]]",
+                surface(grid(4, 2)),
+                None,
+                "the file has 2 rows of 4",
+            ),
         ] {
             let mistake = read(text, &hints).unwrap_err();
             assert_eq!(mistake.line, line, "{text}: {mistake:?}");

@@ -8,6 +8,9 @@ use crate::fit::points::{Grid, Points};
 /// What is said of points that seem to have no order along a curve.
 const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=project in a query), or say that their order is meant (--order given, or curve.order=given)";
 
+/// What is said of them where they are those of a surface.
+const SCATTERED: &str = "The points have no order, and are scattered points of a surface.";
+
 /// The points as a curve or a surface.
 pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, Mistake> {
     let grid = match hints {
@@ -24,6 +27,9 @@ pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, Mist
     let unordered = unordered && (table.is_mesh || is_unordered(&table.points));
     if unordered && hints.kind != Some(Kind::Surface) {
         return Err(Mistake::of_file(NO_ORDER));
+    }
+    if unordered {
+        table.notices.push(SCATTERED.to_owned());
     }
     let closed = grid.is_none() && closing::closed(&mut table, hints);
     Ok(Imported {

@@ -282,9 +282,19 @@ fn lines_of_words_stand_above_the_points() {
 fn columns_of_text_are_named_once() {
     let rows = |text: &str| (1..9).map(|i| text.replace('#', &i.to_string())).collect();
     for (head, row, line, detail) in [
-        ("id;easting;northing\n", "p#;431200,0;541182#,5\n", 2, "column 1 (\"id\") is text, \"p1\" here"),
+        (
+            "id;easting;northing\n",
+            "p#;431200,0;541182#,5\n",
+            2,
+            "column 1 (\"id\") is text, \"p1\" here",
+        ),
         ("", "p# 1 #\n", 1, "column 1 is text, \"p1\" here"),
-        ("P,N,D\n", "10#,5411.5,\"kerb\"\n", 2, "column 3 (\"D\") is text, \"kerb\" here"),
+        (
+            "P,N,D\n",
+            "10#,5411.5,\"kerb\"\n",
+            2,
+            "column 3 (\"D\") is text, \"kerb\" here",
+        ),
         ("a survey\n\nP\tN\tD\n", "10#\t5411\tEP\n", 4, "column 3"),
     ] {
         let rows: String = rows(row);
@@ -308,19 +318,33 @@ fn vertices_of_off_files_are_the_points() {
         ("COFF 4 2 0\n", 1),
         ("OFF\r\n4 2 5\r\n", 2),
     ] {
-        let surface = Hints { kind: Some(Kind::Surface), ..HINTS };
+        let surface = Hints {
+            kind: Some(Kind::Surface),
+            ..HINTS
+        };
         let file = read(&format!("{head}{vertices}3 0 1 2\n3 0 2 3\n"), &surface).unwrap();
         assert_eq!(file.points.len(), 4, "{head}");
         assert_eq!(file.lines, [1, 2, 4, 5].map(|line| line + above));
         assert_eq!((&file.name, file.points.lane(0)[2]), (&None, 0.9));
-        assert!(file.notices[0].contains("2 faces are not read"), "{:?}", file.notices);
+        assert!(
+            file.notices[0].contains("2 faces are not read"),
+            "{:?}",
+            file.notices
+        );
     }
     let cloud = read(&format!("OFF\n4 0 0\n{vertices}"), &HINTS).unwrap();
-    assert!(cloud.notices[0].contains("4 vertices"), "{:?}", cloud.notices);
+    assert!(
+        cloud.notices[0].contains("4 vertices"),
+        "{:?}",
+        cloud.notices
+    );
     // Fewer than are said, one that is none, and a title that looks like it.
     assert_eq!(
         mistakes(&format!("OFF\n5 0 0\n{vertices}")),
-        [(None, "the file has 4 vertices, and says that it has 5 (OFF)".to_owned())]
+        [(
+            None,
+            "the file has 4 vertices, and says that it has 5 (OFF)".to_owned()
+        )]
     );
     assert_eq!(mistakes("OFF\n2 1 0\n0 0 0\n1 x 0\n")[0].0, Some(4));
     assert_eq!(points("OFF\n0.5 1\n2 3\n"), [[0.5, 1.0], [2.0, 3.0]]);
@@ -340,11 +364,20 @@ fn curves_have_an_order() {
     let text = mixed(200);
     let wrong = mistakes_of(&text, HINTS);
     assert!(wrong[0].detail.contains("--order given"), "{wrong:?}");
-    let curve = Hints { kind: Some(Kind::Curve), ..HINTS };
+    let curve = Hints {
+        kind: Some(Kind::Curve),
+        ..HINTS
+    };
     assert_eq!(mistakes_of(&text, curve), wrong);
-    let ordered = Hints { ordered: true, ..HINTS };
+    let ordered = Hints {
+        ordered: true,
+        ..HINTS
+    };
     assert!(!read_many(&text, ordered).unwrap().unordered);
-    let surface = Hints { kind: Some(Kind::Surface), ..HINTS };
+    let surface = Hints {
+        kind: Some(Kind::Surface),
+        ..HINTS
+    };
     assert!(read_many(&text, surface).unwrap().unordered);
     // The vertices of a mesh have none, however they lie.
     let mesh = "OFF\n3 1 3\n0 0 0\n1 0 0\n2 0 0.1\n3 0 1 2\n";
@@ -352,7 +385,13 @@ fn curves_have_an_order() {
 }
 
 fn read_many(text: &str, hints: Hints) -> Result<Imported, Vec<Mistake>> {
-    read(text, &Hints { most: 1000, ..hints })
+    read(
+        text,
+        &Hints {
+            most: 1000,
+            ..hints
+        },
+    )
 }
 
 fn mistakes_of(text: &str, hints: Hints) -> Vec<Mistake> {

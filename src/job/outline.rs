@@ -61,6 +61,9 @@ pub(crate) struct Label {
     pub(crate) parent: Option<Parent>,
     /// The defaults of its streams.
     pub(crate) stream: Option<Arc<StreamSpec>>,
+    /// What was understood of the file that its points come from, in sentences.
+    #[serde(default)]
+    pub(crate) notices: Vec<String>,
 }
 
 /// The level of another job from whose control points a job has started.

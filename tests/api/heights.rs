@@ -139,3 +139,43 @@ async fn explicit_knots_imply_control_points() {
         .assert_refused(&zero, "/method/control_points", "give at least 2")
         .await;
 }
+
+/// Values that programs write for missing data are fitted, and warned of.
+#[tokio::test]
+async fn values_for_missing_data_are_warned_of() {
+    let server = Server::start().await;
+    let height = |i: usize, j: usize| match (i < 4, j < 4) {
+        (true, true) => -9999.0,
+        _ => 215.0 + (0.3 * i as f64).sin() + 0.1 * j as f64,
+    };
+    let rows = |value: &dyn Fn(usize, usize) -> Value| -> Value {
+        (0..8)
+            .map(|i| (0..16).map(|j| value(i, j)).collect::<Value>())
+            .collect()
+    };
+    let heights = rows(&|i, j| json!(height(i, j)));
+    let points = rows(&|i, j| json!([i, j, height(i, j)]));
+    let method = json!({"kind": "least_squares", "control_points": 5});
+    for points in [&heights, &points] {
+        for method in [&json!("direct"), &method] {
+            let job = json!({"surface": {"points": points}, "method": method});
+            let warned = server.fit(&job).await;
+            let warnings = warned["warnings"].as_array().unwrap();
+            let found = warnings.iter().find(|it| it["code"] == "no_data_value");
+            let found = found.unwrap_or_else(|| panic!("{warned:#}"));
+            assert_eq!(found["pointer"], "/surface/points");
+            let detail = found["detail"].as_str().unwrap();
+            assert!(
+                detail.starts_with("16 points have the value -9999"),
+                "{detail}"
+            );
+        }
+    }
+    let missing = rows(&|i, j| match height(i, j) {
+        -9999.0 => Value::Null,
+        height => json!(height),
+    });
+    let job = json!({"surface": {"points": missing}, "method": method});
+    let warnings = server.fit(&job).await["warnings"].to_string();
+    assert!(!warnings.contains("no_data_value"), "{warnings}");
+}

@@ -130,6 +130,52 @@ fn odd_files_are_fitted_or_refused_at_their_lines() {
     }
 }
 
+/// Points of a scan in any order are no curve; they are scattered points of a surface.
+#[test]
+fn points_without_order_are_scattered() {
+    let folder = Folder::new();
+    folder.write("scan.xyz", include_str!("../../examples/scan.xyz"));
+    let told = folder.fit(&["scan.xyz"]);
+    assert_eq!((told.status, told.out.len()), (2, 0), "{}", told.err);
+    let lines: Vec<&str> = told.err.lines().collect();
+    assert_eq!(lines.len(), 1, "{}", told.err);
+    assert!(
+        lines[0].starts_with("scan.xyz: the points have no order"),
+        "{}",
+        told.err
+    );
+    assert!(lines[0].contains("--surface") && lines[0].contains("--order given"));
+    let told = folder.fit(&["scan.xyz", "--surface", "--control-points", "6x6"]);
+    assert_eq!(
+        (told.status, &told.json()["kind"]),
+        (0, &json!("surface")),
+        "{}",
+        told.err
+    );
+    assert!(
+        told.err.contains("scattered points of a surface"),
+        "{}",
+        told.err
+    );
+    let set = "surface.parameters=project";
+    let expected = folder.result(&[
+        "scan.xyz",
+        "--surface",
+        "--control-points",
+        "6x6",
+        "--set",
+        set,
+    ]);
+    assert_eq!(told.json()["control_points"], expected["control_points"]);
+    let told = folder.fit(&["scan.xyz", "--order", "given", "--method", "direct"]);
+    assert_eq!(told.json()["kind"], "curve", "{}", told.err);
+    assert!(
+        told.err.contains("warning: fewer than a third"),
+        "{}",
+        told.err
+    );
+}
+
 /// A bare array is what the same numbers in a table are: closed, or rows of heights.
 #[test]
 fn arrays_are_read_as_tables_are() {
@@ -141,13 +187,19 @@ fn arrays_are_read_as_tables_are() {
     let around = points.join(",").replacen("[2,0]", "[2,2.4e-16]", 1);
     folder.write("rounded.json", &format!("[{around}]"));
     for name in ["outline.csv", "outline.json", "rounded.json"] {
-        for flags in [&["--tolerance", "1e-4"][..], &["--closed", "--tolerance", "1e-4"]] {
+        for flags in [
+            &["--tolerance", "1e-4"][..],
+            &["--closed", "--tolerance", "1e-4"],
+        ] {
             let told = folder.fit(&[&[name], flags].concat());
             assert_eq!(told.json()["closed"], true, "{name}: {}", told.err);
             assert!(told.err.contains("the curve is closed"), "{}", told.err);
         }
     }
-    folder.write("heights.json", "[[1,2,3,4,2],[2,3,1,2,1],[1,0,1,2,3],[3,1,2,2,1]]");
+    folder.write(
+        "heights.json",
+        "[[1,2,3,4,2],[2,3,1,2,1],[1,0,1,2,3],[3,1,2,2,1]]",
+    );
     let told = folder.fit(&["heights.json", "--degree", "3,2"]);
     assert_eq!(told.json()["kind"], "surface", "{}", told.err);
     assert!(told.err.contains("4 rows of 5 heights"), "{}", told.err);

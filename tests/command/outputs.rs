@@ -139,7 +139,11 @@ fn the_status_says_whether_it_has_converged() {
     folder.write("far.csv", "0,0\n1e39,2e39\n3e39,1e39\n4e39,3e39\n");
     let told = folder.fit(&["far.csv", "-o", "out.glb", "-o", "out.obj"]);
     assert_eq!(told.status, 1);
-    assert!(told.err.contains("out.glb: a coordinate is"), "{}", told.err);
+    assert!(
+        told.err.contains("out.glb: a coordinate is"),
+        "{}",
+        told.err
+    );
     assert!(folder.path("out.obj").exists() && !folder.path("out.glb").exists());
 }
 
@@ -147,20 +151,50 @@ fn the_status_says_whether_it_has_converged() {
 #[test]
 fn formats_that_cannot_hold_the_points_are_refused_before_the_fit() {
     let folder = Folder::with_curve();
-    folder.write("heights.json", r#"{"surface": {"points": [[1, 2, 3, 4], [2, 3, 1, 2], [1, 0, 1, 2], [3, 1, 2, 2]]}}"#);
+    folder.write(
+        "heights.json",
+        r#"{"surface": {"points": [[1, 2, 3, 4], [2, 3, 1, 2], [1, 0, 1, 2], [3, 1, 2, 2]]}}"#,
+    );
     folder.write("values.csv", "1\n3\n2\n4\n");
-    folder.write("list.json", r#"{"curve": {"points": [[0, 0], [1, 2], [3, 1]]}}"#);
+    folder.write(
+        "list.json",
+        r#"{"curve": {"points": [[0, 0], [1, 2], [3, 1]]}}"#,
+    );
     let before = folder.names();
     for (arguments, expected) in [
-        (vec!["curve.csv", "-o", "out.stl", "-o", "out.obj"], "out.stl: stl files hold"),
-        (vec!["list.json", "--format", "stl"], "<stdout>: stl files hold"),
-        (vec!["heights.json", "-o", "out.step"], "out.step: step holds"),
-        (vec!["heights.json", "-o", "out.csv", "-o", "out.glb"], "out.glb: gltf holds"),
-        (vec!["values.csv", "-o", "out.json", "--plot", "out.svg"], "out.svg: svg holds"),
+        (
+            vec!["curve.csv", "-o", "out.stl", "-o", "out.obj"],
+            "out.stl: stl files hold",
+        ),
+        (
+            vec!["list.json", "--format", "stl"],
+            "<stdout>: stl files hold",
+        ),
+        (
+            vec!["heights.json", "-o", "out.step"],
+            "out.step: step holds",
+        ),
+        (
+            vec!["heights.json", "-o", "out.csv", "-o", "out.glb"],
+            "out.glb: gltf holds",
+        ),
+        (
+            vec!["values.csv", "-o", "out.json", "--plot", "out.svg"],
+            "out.svg: svg holds",
+        ),
     ] {
         let told = folder.fit(&arguments);
-        assert_eq!((told.status, told.out.len()), (2, 0), "{arguments:?}: {}", told.err);
-        assert!(told.err.starts_with(expected), "{arguments:?}: {}", told.err);
+        assert_eq!(
+            (told.status, told.out.len()),
+            (2, 0),
+            "{arguments:?}: {}",
+            told.err
+        );
+        assert!(
+            told.err.starts_with(expected),
+            "{arguments:?}: {}",
+            told.err
+        );
         assert_eq!(told.err.lines().count(), 1, "{}", told.err);
         assert_eq!(folder.names(), before);
     }

@@ -104,19 +104,36 @@ fn foot_points_need_a_server() {
     );
     folder.write("scan.xyz", "0 0 0\n1 0 1\n0 1.1 1\n1 1 0\n");
     for (arguments, expected) in [
-        (vec!["job.json"], "job.json:2: /surface/parameters: foot points are"),
         (
-            vec!["scan.xyz", "--surface", "--set", "surface.parameters=foot_points"],
+            vec!["job.json"],
+            "job.json:2: /surface/parameters: foot points are",
+        ),
+        (
+            vec![
+                "scan.xyz",
+                "--surface",
+                "--set",
+                "surface.parameters=foot_points",
+            ],
             "--set surface.parameters: foot points are",
         ),
         (
-            vec!["scan.xyz", "--surface", "--set", "surface.parameters.foot_points.job=01a1e1b6"],
+            vec![
+                "scan.xyz",
+                "--surface",
+                "--set",
+                "surface.parameters.foot_points.job=01a1e1b6",
+            ],
             "--set surface.parameters.foot_points.job: foot points are",
         ),
     ] {
         let told = folder.fit(&arguments);
         assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
-        assert!(told.err.starts_with(expected), "{arguments:?}: {}", told.err);
+        assert!(
+            told.err.starts_with(expected),
+            "{arguments:?}: {}",
+            told.err
+        );
         assert!(told.err.contains("--server"), "{}", told.err);
     }
 }

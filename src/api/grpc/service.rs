@@ -62,7 +62,7 @@ impl Service {
             return Ok(known);
         }
         let length = input.encoded_len();
-        let read = move |config: &Config| request::job(input, config);
+        let read = move |config: &Config| request::job(input, config).map(Into::into);
         let order = Order::new(app, length, read).await;
         let order = order.map_err(|problem| problem.within("input"))?;
         if let Some(spec) = watch {

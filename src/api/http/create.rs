@@ -85,11 +85,13 @@ pub(super) async fn order(
             Order::new(app, length, read).await
         }
         (Language::Json, None) => {
-            let read = move |config: &Config| json::request::job::read(body, config.max_points);
+            let read = move |config: &Config| {
+                json::request::job::read(body, config.max_points).map(Into::into)
+            };
             Order::new(app, length, read).await
         }
         (Language::Protobuf, None) => {
-            let read = move |config: &Config| proto::request::read(body, config);
+            let read = move |config: &Config| proto::request::read(body, config).map(Into::into);
             Order::new(app, length, read).await
         }
     }

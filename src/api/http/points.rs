@@ -23,7 +23,7 @@ use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
 use crate::api::json::view::to_bytes;
 use crate::api::language::JSON;
-use crate::api::order;
+use crate::api::order::{self, ReadJob};
 use crate::api::problem::Problem;
 use crate::api::stream::sending::ENOUGH;
 use crate::config::Config;
@@ -31,7 +31,6 @@ use crate::fit::points::Grid;
 use crate::import::{self, Hints, Imported};
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
-use crate::model::job::JobRequest;
 use crate::model::short::quoted;
 use crate::model::stream::Samples;
 
@@ -157,14 +156,16 @@ impl Fields {
     }
 
     /// The job that they ask for, with the points of this body.
-    pub(super) fn job(
-        self,
-        bytes: &Bytes,
-        config: &Config,
-    ) -> Result<(JobRequest, FileWords), Problem> {
+    pub(super) fn job(self, bytes: &Bytes, config: &Config) -> Result<ReadJob<FileWords>, Problem> {
         let hints = file::hints(&self.json, self.reading, config.limits().points);
-        let points = imported(bytes, &hints)?;
-        file::read(self.json, points, &hints)
+        let mut points = imported(bytes, &hints)?;
+        let notices = std::mem::take(&mut points.notices);
+        let (request, words) = file::read(self.json, points, &hints)?;
+        Ok(ReadJob {
+            request,
+            words,
+            notices,
+        })
     }
 }
 

@@ -100,6 +100,7 @@ pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> C
         v,
         bad_weight: bad_weight(level),
         geometry: None,
+        notices: outline.label.notices.clone(),
     };
     written(&message, large)
 }

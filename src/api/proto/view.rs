@@ -62,6 +62,7 @@ pub(crate) fn job(job: &Job) -> pb::Job {
         detail: status.detail(outline).unwrap_or_default(),
         warnings: warnings(outline, status.levels.as_ref()),
         predicted: Some(prediction(forecast, level)),
+        notices: label.notices.clone(),
     }
 }
 
@@ -253,6 +254,7 @@ pub(crate) fn description(
         predicted: Some(prediction(forecast, first)),
         stop: Some(stop(outline)),
         warnings: warnings(outline, levels.as_ref()),
+        notices: outline.label.notices.clone(),
     };
     Bytes::from(message.encode_to_vec()).into()
 }

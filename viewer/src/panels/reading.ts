@@ -1,4 +1,4 @@
-/** From the text of a file to a request. JSON is what the API speaks; all else is read by the server. */
+/** From the text of a file to a request. Jobs are what the API speaks; files of points are read by the server. */
 
 import type { Problem, api } from "piad";
 
@@ -34,12 +34,12 @@ export class Unreadable extends Error {
 
 /** Reads the text of a file. `name` is that of the file without its ending, for the job. */
 export async function read(text: string, name: string | null, signal: AbortSignal): Promise<Reading> {
-  const { request, notices } = /^\s*[[{]/.test(text) ? json(text) : await byServer(text, signal);
+  const { request, notices } = /^\s*\{/.test(text) ? json(text) : await byServer(text, signal);
   // What a file calls itself goes before how the file is called.
   return { request: name === null || "name" in request ? request : { name, ...request }, notices };
 }
 
-/** Points, or a whole job. */
+/** A whole job, or an object with points. */
 function json(text: string): Reading {
   let value: Json;
   try {
@@ -50,9 +50,8 @@ function json(text: string): Reading {
   if (isFields(value)) {
     const request = "points" in value && !("curve" in value) && !("surface" in value) ? geometry(value["points"]!) : value;
     if ("curve" in request || "surface" in request) return { request, notices: [] };
-    throw new Unreadable(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
   }
-  return { request: geometry(value), notices: [] };
+  throw new Unreadable(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
 }
 
 /** Rows of rows are a surface. */

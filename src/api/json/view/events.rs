@@ -75,6 +75,9 @@ struct JobEvent<'a> {
     links: Option<Links>,
     /// What is doubtful about it; some of that is found out only when the job begins to run.
     warnings: Vec<WarningView>,
+    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    notices: &'a [String],
     /// How weights, knots and parameters are written, if they are binary: always with 64 bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
@@ -135,6 +138,7 @@ pub(crate) fn description(
         stop: AppliedStop::new(outline),
         links: Links::of(job),
         warnings: WarningView::of(outline, levels.as_ref()),
+        notices: &outline.label.notices,
         encoding: document.encoding(),
         weights: with_arrays.then(|| fixed_weights(&mut document, problem)),
         knots: with_arrays.then(|| knots(&mut document, problem)),

@@ -38,6 +38,9 @@ pub(crate) struct JobView<'a> {
     detail: Option<String>,
     /// What is doubtful about it; some of that is found out only when the job begins to run.
     warnings: Vec<WarningView>,
+    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    notices: &'a [String],
     /// The number of data points.
     points: usize,
     /// The method.
@@ -87,6 +90,7 @@ impl<'a> JobView<'a> {
             reason: status.reason.map(Reason::name),
             detail: status.detail(outline),
             warnings: WarningView::of(outline, status.levels.as_ref()),
+            notices: &outline.label.notices,
             points: outline.grid.count(),
             method: AppliedMethod::new(outline, forecast),
             stop: AppliedStop::new(outline),

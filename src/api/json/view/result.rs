@@ -36,6 +36,9 @@ pub(crate) struct FitResult<'a> {
     /// The final state.
     #[schemars(with = "State")]
     state: &'static str,
+    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    notices: &'a [String],
     /// The number of the last iteration.
     iteration: usize,
     /// The distances from the data.
@@ -106,6 +109,7 @@ pub(crate) fn result(outline: &Outline, status: &Status, frame: &Frame, form: &F
         name: outline.label.name.as_deref(),
         kind: GeometryKind::of(outline),
         state: status.state.name(),
+        notices: &outline.label.notices,
         iteration: level.iteration,
         error: ErrorView::new(&level.error, &**problem),
         basis: each(problem, |_, direction| direction.basis.name()),

@@ -172,6 +172,7 @@ pub(super) fn record(problem: &Problem) -> Record {
             iteration: 7,
         }),
         stream: Some(Arc::new(stream)),
+        notices: vec!["The last point is the first one again.".to_owned()],
     };
     Record {
         outline: Outline::new(label, problem, None),
