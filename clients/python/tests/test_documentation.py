@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -27,3 +30,14 @@ def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, m
     monkeypatch.setenv("MPLBACKEND", "agg")
     code = snippets(page, section)[0].replace("http://127.0.0.1:8080", server.url)
     exec(compile(code, page, "exec"), {})
+
+
+@pytest.mark.parametrize("section", ["Five minutes", "While a point is dragged"])
+def test_examples_are_typed(section: str, tmp_path: Path) -> None:
+    example = tmp_path / "example.py"
+    example.write_text(snippets(CLIENT, section)[0], encoding="utf-8")
+    mypy = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(example)]
+    environment = {**os.environ, "MYPYPATH": str(ROOT / "clients/python/src")}
+    told = subprocess.run(mypy, capture_output=True, text=True, env=environment, cwd=tmp_path, check=False)
+    wrong = [line for line in told.stdout.splitlines() if line.startswith(str(example))]
+    assert not wrong and told.returncode in (0, 1), told.stdout + told.stderr

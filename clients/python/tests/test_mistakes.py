@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 import socket
 import time
+from types import ModuleType
 from typing import Any
 
 import httpx
@@ -112,3 +114,52 @@ def test_numbers_that_are_not_finite_are_named(client: piad.Client, number: floa
     job = client.create(CURVE)
     with pytest.raises(ValueError, match=r"^points\[0\]\.point\[2\] is "):
         job.edit({1: [0.0, 1.0, number]})
+
+
+def test_calls_that_are_wrong_name_what_was_called(client: piad.Client) -> None:
+    unasked: Any = {"degre": 3}
+    job = client.create(CURVE)
+    for call, name in (
+        (lambda: client.fit(CURVE, **unasked), "Client.fit"),
+        (lambda: client.create(CURVE, **unasked), "Client.create"),
+        (lambda: job.wait(**unasked), "Job.wait"),
+        (lambda: job.preview(**unasked), "Job.preview"),
+        (lambda: job.edit(**unasked), "Job.edit"),
+    ):
+        with pytest.raises(TypeError, match=re.escape(f"{name}() got an unexpected keyword argument 'degre'")):
+            call()
+    asynchronous: Any = piad.AsyncClient.fit
+    with pytest.raises(TypeError, match=r"AsyncClient\.fit\(\) missing 1 required positional argument: 'points'"):
+        asynchronous(object())
+
+
+def test_control_points_beside_a_method_are_those_of_least_squares(client: piad.Client) -> None:
+    points = [[i, (i % 20) ** 2] for i in range(60)]
+    assert len(client.fit(points, control_points=9).curve.control_points) == 9
+    fitted = client.fit(points, control_points="auto", tolerance=20)
+    expected = client.fit(points, method={"kind": "least_squares", "control_points": "auto"}, tolerance=20)
+    assert len(fitted.curve.control_points) == len(expected.curve.control_points) < 60
+    surface = client.fit(SURFACE, control_points={"u": 4, "v": 4}, degree=2).surface
+    assert surface.control_points.shape[:2] == (4, 4)
+    with pytest.raises(ValueError, match="given twice"):
+        client.fit(points, control_points=9, method={"kind": "least_squares", "control_points": 8})
+
+
+def test_what_is_printed_is_short(client: piad.Client) -> None:
+    points = [[i, (i % 20) ** 2] for i in range(400)]
+    job = client.create(points)
+    result, iteration = job.result(), job.iteration()
+    surface = client.fit([[[i, j, i * j % 7] for j in range(30)] for i in range(30)], max_iterations=1000).surface
+    wing = client.read_points("NACA 2412\n1 0.0013\n0.5 0.0724\n0 0\n0.5 -0.0334\n1 -0.0013\n")
+    things = [job, result, iteration, iteration.shape, job.samples(500), job.deviation(distances=True), job.status]
+    things += [result.curve, result.curve.basis, surface, surface.boundary("u_end"), wing]
+    for thing in things:
+        assert repr(thing).startswith("<piad.") and len(repr(thing)) < 120, repr(thing)
+    assert repr(result.curve) == "<piad.Curve of degree 3, control points 402 × 2>"
+    assert repr(wing) == "<piad.FilePoints 'NACA 2412': 5 × 2>"
+
+
+def test_names_of_others_are_not_in_the_package() -> None:
+    public = {name for name in vars(piad) if not name.startswith("_")}
+    modules = {name for name in public if isinstance(getattr(piad, name), ModuleType)}
+    assert public - modules <= set(piad.__all__), public - modules

@@ -2,7 +2,8 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync, readdirSync } from "node:fs";
+import { mkdtempSync, readFileSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { fileURLToPath } from "node:url";
@@ -26,6 +27,22 @@ test("the package has what is needed and nothing else", () => {
   assert.deepEqual(packed?.files.map(({ path }) => path).sort(), expected.sort());
   assert.equal(packed?.name, "piad");
   assert.ok(packed.size < 64_000, `${packed.size} bytes`);
+});
+
+test("packing as the guide says leaves nothing here", () => {
+  const guide = readFileSync(join(PACKAGE, "README.md"), "utf8");
+  const [pack] = /npm pack [^)\n]*/.exec(guide) ?? assert.fail("the guide packs it");
+  const folder = mkdtempSync(join(tmpdir(), "piad-"));
+  const before = readdirSync(PACKAGE);
+  try {
+    const elsewhere = pack.replace("../../../fit", folder);
+    assert.notEqual(elsewhere, pack);
+    execFileSync("sh", ["-c", `${elsewhere} --ignore-scripts`], { cwd: PACKAGE, stdio: "ignore" });
+    assert.deepEqual(readdirSync(PACKAGE), before);
+    assert.deepEqual(readdirSync(folder), [`piad-${about.version}.tgz`]);
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
 });
 
 test("what it is agrees with the server", () => {

@@ -13,8 +13,8 @@
 - `errors`: what can go wrong.
 """
 
-from importlib.metadata import PackageNotFoundError, version
-from pkgutil import extend_path
+from importlib import metadata as _metadata
+from pkgutil import extend_path as _extend_path
 
 from .async_client import AsyncClient
 from .async_job import AsyncJob
@@ -39,11 +39,11 @@ from .points import FilePoints
 from .status import JobWarning, Status
 
 # Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
-__path__ = extend_path(__path__, __name__)
+__path__ = _extend_path(__path__, __name__)
 
 try:
-    __version__ = version(__name__)
-except PackageNotFoundError:
+    __version__ = _metadata.version(__name__)
+except _metadata.PackageNotFoundError:
     # The files lie somewhere on the path, without having been installed.
     __version__ = "unknown"
 

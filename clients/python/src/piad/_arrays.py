@@ -72,6 +72,15 @@ def as_lists(values: Any) -> Any:
     return values
 
 
+def size(values: Any) -> str:
+    """The shape of an array in words, such as "40 × 3"."""
+    lengths = list(getattr(values, "shape", ()))
+    while isinstance(values, (list, tuple)):
+        lengths.append(len(values))
+        values = values[0] if values else None
+    return " × ".join(map(str, lengths))
+
+
 def depth(values: Any) -> int:
     """The number of dimensions: 0 for a number, and 1 more for each level of lists. Elements that
     are None are missing and tell nothing.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import AsyncGenerator, Callable, Coroutine, Generator
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -44,7 +45,7 @@ def method(
     """A method that does the same as an asynchronous one with `self._async`, and makes something of its value."""
 
     def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> R:
-        return make(run(asynchronous(self._async, *args, **kwargs)))
+        return make(run(_begun(call, asynchronous, self, args, kwargs)))
 
     return _described(call, asynchronous)
 
@@ -60,9 +61,19 @@ def iterating(
     """A method with the items of an asynchronous generator of `self._async`."""
 
     def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> Generator[T, None, None]:
-        return iterate(asynchronous(self._async, *args, **kwargs))
+        return iterate(_begun(call, asynchronous, self, args, kwargs))
 
     return _described(call, asynchronous)
+
+
+def _begun(call: Any, asynchronous: Any, self: Any, args: Any, kwargs: Any) -> Any:
+    """What an asynchronous method gives; arguments that it does not take are an error of `call`."""
+    try:
+        return asynchronous(self._async, *args, **kwargs)
+    except TypeError as error:
+        told = str(error).replace(f"{asynchronous.__qualname__}()", f"{call.__qualname__}()")
+        error.args = (told,)
+        raise
 
 
 C = TypeVar("C", bound=Callable[..., Any])
@@ -74,5 +85,7 @@ def _described(call: C, asynchronous: Any) -> C:
     call.__qualname__ = asynchronous.__qualname__.replace("Async", "")
     signature = inspect.signature(asynchronous)
     gives = str(signature.return_annotation).replace("Async", "")
+    coroutine = re.fullmatch(r"Coroutine\[Any, Any, (.*)\]", gives)
+    gives = coroutine[1] if coroutine else gives
     call.__signature__ = signature.replace(return_annotation=gives)  # type: ignore[attr-defined]
     return call

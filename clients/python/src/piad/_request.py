@@ -30,6 +30,9 @@ MethodKind = Literal[
 Method = Union[MethodKind, Mapping[str, Any]]
 """The kind of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
 
+ControlPoints = Union[PerDirection[int], Literal["auto"]]
+"""How many control points least squares has; "auto": as few as the tolerance needs."""
+
 Rational = Literal["homogeneous", "fixed"]
 Knots = Union[Literal["data", "averaged", "spread"], Sequence[float]]
 End = Union[Literal["estimated", "repeated", "natural"], Mapping[str, Any]]
@@ -64,7 +67,7 @@ def job(
     ends: Optional[SurfaceEnds],
     weights: Any,
     rational: Optional[Rational],
-    method: Method,
+    method: Optional[Method],
     stop: Mapping[str, Any],
     name: Optional[str],
     stream: Optional[Mapping[str, Any]],
@@ -86,7 +89,7 @@ def job(
             "name": name,
             kind: given(shape),
             "rational": rational,
-            "method": settings(method),
+            "method": None if method is None else settings(method),
             "stop": dict(stop) or None,
             "stream": stream,
         }
@@ -176,6 +179,16 @@ def settings(method: Method) -> dict[str, Any]:
     if isinstance(method, str):
         return {"kind": method}
     return {name: plain(value) for name, value in method.items()}
+
+
+def with_control_points(method: Optional[Method], control_points: Optional[ControlPoints]) -> Optional[Method]:
+    """A method with so many control points: that of least squares if none is named."""
+    if control_points is None:
+        return method
+    fields = settings("least_squares" if method is None else method)
+    if "control_points" in fields:
+        raise ValueError("control_points are given twice: beside the method and in it")
+    return {**fields, "control_points": control_points}
 
 
 def plain(value: Any) -> Any:

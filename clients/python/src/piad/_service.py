@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 import sys
 import warnings
-from collections.abc import AsyncGenerator, Mapping
-from typing import Any, Optional, Union
+from collections.abc import AsyncGenerator, Coroutine, Mapping
+from typing import Any, NamedTuple, Optional, Union
 
 from . import _request
-from ._request import Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
+from ._request import ControlPoints, Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
 from ._transport import Transport
 from .async_job import AsyncJob, post
 from .errors import NotConverged
@@ -45,7 +46,8 @@ class Service:
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
-        method: Method = "global",
+        method: Optional[Method] = None,
+        control_points: Optional[ControlPoints] = None,
         tolerance: Optional[float] = None,
         relative_tolerance: Optional[float] = None,
         max_iterations: Optional[int] = None,
@@ -61,7 +63,8 @@ class Service:
         `{"foot_points": {"job": job.id}}`; least squares fits them. On surfaces `basis`, `degree`, `knots`, `parameters`
         and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
         units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
-        object such as `{"kind": "local", "indices": [3, 4]}`, and so are `ends`: `"natural"` or
+        object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
+        `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
         `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. What is not given is left to the
         server; docs/JOBS.md there says more about each.
 
@@ -80,14 +83,14 @@ class Service:
             ends=ends,
             weights=weights,
             rational=rational,
-            method=method,
+            method=_request.with_control_points(method, control_points),
             stop=stop,
             name=name,
             stream=stream,
         )
         return await post(self._transport, "/v1/jobs", body, key=idempotency_key)
 
-    async def fit(
+    def fit(
         self,
         points: Any,
         *,
@@ -100,13 +103,14 @@ class Service:
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
-        method: Method = "global",
+        method: Optional[Method] = None,
+        control_points: Optional[ControlPoints] = None,
         tolerance: Optional[float] = None,
         relative_tolerance: Optional[float] = None,
         max_iterations: Optional[int] = None,
         name: Optional[str] = None,
         timeout: Optional[float] = None,
-    ) -> Result:
+    ) -> Coroutine[Any, Any, Result]:
         """The result of a new job: `create` says what the arguments mean.
 
         Waits for the end, `timeout` seconds at most. A fit that has not reached its tolerance is a
@@ -125,16 +129,20 @@ class Service:
             ends=ends,
             weights=weights,
             rational=rational,
-            method=method,
+            method=_request.with_control_points(method, control_points),
             stop=stop,
             name=name,
             stream=None,
         )
+        # In a task of its own the coroutine has no caller any more.
+        return self._fit(body, timeout, _caller())
+
+    async def _fit(self, body: dict[str, Any], timeout: Optional[float], caller: _Caller) -> Result:
         wait = self._wait if timeout is None else min(self._wait, timeout)
         job = await post(self._transport, "/v1/jobs", body, wait=wait)
         result = await job.result(timeout)
         if result.state != "converged":
-            warnings.warn(_shortfall(job.status), NotConverged, stacklevel=_outside())
+            _warn(_shortfall(job.status), caller)
         return result
 
     async def job(self, id: str) -> AsyncJob:
@@ -175,9 +183,36 @@ def _shortfall(status: Status) -> str:
     return f"the fit is {status.state}: {detail}"
 
 
-def _outside() -> int:
-    """The `stacklevel` of the first caller outside of this package, for the function that asks."""
-    frame, level = sys._getframe(1), 1
+class _Caller(NamedTuple):
+    """A line of a program."""
+
+    file: str
+    line: int
+    names: dict[str, Any]
+    """The globals of its module."""
+
+
+def _caller() -> _Caller:
+    """The first line outside of this package that leads here."""
+    frame = sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "piad":
-        frame, level = frame.f_back, level + 1
-    return level
+        frame = frame.f_back
+    return _Caller(frame.f_code.co_filename, frame.f_lineno, frame.f_globals)
+
+
+def _warn(text: str, caller: _Caller) -> None:
+    """Warns of a fit at the line that asked for it."""
+    file, line, names = caller
+    registry = names.setdefault("__warningregistry__", {})
+    warnings.warn_explicit(text, NotConverged, file, line, names.get("__name__"), registry, names)
+
+
+def _named_as_public() -> None:
+    """Names the methods after the class that programs see: their names stand in errors and in `help()`."""
+    for name, method in vars(Service).items():
+        if inspect.isfunction(method):
+            method.__qualname__ = f"AsyncClient.{name.lstrip('_') if name == '_fit' else name}"
+            method.__module__ = "piad.async_client"
+
+
+_named_as_public()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Optional, Union
 
-from ._arrays import Array, as_array, as_lists, copy, from_base64, np, outer
+from ._arrays import Array, as_array, as_lists, copy, from_base64, np, outer, size
 from .errors import ProtocolError
 from .geometry import Basis, Boundary, Curve, Surface
 from .geometry.boundary import Side
@@ -39,6 +39,11 @@ class Distances:
     transformed: Optional[float] = None
     """Extended fits with `transformed_error`: how far a control point moves in the next iteration."""
 
+    @property
+    def brief(self) -> str:
+        """The largest distance in words."""
+        return "error infinite" if self.max is None else f"error at most {self.max:.3e}"
+
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Distances:
         """Reads `error`."""
@@ -63,6 +68,9 @@ class Deviation:
     distances: Any = None
     """Of each data point, if they were asked for: an array, or nested lists without numpy; of a missing point NaN or None."""
 
+    def __repr__(self) -> str:
+        return f"<piad.Deviation of iteration {self.iteration}: at most {self.max:.3e}, rms {self.rms:.3e}>"
+
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Deviation:
         """Reads the answer."""
@@ -85,6 +93,9 @@ class Shape:
     """One of a curve, two of a surface."""
     fixed_weights: Optional[Array]
     """Shape (n,), or (rows, columns) of a surface; end copies included."""
+
+    def __repr__(self) -> str:
+        return f"<piad.Shape of {' × '.join(f'{basis.kind} {basis.degree}' for basis in self.bases)}>"
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Shape:
@@ -152,6 +163,9 @@ class Samples:
     points: Array
     """Shape (n, dimension), or (rows, columns, dimension) of a surface."""
 
+    def __repr__(self) -> str:
+        return f"<piad.Samples {size(self.points)}>"
+
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Samples:
         """Reads an iteration with `view=samples`."""
@@ -208,6 +222,9 @@ class Iteration:
     shape: Optional[Shape] = None
     predicted: Optional[int] = None
     """About how many iterations the fit takes in all, by what is known at this level."""
+
+    def __repr__(self) -> str:
+        return f"<piad.Iteration {self.number}: {self.error.brief}>"
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any], shape: Shape, before: Optional[Iteration] = None) -> Iteration:
@@ -278,6 +295,9 @@ class Result:
     parameters: tuple[Array, ...]
     """Where on it the data points lie: on a curve, or those of u and of v."""
     bad_weight: Optional[BadWeight] = None
+
+    def __repr__(self) -> str:
+        return f"<piad.Result {self.id}: {self.state} after iteration {self.iteration}, {self.error.brief}>"
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Result:

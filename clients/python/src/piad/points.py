@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Optional
 
-from ._arrays import Array, as_array
+from ._arrays import Array, as_array, size
 from .errors import ProtocolError
 
 
@@ -22,6 +22,11 @@ class FilePoints:
     """What was found out about the file, in sentences."""
     closed: bool = False
     """The curve is closed: the file had its first point at the end again, which is not among the points."""
+
+    def __repr__(self) -> str:
+        closed = ", closed" if self.closed else ""
+        name = "" if self.name is None else f" {self.name!r}"
+        return f"<piad.FilePoints{name}: {size(self.points)}{closed}>"
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> FilePoints:

@@ -64,6 +64,10 @@ class Status:
     problem: Optional[Problem] = None
     """Why the job failed."""
 
+    def __repr__(self) -> str:
+        at = "" if self.iteration is None else f", iteration {self.iteration}"
+        return f"<piad.Status of job {self.id}: {self.state}{at}>"
+
     @property
     def ended(self) -> bool:
         """Whether the job goes no further."""

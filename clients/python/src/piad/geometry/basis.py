@@ -25,6 +25,10 @@ class Basis:
     knots: Optional[tuple[float, ...]]
     closed: bool = False
 
+    def __repr__(self) -> str:
+        closed = ", closed" if self.closed else ""
+        return f"<piad.Basis {self.kind} of degree {self.degree}, {len(self.full_knots())} knots{closed}>"
+
     def full_knots(self) -> tuple[float, ...]:
         """The knots; those of a Bézier curve for polynomial bases."""
         if self.knots is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-from .._arrays import Array, as_lists
+from .._arrays import Array, as_lists, size
 from . import net
 from .derivative import differentiated
 
@@ -24,6 +24,9 @@ class Boundary:
     """Those of the boundary curve in the basis of the other direction, shape (n, dimension)."""
     cross_derivatives: Array
     """Those of the derivative with respect to the parameter that is constant there, in its direction."""
+
+    def __repr__(self) -> str:
+        return f"<piad.Boundary, control points {size(self.control_points)}>"
 
     def constraints(self, at: Side, *, scale: float = 1.0) -> list[dict[str, Any]]:
         """Constraints of a neighbour that joins at its boundary `at`, for the method `least_squares`.

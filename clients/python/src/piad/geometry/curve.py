@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Optional
 
-from .._arrays import Array, as_array, depth, np
+from .._arrays import Array, as_array, depth, np, size
 from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
 from .derivative import checked, differentiated, quotient
@@ -26,6 +26,10 @@ class Curve:
     """Shape (n, dimension): the places, not multiplied by weights."""
     weights: Optional[Array] = None
     """Shape (n,), or None if the curve is not rational."""
+
+    def __repr__(self) -> str:
+        rational = "" if self.weights is None else ", rational"
+        return f"<piad.Curve of degree {self.degree}, control points {size(self.control_points)}{rational}>"
 
     @property
     def degree(self) -> int:

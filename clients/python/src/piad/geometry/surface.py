@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from itertools import product
 from typing import Any, Optional
 
-from .._arrays import Array, as_array, depth, np
+from .._arrays import Array, as_array, depth, np, size
 from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
 from .boundary import Boundary, Side, boundary
@@ -29,6 +29,11 @@ class Surface:
     """Shape (rows, columns, dimension): the places, not multiplied by weights."""
     weights: Optional[Array] = None
     """Shape (rows, columns), or None if the surface is not rational."""
+
+    def __repr__(self) -> str:
+        rational = "" if self.weights is None else ", rational"
+        degrees = " × ".join(map(str, self.degrees))
+        return f"<piad.Surface of degree {degrees}, control points {size(self.control_points)}{rational}>"
 
     @property
     def degrees(self) -> tuple[int, int]:
