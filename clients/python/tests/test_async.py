@@ -120,6 +120,13 @@ def test_mistakes_are_the_same(server: Server) -> None:
             warnings.simplefilter("always")
             await client.fit(MANY, basis="bernstein", max_iterations=2)
         assert [(it.category, it.filename) for it in told] == [(piad.NotConverged, __file__)]
+        # Also where a task of its own runs it, which has no caller.
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            task = asyncio.create_task(client.fit(MANY, basis="bernstein", max_iterations=2))
+            line = inspect.currentframe().f_lineno - 1  # type: ignore[union-attr]
+            await asyncio.gather(task, asyncio.wait_for(client.fit(MANY, basis="bernstein", max_iterations=3), 30))
+        assert [(it.filename, it.lineno) for it in told] == [(__file__, line), (__file__, line + 2)]
 
     with_client(server, work)
     with pytest.raises(ValueError, match="one attempt"):
