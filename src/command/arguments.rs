@@ -20,7 +20,8 @@ Exit status: 0 converged; 1 not converged (files are written all the same), or f
 
 Examples:
   piad fit wing.dat --tolerance 1e-4 -o wing.step
-  piad fit scan.xyz --surface 40x60 --degree 3,3 -o scan.iges --plot error.svg
+  piad fit grid.xyz --surface 40x60 --degree 3,3 -o grid.iges --plot error.svg
+  piad fit scan.xyz --surface --control-points auto --tolerance 0.2 -o scan.iges
   cat points.csv | piad fit - --method chebyshev --format json > curve.json
   piad fit job.json --server https://fits.example.org --token-file token";
 
@@ -106,8 +107,8 @@ pub struct FitArguments {
     #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(Unit::names()))]
     pub(crate) units: Option<String>,
 
-    /// Directory for a file of each iteration, in the format of the first output: iteration-0.step and so
-    /// on. It is made if it is missing.
+    /// Directory for a file of each iteration, in the format of the first output: iteration-00.step and so
+    /// on, all numbers with as many digits as the last one. It is made if it is missing.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) iterations: Option<PathBuf>,
 

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::{Folder, curve, field};
+use crate::support::{Folder, PROGRAM, Told, curve, field};
 
 const WING: &str = "NACA 2412\n1 0.0013\n0.95 0.0114\n0.9 0.0208\n0.8 0.0375\n0.7 0.0518\n";
 
@@ -174,6 +174,33 @@ fn points_without_order_are_scattered() {
         "{}",
         told.err
     );
+}
+
+/// The examples of the help run as they stand, with files of these names.
+#[test]
+fn examples_of_the_help_run() {
+    let folder = Folder::new();
+    folder.write("wing.dat", include_str!("../../examples/naca2412.dat"));
+    folder.write("scan.xyz", include_str!("../../examples/scan.xyz"));
+    folder.write("points.csv", &curve(40));
+    let row = |i: u32| (0..60).map(move |j| format!("{i} {j} {}\n", f64::from(i * j % 7)));
+    folder.write("grid.xyz", &(0..40).flat_map(row).collect::<String>());
+    let help = folder.fit(&["--help"]).out;
+    let help = String::from_utf8(help).unwrap();
+    let commands = help
+        .lines()
+        .filter(|line| line.starts_with("  ") && line.contains("piad fit "));
+    let here: Vec<&str> = commands.filter(|line| !line.contains("--server")).collect();
+    assert_eq!(here.len(), 4, "{help}");
+    let programs = std::path::Path::new(PROGRAM).parent().unwrap();
+    for line in here {
+        let path = format!("PATH={}:$PATH; {line}", programs.display());
+        let mut shell = std::process::Command::new("sh");
+        let output = shell.args(["-c", &path]).current_dir(folder.path("."));
+        let told = Told::of(output.output().unwrap());
+        assert_eq!(told.status, 0, "{line}: {}", told.err);
+    }
+    assert!(help.contains("iteration-00.step"), "{help}");
 }
 
 /// A bare array is what the same numbers in a table are: closed, or rows of heights.
