@@ -92,6 +92,14 @@ describe("data", () => {
     await visit.end();
   });
 
+  test("that come back to the first one are closed, in JSON as in a table", PATIENT, async () => {
+    const visit = await visitArch();
+    await paste(visit.page, "[[2,0],[3,1],[3,2],[2,3],[1,3],[0,2],[0,1],[1,0],[2,0]]");
+    await says(visit.page.locator(".data"), /8 points/);
+    await says(visit.page.locator(".data"), /the curve is closed/);
+    await visit.end();
+  });
+
   test("that are wrong are shown at their line", PATIENT, async () => {
     const visit = await visitArch();
     await paste(visit.page, "[[0, 0],\n [1, 1],\n [2 3],\n [4, 5]]");

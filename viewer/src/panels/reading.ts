@@ -34,23 +34,24 @@ export class Unreadable extends Error {
 
 /** Reads the text of a file. `name` is that of the file without its ending, for the job. */
 export async function read(text: string, name: string | null, signal: AbortSignal): Promise<Reading> {
-  const { request, notices } = /^\s*\{/.test(text) ? json(text) : await byServer(text, signal);
+  const value = /^\s*[[{]/.test(text) ? parsed(text) : null;
+  const { request, notices } = isFields(value) ? job(value, text) : await byServer(text, signal);
   // What a file calls itself goes before how the file is called.
   return { request: name === null || "name" in request ? request : { name, ...request }, notices };
 }
 
-/** A whole job, or an object with points. */
-function json(text: string): Reading {
-  let value: Json;
+function parsed(text: string): Json {
   try {
-    value = JSON.parse(text) as Json;
+    return JSON.parse(text) as Json;
   } catch (error) {
     throw new Unreadable(text, [{ detail: `This is not JSON: ${message(error)}.`, ...placeOf(text, message(error)) }]);
   }
-  if (isFields(value)) {
-    const request = "points" in value && !("curve" in value) && !("surface" in value) ? geometry(value["points"]!) : value;
-    if ("curve" in request || "surface" in request) return { request, notices: [] };
-  }
+}
+
+/** A whole job, or an object with points. */
+function job(value: Fields, text: string): Reading {
+  const request = "points" in value && !("curve" in value) && !("surface" in value) ? geometry(value["points"]!) : value;
+  if ("curve" in request || "surface" in request) return { request, notices: [] };
   throw new Unreadable(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
 }
 
