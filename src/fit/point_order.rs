@@ -5,8 +5,12 @@
 
 use super::points::Points;
 
-/// How many points are looked at, at equal distances in the list.
-const SAMPLES: usize = 96;
+/// The most points that are looked at, at equal distances in the list.
+const MOST_SAMPLES: usize = 96;
+
+/// Of long lists fewer are looked at, with about as many distances as this in all, but at least so many points.
+const MOST_DISTANCES: usize = 1 << 22;
+const LEAST_SAMPLES: usize = 12;
 
 /// How many of the nearest points of a point count.
 const NEAREST: usize = 3;
@@ -24,7 +28,8 @@ pub(crate) fn is_unordered(points: &Points) -> bool {
     if points.dimension() < 2 || is_graph {
         return false;
     }
-    let samples = count.min(SAMPLES);
+    let affordable = MOST_DISTANCES / count.max(1);
+    let samples = count.min(affordable.clamp(LEAST_SAMPLES, MOST_SAMPLES));
     let needed = samples.div_ceil(ONE_IN);
     let mut ordered = 0;
     for k in 0..samples {
@@ -69,7 +74,7 @@ mod tests {
     fn spiral(count: usize, step: usize) -> Points {
         let mut points = Points::new(2);
         for i in 0..count {
-            let t = (i * step % count) as f64 / count as f64 * 20.0;
+            let t = 1.0 + (i * step % count) as f64 / count as f64 * 5.0;
             points.push(&[t * t.cos(), t * t.sin()]);
         }
         points
@@ -77,7 +82,7 @@ mod tests {
 
     #[test]
     fn mixed_points_have_no_order() {
-        for count in [50, 200, 3001] {
+        for count in [50, 200, 3001, 300_007] {
             assert!(!is_unordered(&spiral(count, 1)), "{count}");
             assert!(is_unordered(&spiral(count, 7 * count / 20 + 1)), "{count}");
         }
