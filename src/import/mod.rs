@@ -120,6 +120,7 @@ pub(crate) fn read(file: &[u8], hints: &Hints) -> Result<Imported, Vec<Mistake>>
             table.move_down(vertices.above);
             table.notices.insert(0, vertices.notice);
             table.is_mesh = vertices.faces > 0;
+            table.breaks.clear();
             table
         }
     };

@@ -106,7 +106,8 @@ async fn files_that_cannot_be_written_are_refused_before_the_fit() {
     let server = Server::start().await;
     let stop = json!({"tolerance": 1e-9, "max_iterations": 1});
     let curve = json!({"curve": {"points": data::helix()}, "stop": stop});
-    let heights = json!({"surface": {"points": [[1, 2, 3, 4], [2, 3, 1, 2]]}, "stop": stop});
+    let rows = [[1, 2, 3, 4], [2, 3, 1, 2], [1, 0, 1, 2], [3, 1, 2, 2]];
+    let heights = json!({"surface": {"points": rows}, "stop": stop});
     let steep = json!({"curve": {"points": data::wave(40), "basis": "bernstein"}, "stop": stop});
     for (media_type, job) in [
         ("model/stl", &curve),
