@@ -90,3 +90,64 @@ impl<'a> Iterator for Lines<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Hints, Imported, Kind, read};
+    use super::*;
+
+    const HINTS: Hints = Hints {
+        kind: Some(Kind::Surface),
+        size: None,
+        closed: None,
+        ordered: false,
+        most: 100,
+    };
+
+    fn points(text: &str) -> Imported {
+        read(text.as_bytes(), &HINTS).unwrap()
+    }
+
+    fn mistakes(text: &str) -> Vec<(Option<usize>, String)> {
+        let mistakes = read(text.as_bytes(), &HINTS).unwrap_err().into_iter();
+        mistakes.map(|it| (it.line, it.detail)).collect()
+    }
+
+    #[test]
+    fn vertices_of_off_files_are_the_points() {
+        let vertices = "0 0 0\n1 0 1\n\n0.9 1 2 # a corner\n0 1.1 1\n";
+        for (head, above) in [
+            ("OFF\n4 2 5\n", 2),
+            ("OFF\n# made by hand\n\n4 2\n", 4),
+            ("COFF 4 2 0\n", 1),
+            ("OFF\r\n4 2 5\r\n", 2),
+        ] {
+            let file = points(&format!("{head}{vertices}3 0 1 2\n3 0 2 3\n"));
+            assert_eq!(file.points.len(), 4, "{head}");
+            assert_eq!(file.lines, [1, 2, 4, 5].map(|line| line + above));
+            assert_eq!((&file.name, file.points.lane(0)[2]), (&None, 0.9));
+            assert!(
+                file.notices[0].contains("2 faces are not read"),
+                "{:?}",
+                file.notices
+            );
+        }
+        let cloud = points(&format!("OFF\n4 0 0\n{vertices}"));
+        assert!(
+            cloud.notices[0].contains("4 vertices"),
+            "{:?}",
+            cloud.notices
+        );
+        // Fewer than are said, one that is none, and a title that looks like it.
+        assert_eq!(
+            mistakes(&format!("OFF\n5 0 0\n{vertices}")),
+            [(
+                None,
+                "the file has 4 vertices, and says that it has 5 (OFF)".to_owned()
+            )]
+        );
+        assert_eq!(mistakes("OFF\n2 1 0\n0 0 0\n1 x 0\n")[0].0, Some(4));
+        let titled = points("OFF\n0.5 1\n2 3\n");
+        assert_eq!(titled.points.lane(0), [0.5, 2.0]);
+    }
+}

@@ -53,6 +53,7 @@ mod examples;
 mod exports;
 mod extremes;
 mod facts;
+mod file_answers;
 mod files;
 mod fit_once;
 mod floods;
