@@ -94,7 +94,6 @@ impl<'a> Iterator for Lines<'a> {
 #[cfg(test)]
 mod tests {
     use super::super::{Hints, Imported, Kind, read};
-    use super::*;
 
     const HINTS: Hints = Hints {
         kind: Some(Kind::Surface),
