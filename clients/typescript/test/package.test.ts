@@ -45,6 +45,22 @@ test("packing as the guide says leaves nothing here", () => {
   }
 });
 
+test("packing as the guide says leaves nothing here", () => {
+  const guide = readFileSync(join(PACKAGE, "README.md"), "utf8");
+  const [pack] = /npm pack [^)\n]*/.exec(guide) ?? assert.fail("the guide packs it");
+  const folder = mkdtempSync(join(tmpdir(), "piad-"));
+  const before = readdirSync(PACKAGE);
+  try {
+    const elsewhere = pack.replace("../../../fit", folder);
+    assert.notEqual(elsewhere, pack);
+    execFileSync("sh", ["-c", `${elsewhere} --ignore-scripts`], { cwd: PACKAGE, stdio: "ignore" });
+    assert.deepEqual(readdirSync(PACKAGE), before);
+    assert.deepEqual(readdirSync(folder), [`piad-${about.version}.tgz`]);
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+});
+
 test("what it is agrees with the server", () => {
   const cargo = readFileSync(join(ROOT, "Cargo.toml"), "utf8");
   const field = (name: string) => new RegExp(`^${name} = "(.*)"$`, "m").exec(cargo)?.[1];
