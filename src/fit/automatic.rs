@@ -3,9 +3,13 @@
 //! Levels come from a schedule. Each has knots of its own, and so a problem of its own: that of the
 //! fit with other directions. One level is computed ahead, as only then is known whether a level is
 //! the last one.
+//!
+//! A fit that is within the tolerance at its data and leaves them between neighbours goes on with another schedule:
+//! curves with points between the data, surfaces with some fairness. If that ends like this, too, the fit has stalled.
 
 use std::sync::Arc;
 
+use super::between::{self, Excursion};
 use super::construction::first_line;
 use super::direction::{BasisChoice, Direction, DirectionChoice};
 use super::interrupt;
@@ -16,9 +20,10 @@ use super::points::{Grid, Points};
 use super::problem::Problem;
 use super::request::Request;
 use super::setup::Setup;
-use super::termination::Outcome;
+use super::termination::{Outcome, Reason};
 use super::tolerance::distances::Distances;
 use super::tolerance::equations::{self, Minimum};
+use super::tolerance::guide::Guide;
 use super::tolerance::line::KnotLine;
 use super::tolerance::placed::{in_directions, in_lines};
 use super::tolerance::schedule::Schedule;
@@ -36,6 +41,8 @@ pub(super) struct Automatic {
     /// The number of the level, and that of the level at which the knots became what they are.
     number: usize,
     knots_since: usize,
+    /// Whether the last level leaves its data where there are none.
+    leaves: bool,
 }
 
 /// A B-spline of a schedule.
@@ -49,9 +56,12 @@ struct Fit {
 /// The schedules that there are.
 #[derive(Debug)]
 enum Schedules {
-    Curve(Box<Schedule<equations::LeastSquares>>),
+    /// With points between the data, or without.
+    Curve(Box<Schedule<equations::LeastSquares>>, Option<Guide>),
     Obeying(Box<Schedule<Obeying>>),
     Surface(Box<SurfaceSchedule>),
+    /// With some fairness where none was asked for.
+    FairSurface(Box<SurfaceSchedule>),
     /// Not even the first level has finite numbers.
     Nowhere,
 }
@@ -71,15 +81,40 @@ impl Automatic {
                 error: FitError::unknown(),
             }
         });
-        let next = schedule.next(problem);
-        Some(Self {
+        let mut automatic = Self {
             whole: Arc::clone(problem),
             schedule,
             now,
-            next,
+            next: None,
             number: 0,
             knots_since: 0,
-        })
+            leaves: false,
+        };
+        automatic.next = automatic.following();
+        Some(automatic)
+    }
+
+    /// Whether fewer control points than data are allowed.
+    fn is_limited(&self) -> bool {
+        let settings = self.whole.method().automatic();
+        settings.is_some_and(|(settings, _)| settings.u < self.whole.grid().rows)
+    }
+
+    /// The level after this one: of another schedule where this one has ended with a fit that leaves its data.
+    fn following(&mut self) -> Option<Fit> {
+        if let Some(next) = self.schedule.next(&self.whole) {
+            return Some(next);
+        }
+        if self.schedule.outcome() != Some(Outcome::Converged) {
+            return None;
+        }
+        let careful = self.schedule.is_careful();
+        self.leaves = self.now.leaves(careful);
+        if careful || !self.leaves {
+            return None;
+        }
+        self.schedule = self.schedule.careful(&self.now)?;
+        self.schedule.next(&self.whole)
     }
 
     /// Moves on, unless this is the last level: how many control points there are now, and how far
@@ -92,7 +127,7 @@ impl Automatic {
                 self.knots_since = self.number;
             }
             self.now = next;
-            self.next = self.schedule.next(&self.whole);
+            self.next = self.following();
         }
         (self.now.control_points.len(), self.now.error)
     }
@@ -120,7 +155,15 @@ impl Automatic {
     /// How the fit ends, if this is its last level.
     pub(super) fn outcome(&self) -> Option<Outcome> {
         let over = self.next.is_none();
-        over.then(|| self.schedule.outcome().unwrap_or(Outcome::Overflow))
+        over.then(|| match self.schedule.outcome() {
+            Some(Outcome::Converged) if self.leaves => Outcome::Stalled(Reason::Between),
+            // It would be within the tolerance at its data alone.
+            Some(Outcome::Minimum) if self.leaves => Outcome::Stalled(Reason::Between),
+            Some(Outcome::Exhausted) if self.leaves && !self.is_limited() => {
+                Outcome::Stalled(Reason::Between)
+            }
+            outcome => outcome.unwrap_or(Outcome::Overflow),
+        })
     }
 }
 
@@ -140,15 +183,7 @@ impl Schedules {
                 false => Box::new(GridData::new(points, problem.grid(), parameters)),
                 true => Box::new(ScatteredData::new(&points, &parameters, tolerance)),
             };
-            let lines = <[KnotLine; 2]>::try_from(lines).ok();
-            let options = SurfaceOptions {
-                degrees: [u, v].map(|it| it.basis.degree()),
-                periods: [u, v].map(Direction::period),
-                tolerance,
-                max_control_points: [settings.u, settings.v],
-                first: lines.clone().zip(first),
-                coarsest: lines,
-            };
+            let options = surface_options(problem, settings, first);
             return Self::Surface(Box::new(SurfaceSchedule::new(data, options)));
         }
         let mut options = Options {
@@ -159,6 +194,7 @@ impl Schedules {
             correct_parameters: automatic.correct_parameters,
             first: lines.first().cloned().zip(first),
             minima_alone: !settings.is_plain(),
+            freedom: None,
         };
         let parameters = Arc::clone(&u.parameters);
         if settings.is_plain() {
@@ -168,10 +204,10 @@ impl Schedules {
                     .data_weights
                     .as_ref()
                     .map(|it| Arc::new(it.to_vec())),
+                fairness: 0.0,
             };
-            return Self::Curve(Box::new(Schedule::new(
-                points, parameters, options, minimum,
-            )));
+            let schedule = Schedule::new(points, parameters, options, minimum);
+            return Self::Curve(Box::new(schedule), None);
         }
         let minimum = Obeying::new(problem.setup(), settings);
         if let (None, Some(line)) = (&options.first, lines.into_iter().next()) {
@@ -186,15 +222,72 @@ impl Schedules {
         )))
     }
 
+    /// Whether the fit is kept near its data where there are none.
+    fn is_careful(&self) -> bool {
+        !matches!(self, Self::Curve(_, None) | Self::Surface(_))
+    }
+
+    /// The schedule that keeps the fit near its data where there are none, from a level on.
+    fn careful(&self, now: &Fit) -> Option<Self> {
+        let problem = &*now.problem;
+        let (settings, _) = problem.method().automatic()?;
+        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+        let first = in_lines(&now.control_points, &lines);
+        if problem.v().is_some() {
+            let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
+            let data: Box<dyn Data> = match problem.is_scattered() {
+                _ if !settings.is_plain_surface() => return None,
+                true => Box::new(ObeyingSurface::fair(setup, settings)),
+                false => {
+                    let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
+                    let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());
+                    let data = GridData::new(points, problem.grid(), parameters.ok()?);
+                    Box::new(data.fair(problem.tolerance()))
+                }
+            };
+            let options = surface_options(problem, settings, Some(first));
+            return Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
+                data, options,
+            ))));
+        }
+        let u = problem.u();
+        let guide = Guide::new(problem.data(), &u.parameters, u.period());
+        let options = Options {
+            degree: u.basis.degree(),
+            period: u.period(),
+            tolerance: problem.tolerance(),
+            max_control_points: settings
+                .u
+                .min(Guide::most_control_points(problem.data().len())),
+            correct_parameters: false,
+            first: lines.into_iter().next().map(|line| (line, first)),
+            minima_alone: true,
+            freedom: Some(Arc::clone(&guide.freedom)),
+        };
+        let weights = guide.weights(problem.tolerance(), settings.data_weights.as_deref());
+        let points = Arc::clone(&guide.points);
+        let minimum = equations::LeastSquares {
+            points: Arc::clone(&points),
+            data_weights: Some(Arc::new(weights)),
+            fairness: FAIRNESS,
+        };
+        let schedule = Schedule::new(points, Arc::clone(&guide.parameters), options, minimum);
+        Some(Self::Curve(Box::new(schedule), Some(guide)))
+    }
+
     fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit> {
         let level = match self {
-            Self::Curve(schedule) if whole.data().len() >= MANY => {
+            Self::Curve(schedule, None) if whole.data().len() >= MANY => {
                 among_threads(|| schedule.next_level())
             }
-            Self::Curve(schedule) => schedule.next_level(),
+            Self::Curve(schedule, None) => schedule.next_level(),
+            Self::Curve(schedule, Some(guide)) => {
+                let level = schedule.next_level();
+                level.map(|level| Arc::new(guide.of_data(&level)))
+            }
             Self::Obeying(schedule) => schedule.next_level(),
             Self::Nowhere => return None,
-            Self::Surface(schedule) => {
+            Self::Surface(schedule) | Self::FairSurface(schedule) => {
                 let level = schedule.next_level()?;
                 let t = whole.directions().map(|it| Arc::clone(&it.parameters));
                 let parameters: Vec<Arc<Vec<f64>>> = t.collect();
@@ -223,11 +316,31 @@ impl Schedules {
 
     fn outcome(&self) -> Option<Outcome> {
         match self {
-            Self::Curve(schedule) => schedule.outcome(),
+            Self::Curve(schedule, _) => schedule.outcome(),
             Self::Obeying(schedule) => schedule.outcome(),
-            Self::Surface(schedule) => schedule.outcome(),
+            Self::Surface(schedule) | Self::FairSurface(schedule) => schedule.outcome(),
             Self::Nowhere => Some(Outcome::Overflow),
         }
+    }
+}
+
+/// The options of a surface, with the control points to begin with, if there are some.
+fn surface_options(
+    problem: &Problem,
+    settings: &LeastSquares,
+    first: Option<Points>,
+) -> SurfaceOptions {
+    let directions: Vec<&Direction> = problem.directions().collect();
+    let of = |axis: usize| directions[axis.min(directions.len() - 1)];
+    let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+    let lines = <[KnotLine; 2]>::try_from(lines).ok();
+    SurfaceOptions {
+        degrees: [0, 1].map(|axis| of(axis).basis.degree()),
+        periods: [0, 1].map(|axis| of(axis).period()),
+        tolerance: problem.tolerance(),
+        max_control_points: [settings.u, settings.v],
+        first: lines.clone().zip(first),
+        coarsest: lines,
     }
 }
 
@@ -257,7 +370,27 @@ impl Fit {
             error: FitError::of(distances),
         }
     }
+
+    /// Whether it leaves its data where there are none; of scattered data, which have no neighbours, whether it leaves
+    /// their box by far, or at all unless the schedule was careful.
+    fn leaves(&self, careful: bool) -> bool {
+        let (problem, points) = (&*self.problem, &*self.control_points);
+        match problem.is_scattered() {
+            true => between::outside(problem, points) > if careful { FAR } else { NEAR },
+            false => Excursion::of(problem, points, problem.tolerance()).is_some(),
+        }
+    }
 }
+
+/// How fair a curve with points between its data is, so that it has no spikes between these: a multiple of the energy of
+/// spans of equal length.
+const FAIRNESS: f64 = 1e-6;
+
+/// A surface of scattered data may leave their box by this part of its diagonal, as planes do in corners without data.
+const NEAR: f64 = 0.1;
+
+/// One that was kept near its data may do so by this part.
+const FAR: f64 = 1.0;
 
 /// The directions with which a fit begins that chooses its knots.
 pub(super) fn first_directions(

@@ -24,6 +24,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::automatic::Automatic;
+use super::between::Excursion;
 use super::convergence::{Decay, Foreseen};
 use super::geometry::Geometry;
 use super::method::update::Update;
@@ -51,6 +52,8 @@ pub struct Level {
     pub bad_weight: Option<(usize, f64)>,
     /// The level at which the fit will end, by what is known at this level.
     pub predicted: Option<usize>,
+    /// At the last level: where the fit has left its data between neighbours, if anywhere.
+    pub between: Option<Excursion>,
 }
 
 /// The iteration of one problem at some level.
@@ -134,6 +137,7 @@ impl Iteration {
                 moved: 0,
                 bad_weight: None,
                 predicted: None,
+                between: None,
             },
             first_length: length,
             length,
@@ -298,6 +302,13 @@ impl Iteration {
         sweep.levels().min(left).min(allowed).min(expected as usize)
     }
 
+    /// At the last level, looks at what the fit does between its data.
+    pub fn look_between(&mut self) {
+        let (problem, largest) = (self.problem(), self.level.error.max);
+        let allowed = largest.max(problem.tolerance());
+        self.level.between = Excursion::of(problem, self.control_points(), allowed);
+    }
+
     /// Computes several levels in one pass over memory, and returns how many were taken: fewer, if
     /// the fit ends between.
     fn pass(&mut self, count: usize, visit: &mut impl FnMut(Level)) -> usize {
@@ -338,6 +349,7 @@ impl Iteration {
             moved,
             bad_weight: self.bad_weight(),
             predicted: None,
+            between: None,
         };
         self.decay.record(self.level.iteration, error.max);
         self.level.predicted = self.predicted();

@@ -112,6 +112,7 @@
 //! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules;
 //!   `convergence`: when it will end;
 //! - `plain`, [`sweep`]: the loop as it is written down, and at the speed of the memory;
+//! - `between`: what it does between its data;
 //! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
 //! - [`nurbs`]: the same as CAD kernels store it, whatever its basis;
 //! - [`foot`]: the points of a surface that are nearest to others;
@@ -139,6 +140,7 @@ mod automatic;
 mod bands;
 pub(crate) mod bases;
 pub mod basis;
+mod between;
 mod blocks;
 mod bounds;
 mod choice;
@@ -171,6 +173,7 @@ pub mod points;
 pub mod problem;
 #[cfg(test)]
 mod properties;
+mod quadrature;
 mod quantiles;
 pub(crate) mod rates;
 mod request;

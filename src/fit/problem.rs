@@ -25,6 +25,7 @@ use super::points::{self, Grid, Points};
 use super::scattered::Scattered;
 use super::setup::Setup;
 use super::sparse::Sparse;
+use super::tolerance::guide::Guide;
 use super::warning::Warning;
 use super::weights;
 
@@ -184,7 +185,11 @@ impl Problem {
         };
         let grid = self.grid();
         let columns = self.v().map_or(1, |_| settings.v.min(grid.columns));
-        let most = settings.u.min(grid.rows).saturating_mul(columns);
+        let rows = match self.v() {
+            None => Guide::most_control_points(grid.rows),
+            Some(_) => grid.rows,
+        };
+        let most = settings.u.min(rows).saturating_mul(columns);
         most.max(self.control_grid().count())
     }
 

@@ -34,16 +34,19 @@ pub enum Reason {
     Rounding,
     /// Least squares and Chebyshev: the residual grows, because the steps are too long.
     Diverging,
+    /// With control points `auto`: within the tolerance at the data, and far away from them between neighbours.
+    Between,
 }
 
 impl Reason {
     /// All reasons.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Minimum,
         Self::Convexity,
         Self::Nilpotent,
         Self::Rounding,
         Self::Diverging,
+        Self::Between,
     ];
 
     /// The name on the wire.
@@ -54,6 +57,7 @@ impl Reason {
             Self::Nilpotent => "nilpotent",
             Self::Rounding => "rounding",
             Self::Diverging => "diverging",
+            Self::Between => "between",
         }
     }
 }

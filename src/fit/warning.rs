@@ -8,6 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::basis::knots::Knots;
+use super::between::Excursion;
 use super::choice::{BasisChoice, DirectionChoice};
 use super::convergence::Forecast;
 use super::direction::Direction;
@@ -57,6 +58,8 @@ pub enum Warning {
         /// How many points have it.
         count: usize,
     },
+    /// The fit has left neighbouring points by more than they are apart.
+    Between(Excursion),
     /// Extended: distances between are so much larger than the data that rounding leaves more than
     /// the tolerance.
     Rounding {
@@ -173,7 +176,7 @@ impl Warning {
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 11] = [
+    pub const CODES: [&str; 12] = [
         "few_points",
         "even_degree",
         "rounding",
@@ -185,6 +188,7 @@ impl Warning {
         "slow_steps",
         "unordered",
         "no_data_value",
+        "between_points",
     ];
 
     /// The name on the wire.
@@ -201,6 +205,7 @@ impl Warning {
             Self::SlowSteps { .. } => "slow_steps",
             Self::Unordered => "unordered",
             Self::NoData { .. } => "no_data_value",
+            Self::Between(_) => "between_points",
         }
     }
 
@@ -209,6 +214,7 @@ impl Warning {
         match *self {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
             Self::Outliers { .. } | Self::Unordered | Self::NoData { .. } => Place::Points,
+            Self::Between(excursion) => Place::Point(excursion.index),
             Self::ReversedTangent { index } => Place::Constraint(index),
             _ => Place::Method,
         }
@@ -270,6 +276,10 @@ impl Warning {
             Self::NoData { value, count } => format!(
                 "{count} points have the value {value}, which often stands for missing data, and is fitted like all others; \
                  give null for missing points, which least squares leaves out"
+            ),
+            Self::Between(excursion) => format!(
+                "{excursion}: its errors at the data say nothing of that; give more points there, use another \
+                 parametrization or averaged knots, or least squares with fairness"
             ),
             Self::WithoutData { count } => format!(
                 "{count} control points have no data where their functions differ from zero: they stay where they \

@@ -114,10 +114,15 @@ impl Outline {
     pub(crate) fn warnings(&self, levels: Option<&Levels>) -> impl Iterator<Item = Warning> {
         let found = levels.map(|levels| {
             let Levels {
-                forecast, first, ..
+                forecast,
+                first,
+                last,
             } = levels;
-            self.method
-                .warnings(forecast, first.predicted, self.max_iterations)
+            let between = last.between.map(Warning::Between);
+            let of_method = self
+                .method
+                .warnings(forecast, first.predicted, self.max_iterations);
+            of_method.into_iter().chain(between)
         });
         self.warnings
             .clone()

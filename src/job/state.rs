@@ -143,6 +143,16 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
         }
         Reason::Rounding => format!("distances do not fall any more, for rounding: {left}"),
         Reason::Diverging => format!("distances grow, as the step is too long: {left}"),
+        Reason::Between => match levels.last.between {
+            Some(excursion) => format!(
+                "the fit is within the tolerance at the data, but {excursion}: use a larger tolerance, fairness, or a \
+                 number of control points"
+            ),
+            None => format!(
+                "a fit within the tolerance at the data leaves them where there are none, and one that does not is not \
+                 within it: {left}; use a larger tolerance, fairness, or a number of control points"
+            ),
+        },
     }
 }
 

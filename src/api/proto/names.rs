@@ -35,6 +35,7 @@ pub(crate) fn reason(reason: Option<Reason>) -> pb::EndReason {
         Some(Reason::Nilpotent) => pb::EndReason::Nilpotent,
         Some(Reason::Rounding) => pb::EndReason::Rounding,
         Some(Reason::Diverging) => pb::EndReason::Diverging,
+        Some(Reason::Between) => pb::EndReason::Between,
     }
 }
 
@@ -52,6 +53,7 @@ pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::ReversedTangent { .. } => pb::WarningCode::ReversedTangent,
         Warning::Unordered => pb::WarningCode::Unordered,
         Warning::NoData { .. } => pb::WarningCode::NoDataValue,
+        Warning::Between(_) => pb::WarningCode::BetweenPoints,
     }
 }
 

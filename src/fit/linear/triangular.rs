@@ -5,16 +5,23 @@
 //! condition of A is that of R and not, as with a Cholesky decomposition of AᵀA, its square. That
 //! takes O(m w²) for m rows of w entries, and a solution O(n w) for n columns.
 //!
+//! Where that is too much, as with the many rows of the fairness of a surface, the products `AᵀA` are summed up while
+//! rows come, and decomposed (Cholesky) in O(n w²): what is lost by that comes back in steps of refinement.
+//!
 //! Columns that depend on those before them are left out: their unknowns stay zero. Columns that do so
 //! only together, a little each, make solutions grow without bound from one to the next; small rows of
 //! the identity hold them then (Tikhonov). Cubics over 999 equal shares of 1000 points are of that kind,
 //! with a condition of 1e31.
 
 use super::map::LineMap;
+use crate::fit::interrupt;
 
 /// A column whose part that is independent of the columns before it is smaller than this part of it
 /// depends on them.
 const DEPENDENT: f64 = 1e-12;
+
+/// The same of the squares of these parts, which are differences of products.
+const DEPENDENT_SQUARE: f64 = 1e-14;
 
 /// The rows of a matrix on their way into a factorization.
 #[derive(Debug)]
@@ -23,10 +30,20 @@ pub(crate) struct Rows {
     places: Vec<u32>,
     /// The most places from the first to the last entry of a row.
     width: usize,
-    /// The first place of each row.
-    firsts: Vec<u32>,
-    /// `width` numbers of each row.
-    entries: Vec<f64>,
+    kept: Kept,
+}
+
+/// What is kept of rows.
+#[derive(Debug)]
+enum Kept {
+    Rows {
+        /// The first place of each row.
+        firsts: Vec<u32>,
+        /// `width` numbers of each row.
+        entries: Vec<f64>,
+    },
+    /// The sums of products of columns: of each place `width` numbers, from its own square on.
+    Products(Vec<f64>),
 }
 
 impl Rows {
@@ -35,8 +52,20 @@ impl Rows {
         Self {
             width: width.min(places.len()),
             places,
-            firsts: Vec::new(),
-            entries: Vec::new(),
+            kept: Kept::Rows {
+                firsts: Vec::new(),
+                entries: Vec::new(),
+            },
+        }
+    }
+
+    /// The same, of which only the products of columns are kept.
+    pub(crate) fn of_products(places: Vec<u32>, width: usize) -> Self {
+        let width = width.min(places.len());
+        Self {
+            kept: Kept::Products(vec![0.0; places.len() * width]),
+            places,
+            width,
         }
     }
 
@@ -46,26 +75,48 @@ impl Rows {
             let entries = row.clone().filter(|&(_, value)| value != 0.0);
             entries.map(|(column, value)| (self.places[column] as usize, value))
         };
-        let Some(first) = entries().map(|(place, _)| place).min() else {
-            return;
-        };
-        let mut line = vec![0.0; self.width];
-        for (place, value) in entries() {
-            line[place - first] += factor * value;
+        match &mut self.kept {
+            Kept::Products(products) => {
+                for (place, value) in entries() {
+                    let later = entries().filter(|(other, _)| *other >= place);
+                    let products = &mut products[place * self.width..(place + 1) * self.width];
+                    later.for_each(|(other, x)| {
+                        products[other - place] += (factor * value) * (factor * x);
+                    });
+                }
+            }
+            Kept::Rows {
+                firsts,
+                entries: numbers,
+            } => {
+                let Some(first) = entries().map(|(place, _)| place).min() else {
+                    return;
+                };
+                let mut line = vec![0.0; self.width];
+                for (place, value) in entries() {
+                    line[place - first] += factor * value;
+                }
+                numbers.extend(line);
+                firsts.push(first as u32);
+            }
         }
-        self.entries.extend(line);
-        self.firsts.push(first as u32);
     }
 
     /// The triangular factor; `fixed` columns are left out.
     pub(crate) fn triangular(self, fixed: impl Fn(usize) -> bool) -> Triangular {
-        let mut order: Vec<usize> = (0..self.firsts.len()).collect();
-        order.sort_by_key(|&row| self.firsts[row]);
+        let (firsts, entries) = match self.kept {
+            Kept::Products(products) => {
+                return Triangular::of_products(self.places, self.width, products, fixed);
+            }
+            Kept::Rows { firsts, entries } => (firsts, entries),
+        };
+        let mut order: Vec<usize> = (0..firsts.len()).collect();
+        order.sort_by_key(|&row| firsts[row]);
         let mut triangular = Triangular::new(self.places, self.width);
         let mut line = vec![0.0; self.width];
         for row in order {
-            line.copy_from_slice(&self.entries[row * self.width..(row + 1) * self.width]);
-            triangular.insert(&mut line, self.firsts[row] as usize);
+            line.copy_from_slice(&entries[row * self.width..(row + 1) * self.width]);
+            triangular.insert(&mut line, firsts[row] as usize);
         }
         triangular.leave_out(fixed);
         match triangular.is_nearly_singular() {
@@ -97,6 +148,47 @@ impl Triangular {
             rows: vec![0.0; n * width],
             taken: vec![false; n],
             places,
+        }
+    }
+
+    /// The factor of a matrix with these products of columns; `fixed` columns, and those that depend on others before
+    /// them, are left out.
+    fn of_products(
+        places: Vec<u32>,
+        width: usize,
+        mut products: Vec<f64>,
+        fixed: impl Fn(usize) -> bool,
+    ) -> Self {
+        let n = places.len();
+        let squares: Vec<f64> = products.iter().step_by(width.max(1)).copied().collect();
+        let mut taken = vec![true; n];
+        for (column, &place) in places.iter().enumerate() {
+            taken[place as usize] = !fixed(column);
+        }
+        for place in 0..n {
+            interrupt::check();
+            let (row, later) = products[place * width..].split_at_mut(width);
+            taken[place] &= row[0] > DEPENDENT_SQUARE * squares[place];
+            if !taken[place] {
+                row.fill(0.0);
+                continue;
+            }
+            let diagonal = row[0].sqrt();
+            row[0] = diagonal;
+            row[1..].iter_mut().for_each(|entry| *entry /= diagonal);
+            for (k, other) in later.chunks_exact_mut(width).enumerate().take(width - 1) {
+                let factor = row[k + 1];
+                if factor != 0.0 {
+                    let pairs = other.iter_mut().zip(&row[k + 1..]);
+                    pairs.for_each(|(entry, x)| *entry -= factor * x);
+                }
+            }
+        }
+        Self {
+            places,
+            width,
+            rows: products,
+            taken,
         }
     }
 
@@ -291,6 +383,31 @@ mod tests {
         for (x, expected) in x.iter().zip(expected.iter()) {
             assert!((x - expected).abs() < 1e-10 * expected.abs().max(1.0));
         }
+    }
+
+    /// The factor of products is that of rotations, but for signs of rows and rounding.
+    #[test]
+    fn products_have_the_same_solutions() {
+        let (m, n, width) = (60, 14, 5);
+        let places: Vec<u32> = (0..n as u32).rev().collect();
+        let mut rotated = Rows::new(places.clone(), width);
+        let mut summed = Rows::of_products(places, width);
+        for i in 0..m {
+            let first = i * (n - width + 1) / m;
+            let row = (first..first + width).map(|j| (j, entry(i, j)));
+            rotated.push(row.clone(), 0.7);
+            summed.push(row, 0.7);
+        }
+        let fixed = |column| column == 3;
+        let b: Vec<f64> = (0..n).map(|j| (j as f64).cos()).collect();
+        let [mut x, mut y] = [b.clone(), b];
+        rotated.triangular(fixed).apply(&mut x);
+        summed.triangular(fixed).apply(&mut y);
+        let largest = x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        for (x, y) in x.iter().zip(&y) {
+            assert!((x - y).abs() < 1e-9 * largest, "{x} {y}");
+        }
+        assert_eq!((x[3], y[3]), (0.0, 0.0));
     }
 
     /// Column 2 is zero and column 3 twice column 1: both are left out, and the others solved for.

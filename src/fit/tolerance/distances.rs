@@ -42,6 +42,16 @@ impl Distances {
         Self::by_blocks(squares, unit, |_, _| ())
     }
 
+    /// The same without what is free of each.
+    pub(super) fn beyond(&self, freedom: &[f64], unit: f64) -> Self {
+        let left = |(distance, free): (&f64, &f64)| match distance - free {
+            left if left < 0.0 => 0.0,
+            left => (left * unit) * (left * unit),
+        };
+        let squares = self.each.iter().zip(freedom).map(left);
+        Self::of_squares(squares.collect(), unit)
+    }
+
     /// Of squares that are completed block by block before they are measured.
     fn by_blocks(
         mut each: Vec<f64>,

@@ -1,8 +1,11 @@
 //! Least squares over given knots: what the schedule asks for, and knows nothing more about.
 //!
 //! ```text
-//! min Σ_i w_i ‖P_i − C(t_i)‖²,   C(t_0) = P_0 and C(t_n) = P_n on open curves
+//! min Σ_i w_i ‖P_i − C(t_i)‖² + ε Ω/k Σ_spans h^(2r−1) ∫_span ‖C^(r)‖²,   C(t_0) = P_0 and C(t_n) = P_n on open curves
 //! ```
+//!
+//! with the sum Ω of the weights, k spans of length h, r = 2 (1 for degree 1), and by default ε = 0. This fairness is
+//! weighed span by span, so that fine knots keep their accuracy.
 //!
 //! The first and the last control point of an open curve are its ends, so these constraints take
 //! two unknowns away and the normal equations stay banded and positive definite. Everything is
@@ -15,6 +18,7 @@ use super::gram::{Cholesky, Gram};
 use super::line::KnotLine;
 use super::values::Values;
 use crate::fit::points::Points;
+use crate::fit::quadrature::{Row, node_rows};
 
 /// A minimum over some knots. What else it has to obey or to weigh, as constraints or fairness, is
 /// the business of an implementation: the schedule only compares distances.
@@ -31,6 +35,8 @@ pub(crate) struct LeastSquares {
     pub points: Arc<Points>,
     /// How much each datum counts, without it all alike.
     pub data_weights: Option<Arc<Vec<f64>>>,
+    /// ε, how fair the curve is.
+    pub fairness: f64,
 }
 
 impl Minimum for LeastSquares {
@@ -44,19 +50,45 @@ impl Minimum for LeastSquares {
             (given, own) => given.or(own.map(Vec::as_slice)),
         };
         let mut control_points = start(values.line(), &self.points);
-        let factor = gram(values, weights).factor()?;
+        let bending = (self.fairness > 0.0).then(|| self.bending(values, weights));
+        let bending = bending.unwrap_or_default();
+        let factor = gram(values, weights, &bending).factor()?;
         // Where there are few data for each control point, rounding matters: one step of refinement.
         let steps = 1 + usize::from(2 * control_points.len() > self.points.len());
         for _ in 0..steps {
-            self.step(values, weights, &factor, &mut control_points);
+            self.step(values, weights, (&factor, &bending), &mut control_points);
         }
         control_points.is_finite().then_some(control_points)
     }
 }
 
 impl LeastSquares {
+    /// Rows whose squares are the fairness.
+    fn bending(&self, values: &Values, weights: Option<&[f64]>) -> Vec<Row> {
+        let (line, data) = (values.line(), self.points.len());
+        let sum: f64 = weights.map_or(data as f64, |weights| weights.iter().sum());
+        let order = line.degree().min(2);
+        let (turn, count) = (line.turn(), line.control_points());
+        let each = self.fairness * sum / line.spans() as f64;
+        let rows = node_rows(&line.direction(Arc::new(Vec::new())), order).unwrap_or_default();
+        let spans = line.breaks().windows(2).map(|span| span[1] - span[0]);
+        let scaled = rows.into_iter().zip(spans).flat_map(|(rows, width)| {
+            let root = (each * width.powi(2 * order as i32 - 1)).sqrt();
+            let scale = move |(j, b): (usize, f64)| ((j + turn) % count, root * b);
+            let rows = rows.into_iter();
+            rows.map(move |row| row.into_iter().map(scale).collect())
+        });
+        scaled.collect()
+    }
+
     /// Adds the solution of the normal equations to control points.
-    fn step(&self, values: &Values, weights: Option<&[f64]>, factor: &Cholesky, x: &mut Points) {
+    fn step(
+        &self,
+        values: &Values,
+        weights: Option<&[f64]>,
+        (factor, bending): (&Cholesky, &[Row]),
+        x: &mut Points,
+    ) {
         let (width, data) = (values.width(), self.points.lanes());
         let (fixed, count) = (fixed_ends(values.line()), x.len());
         let sums = values.right_sides(data, x.lanes(), weights);
@@ -69,6 +101,10 @@ impl LeastSquares {
             {
                 values.add_to(&mut right, part, &sums[c * width..(c + 1) * width]);
             }
+            for row in bending {
+                let product: f64 = row.iter().map(|&(j, b)| b * x[j]).sum();
+                row.iter().for_each(|&(j, b)| right[j] -= b * product);
+            }
             factor.solve(&mut right[fixed..count - fixed]);
             let moved = x[fixed..count - fixed].iter_mut();
             moved.zip(&right[fixed..]).for_each(|(x, step)| *x += step);
@@ -76,8 +112,8 @@ impl LeastSquares {
     }
 }
 
-/// `AᵀWA` of the control points that move.
-fn gram(values: &Values, weights: Option<&[f64]>) -> Gram {
+/// `AᵀWA` of the control points that move, and the squares of some rows.
+fn gram(values: &Values, weights: Option<&[f64]>, bending: &[Row]) -> Gram {
     let (line, width) = (values.line(), values.width());
     let (fixed, count) = (fixed_ends(line), line.control_points());
     let mut gram = Gram::new(count - 2 * fixed, line.degree(), line.is_closed());
@@ -95,6 +131,16 @@ fn gram(values: &Values, weights: Option<&[f64]>) -> Gram {
             for b in 0..=a {
                 if let (Some(i), Some(j)) = (place(a), place(b)) {
                     gram.add(i, j, products[a * width + b]);
+                }
+            }
+        }
+    }
+    for row in bending {
+        let moving = |j: usize| (fixed..count - fixed).contains(&j).then(|| j - fixed);
+        for (k, &(a, x)) in row.iter().enumerate() {
+            for &(b, y) in &row[..=k] {
+                if let (Some(i), Some(j)) = (moving(a), moving(b)) {
+                    gram.add(i, j, x * y);
                 }
             }
         }

@@ -19,6 +19,8 @@
 //!    where knots are needed. There knots whose removal changes the curve least leave it one by one,
 //!    as long as the fit without them is within the tolerance ([`pruning`]).
 //!
+//! A fit that is within the tolerance and leaves its data between neighbours goes on with points there ([`guide`]).
+//!
 //! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
 //! [`correction`]).
 //!
@@ -50,6 +52,7 @@ pub(crate) mod distances;
 pub(crate) mod equations;
 mod gram;
 pub(crate) mod growth;
+pub(crate) mod guide;
 pub(crate) mod insertion;
 pub(crate) mod line;
 pub(crate) mod minimax;
@@ -88,6 +91,8 @@ pub(crate) struct Options {
     /// Whether levels are minima alone, without steps of plain least squares between them: where
     /// more is to be obeyed or weighed than these do.
     pub minima_alone: bool,
+    /// For each datum how far away the curve may be without a distance; none of them without it.
+    pub freedom: Option<Arc<[f64]>>,
 }
 
 /// A B-spline on the way.

@@ -36,7 +36,7 @@ impl KnotLine {
     }
 
     /// Where the control points of a direction begin among those here.
-    fn turn(&self) -> usize {
+    pub(super) fn turn(&self) -> usize {
         match self.is_closed() {
             true => self.degree() / 2 % self.control_points(),
             false => 0,

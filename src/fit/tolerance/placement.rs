@@ -31,7 +31,7 @@ pub(crate) fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Opti
 
 /// Knots that follow the data (PT97 (9.68)–(9.69)), with a control point for each datum averages of
 /// them (PT97 (9.8)).
-fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<KnotLine> {
+pub(super) fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<KnotLine> {
     let (degree, closed) = (monitor.degree(), monitor.is_closed());
     let spans = control_points.checked_sub(control_points_beyond_spans(degree, closed))?;
     let breaks = if closed {

@@ -324,7 +324,11 @@ impl<M: Minimum> Schedule<M> {
         control_points: Points,
         parameters: Arc<Vec<f64>>,
     ) -> Arc<Level> {
-        let distances = values.distances(control_points.lanes(), self.points.lanes(), self.unit);
+        let mut distances =
+            values.distances(control_points.lanes(), self.points.lanes(), self.unit);
+        if let Some(freedom) = &self.options.freedom {
+            distances = distances.beyond(freedom, self.unit);
+        }
         Arc::new(Level {
             line,
             control_points,

@@ -217,8 +217,11 @@ impl Run {
 
     /// Records the level that was reached after `before`, and keeps its frame if somebody may read it.
     fn publish(&self, iteration: &mut Iteration, before: Option<Level>) {
-        let level = iteration.level();
         let outcome = iteration.outcome();
+        if outcome.is_some_and(|outcome| outcome != Outcome::Overflow) {
+            iteration.look_between();
+        }
+        let level = iteration.level();
         let cache = &self.resources.memory.cache;
         let mut state = self.state.lock();
         if state.ending.is_some() {

@@ -27,7 +27,8 @@ pub(crate) struct WarningView {
     /// data run against the vector of a tangent, so that the derivative there is zero. `slow_steps`: Chebyshev steps take hundreds of iterations to a
     /// hundredth of the error, and `global` is nearer in the first ones.
     /// `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
-    /// points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data. There may be others in later versions.
+    /// points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
+    /// `between_points`: the fit leaves neighbouring points by more than they are apart. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
     /// A JSON pointer into the input of the job.

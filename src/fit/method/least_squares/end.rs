@@ -19,7 +19,7 @@ use std::sync::Arc;
 use super::constraints::Condition;
 use super::objective::Objective;
 use super::settings::LeastSquares;
-use super::solver::{Solver, cost};
+use super::solver::{Solver, cost, sums_products};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::State;
 use crate::fit::points::Points;
@@ -52,6 +52,8 @@ pub(super) struct End {
     fall: f64,
     /// Whether the normal equations can be solved in a short time.
     solvable: bool,
+    /// Whether products are summed up for that.
+    sums_products: bool,
     /// What every level obeys.
     conditions: Vec<Condition>,
     /// The normal equations, once they were needed.
@@ -70,6 +72,7 @@ impl End {
         Self {
             conditions,
             solvable: cost(setup, settings) <= MOST,
+            sums_products: sums_products(setup, settings),
             unit: units.iter().copied().fold(f64::INFINITY, f64::min),
             last: None,
             fall: 0.0,
@@ -140,8 +143,8 @@ impl End {
         if own.is_some() || !self.solvable {
             return own;
         }
-        let conditions = &self.conditions;
-        let make = || Arc::new(Solver::new(equations, scale, objective, conditions));
+        let (small, sums_products) = ((objective, &*self.conditions), self.sums_products);
+        let make = || Arc::new(Solver::new(equations, small, scale, sums_products));
         Some(&**self.solver.get_or_insert_with(make))
     }
 }

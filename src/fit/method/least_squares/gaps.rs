@@ -7,9 +7,9 @@
 //! beside the sum of squares with the sum Ω of the weights of the data. It does not depend on the scale of the
 //! parameters if that is one for both. Where there are data it adds nothing.
 
-use super::fairness::{Row, node_rows};
 use crate::fit::direction::Direction;
 use crate::fit::interrupt;
+use crate::fit::quadrature::{Row, node_rows};
 use crate::fit::setup::Setup;
 
 /// The energy over the spans without data.

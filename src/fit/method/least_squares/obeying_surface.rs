@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::obeying::Obeying;
-use super::settings::LeastSquares;
+use super::settings::{Fairness, LeastSquares};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
 use crate::fit::tolerance::distances::Distances;
@@ -29,7 +29,25 @@ impl ObeyingSurface {
             fair: settings.has_energy(),
         }
     }
+
+    /// With some fairness, and stiff gaps, that nobody asked for.
+    pub(in crate::fit) fn fair(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
+        let fairness = Some(Fairness {
+            value: FAIRNESS,
+            order: 2,
+        });
+        Self::new(
+            setup,
+            &LeastSquares {
+                fairness,
+                ..settings.clone()
+            },
+        )
+    }
 }
+
+/// How fair a surface is that is kept near its data where there are none.
+const FAIRNESS: f64 = 1e-9;
 
 /// The parameters u and v of each point.
 fn point_by_point(setup: &Setup) -> [Arc<Vec<f64>>; 2] {

@@ -6,7 +6,8 @@
 //! `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if all its points are there and count alike, without `w H`. Otherwise the matrix of the whole
 //! surface is, as far as [`MOST`] multiplications go. A step is solved for twice, the second time
 //! for what rounding has left of the gradient (corrected seminormal equations, Björck 1987), so that
-//! it is as exact as by orthogonal transformations.
+//! it is as exact as by orthogonal transformations. Where rotations would take more than [`MOST_ROTATIONS`]
+//! multiplications, the products N are summed up and decomposed instead, and the step is refined more often.
 
 use super::constraints::{Condition, Projection, Tangents};
 use super::fairness::Energy;
@@ -30,6 +31,12 @@ use crate::fit::tensor::Tensor;
 /// The most multiplications that the factorization of a whole surface may take.
 pub(super) const MOST: usize = 4_000_000_000;
 
+/// The most multiplications of rotations; beyond them N is summed up.
+const MOST_ROTATIONS: usize = 200_000_000;
+
+/// Refinements of a step by a factor of N.
+const REFINEMENTS: usize = 4;
+
 /// `(AᵀA)⁻¹`, as a factorization.
 #[derive(Debug)]
 pub(super) struct Solver {
@@ -41,15 +48,17 @@ pub(super) struct Solver {
     grid: Grid,
     /// What every level obeys.
     projection: Option<Projection>,
+    /// How often a step is refined.
+    refinements: usize,
 }
 
 impl Solver {
     /// Factorizes; control points whose factor in `scale` is zero stay where they are.
     pub(super) fn new(
         equations: &Equations,
+        (objective, conditions): (&Objective, &[Condition]),
         scale: &[f64],
-        objective: &Objective,
-        conditions: &[Condition],
+        sums_products: bool,
     ) -> Self {
         let setup = &equations.setup;
         let fixed = |index: usize| scale[index] == 0.0;
@@ -57,12 +66,16 @@ impl Solver {
             objective,
             conditions,
             scale,
+            sums_products,
         };
         let whole = |rows: Rows| Self::whole(setup, rows.triangular(fixed));
         let mut solver = match &equations.collocation {
             Operator::Sparse(sparse) => whole(scattered(sparse, &additional)),
             Operator::Tensor(tensor) => Self::of_tensor(setup, tensor, &additional),
         };
+        if sums_products {
+            solver.refinements = REFINEMENTS;
+        }
         let mut scratch = vec![0.0; equations.scratch()];
         solver.projection = Projection::inverse(conditions, scale.len(), |column| {
             solver.apply(&mut [column], &mut scratch);
@@ -80,6 +93,7 @@ impl Solver {
                 columns: 1,
             },
             projection: None,
+            refinements: 1,
         }
     }
 
@@ -96,6 +110,7 @@ impl Solver {
                 v: Some(line(v, across, |_| 1.0).triangular(|_| false)),
                 grid: setup.control_grid(),
                 projection: None,
+                refinements: 1,
             },
             None => {
                 let mut rows = line(&tensor.u, setup.u(), |i| {
@@ -155,10 +170,17 @@ impl Solver {
         let mut step = gradient.clone();
         self.solve(&mut step, &mut state.scratch);
         state.control_points.add(&step);
-        compute_residual(equations, state);
-        objective.gradient(equations, state, &mut step);
-        self.solve(&mut step, &mut state.scratch);
-        state.control_points.add(&step);
+        let mut left = f64::INFINITY;
+        for _ in 0..self.refinements {
+            compute_residual(equations, state);
+            objective.gradient(equations, state, &mut step);
+            if step.magnitude() >= left {
+                break;
+            }
+            left = step.magnitude();
+            self.solve(&mut step, &mut state.scratch);
+            state.control_points.add(&step);
+        }
     }
 }
 
@@ -167,9 +189,19 @@ struct Additional<'a> {
     objective: &'a Objective,
     conditions: &'a [Condition],
     scale: &'a [f64],
+    /// Whether the products of columns are summed up, rather than rows rotated.
+    sums_products: bool,
 }
 
 impl Additional<'_> {
+    /// No rows of a whole surface yet.
+    fn rows(&self, places: Vec<u32>, width: usize) -> Rows {
+        match self.sums_products {
+            true => Rows::of_products(places, width),
+            false => Rows::new(places, width),
+        }
+    }
+
     /// Adds those of fairness and of conditions, which are made as large as those of the data.
     fn push(&self, rows: &mut Rows) {
         if let Some(energy) = self.objective.energy() {
@@ -193,6 +225,33 @@ pub(super) fn is_whole(setup: &Setup, separable: bool) -> bool {
 
 /// About how many multiplications the factorization takes.
 pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
+    match setup.v() {
+        Some(v) if sums_products(setup, settings) => {
+            let widths = setup.directions().map(|it| it.basis.support_width());
+            let width = widths.product::<usize>();
+            let rows = setup
+                .grid()
+                .count()
+                .saturating_add(Energy::count(setup, settings));
+            let sums = rows.saturating_mul(width.saturating_mul(width));
+            let band = setup.u().basis.support_width().saturating_mul(v.free());
+            let factor = setup
+                .control_grid()
+                .count()
+                .saturating_mul(band.saturating_mul(band));
+            sums.saturating_add(factor)
+        }
+        _ => rotations(setup, settings),
+    }
+}
+
+/// Whether products are summed up, as rotations would take too many multiplications.
+pub(super) fn sums_products(setup: &Setup, settings: &LeastSquares) -> bool {
+    is_whole(setup, settings.is_separable()) && rotations(setup, settings) > MOST_ROTATIONS
+}
+
+/// The same by rotations.
+fn rotations(setup: &Setup, settings: &LeastSquares) -> usize {
     let span = |direction: &Direction| {
         let (width, free) = (direction.basis.support_width(), direction.free());
         let places = if direction.is_closed() {
@@ -202,7 +261,7 @@ pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
         };
         places.min(free)
     };
-    let rotations = |rows: usize, width: usize| {
+    let of_rows = |rows: usize, width: usize| {
         let each = width.saturating_mul(width).saturating_mul(4);
         rows.saturating_mul(each)
     };
@@ -219,14 +278,14 @@ pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
                     .saturating_mul(cell)
                     .min(count)
                     .saturating_add(bending);
-                return rotations(left, width).saturating_add(rotations(count, cell));
+                return of_rows(left, width).saturating_add(of_rows(count, cell));
             }
-            rotations(count.saturating_add(bending), width)
+            of_rows(count.saturating_add(bending), width)
         }
         _ => {
             let costs = setup
                 .directions()
-                .map(|direction| rotations(direction.parameters.len(), span(direction)));
+                .map(|direction| of_rows(direction.parameters.len(), span(direction)));
             costs.fold(0, usize::saturating_add)
         }
     }
@@ -272,7 +331,7 @@ fn surface(setup: &Setup, tensor: &Tensor, v: &Collocation, additional: &Additio
     let places = places_u.iter();
     let places =
         places.flat_map(|&place| (0..columns).map(move |j| place * columns as u32 + j as u32));
-    let mut rows = Rows::new(places.collect(), width_u * columns);
+    let mut rows = additional.rows(places.collect(), width_u * columns);
     let mut ones = vec![1.0; grid.count()];
     if let Some(missing) = setup.missing() {
         missing.clear(&mut ones);
@@ -302,7 +361,7 @@ fn scattered(sparse: &Sparse, additional: &Additional) -> Rows {
     let mut points: Vec<usize> = (0..sparse.rows()).collect();
     points.sort_by_key(|&i| sparse.cell(i));
     let places = (0..(rows * columns) as u32).collect();
-    let mut left = Rows::new(places, along * columns);
+    let mut left = additional.rows(places, along * columns);
     for points in points.chunk_by(|&i, &j| sparse.cell(i) == sparse.cell(j)) {
         let (row, column) = sparse.cell(points[0]);
         let first = row as usize * columns + column as usize;

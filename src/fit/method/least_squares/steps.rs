@@ -8,7 +8,7 @@ use super::constraints::{Condition, Projection, independent};
 use super::end::End;
 use super::objective::Objective;
 use super::settings::{LeastSquares, Variant};
-use super::solver::Solver;
+use super::solver::{Solver, sums_products};
 use crate::fit::equations::Equations;
 use crate::fit::method::update::{Change, State, Update};
 use crate::fit::plain::compute_residual;
@@ -65,7 +65,15 @@ impl Steps {
         let scale = objective.scale(equations, variant, &conditions);
         let has_tangents = conditions.iter().any(|condition| condition.is_tangent);
         let solver = (has_tangents || variant == Variant::Direct)
-            .then(|| Arc::new(Solver::new(equations, &scale, &objective, &conditions)));
+            .then(|| {
+                Solver::new(
+                    equations,
+                    (&objective, &conditions),
+                    &scale,
+                    sums_products(setup, settings),
+                )
+            })
+            .map(Arc::new);
         let tangents = solver.as_ref().filter(|_| has_tangents);
         let tangents =
             tangents.and_then(|it| it.tangents(equations, &mut objective, (&conditions, &scale)));

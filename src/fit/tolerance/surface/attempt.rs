@@ -3,7 +3,7 @@
 use super::{Data, Fit};
 use crate::fit::tolerance::line::KnotLine;
 use crate::fit::tolerance::monitor::Monitor;
-use crate::fit::tolerance::placement::place;
+use crate::fit::tolerance::placement::{even, place};
 
 /// Redistributions of an attempt.
 const TRIES: usize = 5;
@@ -23,6 +23,8 @@ pub(super) struct Attempt {
     lines: [KnotLine; 2],
     /// What the next knots come from.
     monitors: [Monitor; 2],
+    /// Whether the first knots follow the data.
+    begins_even: bool,
     tries: usize,
     /// The smallest largest distance so far.
     lowest: f64,
@@ -37,9 +39,18 @@ impl Attempt {
             counts,
             lines: from.level.lines.clone(),
             monitors: from.monitors(data, 1.0),
+            begins_even: false,
             tries: 0,
             lowest: f64::INFINITY,
             part: 0.0,
+        }
+    }
+
+    /// The same, but that the first knots follow the data.
+    pub(super) fn with_even_knots(self) -> Self {
+        Self {
+            begins_even: true,
+            ..self
         }
     }
 
@@ -47,6 +58,9 @@ impl Attempt {
     pub(super) fn lines(&self, data: &dyn Data) -> Option<[KnotLine; 2]> {
         let place = |axis: usize| {
             let (monitor, count) = (&self.monitors[axis], self.counts[axis]);
+            if self.begins_even && self.tries == 0 {
+                return even(monitor, data.parameters(axis), count);
+            }
             // A direction with more control points than data keeps its knots.
             let same = &self.lines[axis];
             let same = || (same.control_points() == count).then(|| same.clone());

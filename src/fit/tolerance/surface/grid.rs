@@ -25,6 +25,10 @@ use crate::fit::tolerance::values::Values;
 /// Both directions together may leave the tolerance: each about this part of it.
 const SHARE: f64 = 0.6;
 
+/// How fair a surface is that is kept near its data where there are none, by decades as far as its tolerance asks for:
+/// multiples of the energy of spans of equal length.
+const FAIRNESS: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
+
 /// A grid of points.
 #[derive(Debug)]
 pub(crate) struct GridData {
@@ -33,6 +37,8 @@ pub(crate) struct GridData {
     parameters: [Arc<Vec<f64>>; 2],
     /// The data as curves in u and in v, with a coordinate for each coordinate of each line across.
     curves: [Arc<Points>; 2],
+    /// The tolerance of a fit that is to be fair, too, as far as that allows it.
+    fair_within: Option<f64>,
 }
 
 impl GridData {
@@ -46,15 +52,24 @@ impl GridData {
             grid,
             parameters,
             curves: [Arc::new(u), Arc::new(v)],
+            fair_within: None,
+        }
+    }
+
+    /// The same, where fits within a tolerance are as fair as they can be.
+    pub(crate) fn fair(self, tolerance: f64) -> Self {
+        Self {
+            fair_within: Some(tolerance),
+            ..self
         }
     }
 
     /// The fits of all lines of a direction, and the largest distance that they leave at each
     /// parameter.
-    fn project(&self, axis: usize, line: &KnotLine) -> Option<(Points, Vec<f64>)> {
+    fn project(&self, axis: usize, line: &KnotLine, fairness: f64) -> Option<(Points, Vec<f64>)> {
         let (points, t) = (&self.curves[axis], &self.parameters[axis]);
         let values = Values::new(line, t);
-        let fits = minimum(points, &values)?;
+        let fits = minimum(points, &values, fairness)?;
         let dimension = self.points.dimension();
         let lines = points.dimension() / dimension;
         let mut left = vec![0.0; t.len()];
@@ -75,6 +90,25 @@ impl GridData {
         }
         Some((fits, left))
     }
+
+    /// The least-squares surface with so much fairness in each direction.
+    fn nearest_with(&self, lines: &[KnotLine; 2], fairness: f64) -> Option<Nearest> {
+        let columns = self.grid.columns;
+        let dimension = self.points.dimension();
+        let (along, left_u) = self.project(0, &lines[0], fairness)?;
+        let (_, left_v) = self.project(1, &lines[1], fairness)?;
+        // The control points of all lines in u, as curves in v.
+        let rows = lines[0].control_points();
+        let between = joined(&along, dimension, columns, rows);
+        let turned = transposed(&between, columns, rows);
+        let curves = Arc::new(lines_of(&turned, rows, columns));
+        let values = Values::new(&lines[1], &self.parameters[1]);
+        let across = minimum(&curves, &values, fairness)?;
+        Some(Nearest {
+            control_points: joined(&across, dimension, rows, lines[1].control_points()),
+            left: [left_u, left_v],
+        })
+    }
 }
 
 impl Data for GridData {
@@ -90,22 +124,20 @@ impl Data for GridData {
         counts[0] <= self.grid.rows && counts[1] <= self.grid.columns
     }
 
+    /// With the most fairness with which it is within the tolerance, if it is to be fair.
     fn nearest(&self, lines: &[KnotLine; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
-        let columns = self.grid.columns;
-        let dimension = self.points.dimension();
-        let (along, left_u) = self.project(0, &lines[0])?;
-        let (_, left_v) = self.project(1, &lines[1])?;
-        // The control points of all lines in u, as curves in v.
-        let rows = lines[0].control_points();
-        let between = joined(&along, dimension, columns, rows);
-        let turned = transposed(&between, columns, rows);
-        let curves = Arc::new(lines_of(&turned, rows, columns));
-        let values = Values::new(&lines[1], &self.parameters[1]);
-        let across = minimum(&curves, &values)?;
-        Some(Nearest {
-            control_points: joined(&across, dimension, rows, lines[1].control_points()),
-            left: [left_u, left_v],
-        })
+        let Some(tolerance) = self.fair_within else {
+            return self.nearest_with(lines, 0.0);
+        };
+        let mut nearest = None;
+        for fairness in FAIRNESS {
+            nearest = self.nearest_with(lines, fairness);
+            let points = nearest.as_ref().map(|it| &it.control_points);
+            if points.is_some_and(|points| self.distances(lines, points).max <= tolerance) {
+                break;
+            }
+        }
+        nearest
     }
 
     fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {
@@ -154,10 +186,11 @@ impl Data for GridData {
 }
 
 /// Least squares of curves side by side.
-fn minimum(curves: &Arc<Points>, values: &Values) -> Option<Points> {
+fn minimum(curves: &Arc<Points>, values: &Values, fairness: f64) -> Option<Points> {
     let least_squares = LeastSquares {
         points: Arc::clone(curves),
         data_weights: None,
+        fairness,
     };
     least_squares.minimum(values, None)
 }

@@ -193,11 +193,18 @@ impl SurfaceSchedule {
         let asked = fit.asked(&*self.data, tolerance);
         let is_fit_within = fit.level.distances.max <= tolerance;
         let most = self.most_towards(asked);
+        let even = self.most_towards([1, 1]);
         let asked = match self.data.allows(asked) {
             true => asked,
             false => most,
         };
-        Stage::Search(Search::new(fit, is_fit_within, asked, self.fewest(), most))
+        Stage::Search(Search::new(
+            fit,
+            is_fit_within,
+            asked,
+            self.fewest(),
+            [most, even],
+        ))
     }
 
     /// Whether more knots have not brought the surface nearer for some time, and will not.
@@ -270,7 +277,10 @@ impl SurfaceSchedule {
     fn next_attempt(&mut self, mut search: Search) -> Stage {
         match search.counts() {
             Some(counts) if self.data.allows(counts) => {
-                let attempt = Attempt::new(&*self.data, search.from(), counts);
+                let mut attempt = Attempt::new(&*self.data, search.from(), counts);
+                if search.is_even() {
+                    attempt = attempt.with_even_knots();
+                }
                 Stage::Attempt(search, Box::new(attempt))
             }
             Some(_) => Self::failed(search),

@@ -3,7 +3,8 @@
 //! First as many as the distances after growth ask for, and if these do not do, numbers in between;
 //! then one line less at a time (of many lines a small part of them), as long as either direction
 //! can spare one. Where growth has not
-//! come within the tolerance, redistribution may still, at last with as many as are allowed.
+//! come within the tolerance, redistribution may still, with as many as are allowed; and at last, where data of both
+//! directions together limit them, knots that follow the data, as in an interpolation.
 
 use super::Fit;
 
@@ -21,8 +22,9 @@ const BISECTIONS: usize = 4;
 pub(super) struct Search {
     /// The fewest control points.
     fewest: [usize; 2],
-    /// The most control points.
+    /// The most control points, and the most where both directions have as many.
     most: [usize; 2],
+    even: [usize; 2],
     goal: Goal,
     /// The last fit within the tolerance.
     within: Option<Fit>,
@@ -43,6 +45,8 @@ enum Goal {
     Asked([usize; 2]),
     /// As many as are allowed; what is known not to do.
     Most([usize; 2]),
+    /// As many in both directions, with knots that follow the data; the same.
+    Even([usize; 2]),
     /// Between what is known not to do and what is; how often still.
     Between([usize; 2], usize),
     /// Fewer lines of a direction.
@@ -57,7 +61,7 @@ impl Search {
         is_within: bool,
         asked: [usize; 2],
         fewest: [usize; 2],
-        most: [usize; 2],
+        [most, even]: [[usize; 2]; 2],
     ) -> Self {
         let now = start.level.counts();
         let above = if is_within { now } else { most };
@@ -65,6 +69,7 @@ impl Search {
         Self {
             fewest,
             most,
+            even,
             goal: Goal::Asked(asked),
             within: is_within.then(|| start.clone()),
             start,
@@ -79,12 +84,18 @@ impl Search {
         self.within.as_ref().unwrap_or(&self.start)
     }
 
+    /// Returns true if the next attempt has knots that follow the data.
+    pub(super) fn is_even(&self) -> bool {
+        matches!(self.goal, Goal::Even(_))
+    }
+
     /// The numbers of the next attempt, or `None` if there is none left.
     pub(super) fn counts(&mut self) -> Option<[usize; 2]> {
         let now = self.within.as_ref().map(|fit| fit.level.counts());
         let counts = match (self.goal, now) {
             (Goal::Asked(asked), _) => asked,
             (Goal::Most(_), _) => self.most,
+            (Goal::Even(_), _) => self.even,
             (Goal::Between(low, _), Some(now)) => [0, 1].map(|axis| low[axis].midpoint(now[axis])),
             (Goal::Fewer(_), Some(now)) => return self.fewer(now),
             (Goal::Between(..) | Goal::Fewer(_), None) => return None,
@@ -113,7 +124,7 @@ impl Search {
     /// Goes on after an attempt came within the tolerance.
     pub(super) fn succeed(&mut self, fit: Fit) {
         self.goal = match self.goal {
-            Goal::Most(low) => Goal::Between(low, BISECTIONS),
+            Goal::Most(low) | Goal::Even(low) => Goal::Between(low, BISECTIONS),
             Goal::Between(low, left) if left > 1 => Goal::Between(low, left - 1),
             _ => Goal::Fewer(0),
         };
@@ -126,6 +137,9 @@ impl Search {
         self.goal = match (self.goal, now) {
             (Goal::Asked(asked), Some(_)) => Goal::Between(asked, 1),
             (Goal::Asked(asked), None) if asked != self.most => Goal::Most(asked),
+            (Goal::Asked(asked) | Goal::Most(asked), None) if self.even != self.most => {
+                Goal::Even(asked)
+            }
             (Goal::Between(low, left), Some(now)) if left > 1 => {
                 let middle = [0, 1].map(|axis| low[axis].midpoint(now[axis]));
                 Goal::Between(middle, left - 1)

@@ -49,6 +49,7 @@ pub(super) fn cubic(tolerance: f64) -> Options {
         correct_parameters: false,
         first: None,
         minima_alone: false,
+        freedom: None,
     }
 }
 
@@ -62,6 +63,7 @@ pub(super) fn levels(
     let minimum = LeastSquares {
         points: Arc::clone(&points),
         data_weights: None,
+        fairness: 0.0,
     };
     let mut schedule = Schedule::new(points, Arc::new(t), options, minimum);
     let mut levels = Vec::new();
