@@ -108,13 +108,15 @@ impl Automatic {
         if self.schedule.outcome() != Some(Outcome::Converged) {
             return None;
         }
-        let careful = self.schedule.is_careful();
-        self.leaves = self.now.leaves(careful);
-        if careful || !self.leaves {
-            return None;
+        if !self.schedule.is_careful()
+            && self.now.leaves(NEAR)
+            && let Some(careful) = self.schedule.careful(&self.whole, &self.now)
+        {
+            (self.schedule, self.leaves) = (careful, true);
+            return self.schedule.next(&self.whole);
         }
-        self.schedule = self.schedule.careful(&self.now)?;
-        self.schedule.next(&self.whole)
+        self.leaves = self.now.leaves(FAR);
+        None
     }
 
     /// Moves on, unless this is the last level: how many control points there are now, and how far
@@ -227,16 +229,16 @@ impl Schedules {
         !matches!(self, Self::Curve(_, None) | Self::Surface(_))
     }
 
-    /// The schedule that keeps the fit near its data where there are none, from a level on.
-    fn careful(&self, now: &Fit) -> Option<Self> {
-        let problem = &*now.problem;
-        let (settings, _) = problem.method().automatic()?;
-        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
-        let first = in_lines(&now.control_points, &lines);
-        if problem.v().is_some() {
+    /// The schedule that keeps the fit near its data where there are none: of curves from a level on, of surfaces from
+    /// the coarsest knots on.
+    fn careful(&self, whole: &Problem, now: &Fit) -> Option<Self> {
+        let (settings, _) = whole.method().automatic()?;
+        if whole.v().is_some() {
+            let problem = whole;
             let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
             let data: Box<dyn Data> = match problem.is_scattered() {
-                _ if !settings.is_plain_surface() => return None,
+                // Where it is said how fair the surface is, it is as fair.
+                _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
                 true => Box::new(ObeyingSurface::fair(setup, settings)),
                 false => {
                     let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
@@ -245,11 +247,14 @@ impl Schedules {
                     Box::new(data.fair(problem.tolerance()))
                 }
             };
-            let options = surface_options(problem, settings, Some(first));
+            let options = surface_options(problem, settings, None);
             return Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
                 data, options,
             ))));
         }
+        let problem = &*now.problem;
+        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+        let first = in_lines(&now.control_points, &lines);
         let u = problem.u();
         let guide = Guide::new(problem.data(), &u.parameters, u.period());
         let options = Options {
@@ -372,11 +377,11 @@ impl Fit {
     }
 
     /// Whether it leaves its data where there are none; of scattered data, which have no neighbours, whether it leaves
-    /// their box by far, or at all unless the schedule was careful.
-    fn leaves(&self, careful: bool) -> bool {
+    /// their box by more than this part of its diagonal.
+    fn leaves(&self, part: f64) -> bool {
         let (problem, points) = (&*self.problem, &*self.control_points);
         match problem.is_scattered() {
-            true => between::outside(problem, points) > if careful { FAR } else { NEAR },
+            true => between::outside(problem, points) > part,
             false => Excursion::of(problem, points, problem.tolerance()).is_some(),
         }
     }

@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use super::automatic::Automatic;
 use super::between::Excursion;
 use super::convergence::{Decay, Foreseen};
+use super::fold::Fold;
 use super::geometry::Geometry;
 use super::method::update::Update;
 use super::norms::FitError;
@@ -34,6 +35,7 @@ use super::points::Points;
 use super::problem::Problem;
 use super::sweep::{Measured, Sweep};
 use super::system::System;
+use super::warning::Warning;
 
 pub use super::termination::Outcome;
 
@@ -52,8 +54,8 @@ pub struct Level {
     pub bad_weight: Option<(usize, f64)>,
     /// The level at which the fit will end, by what is known at this level.
     pub predicted: Option<usize>,
-    /// At the last level: where the fit has left its data between neighbours, if anywhere.
-    pub between: Option<Excursion>,
+    /// At the last level: what is doubtful about it, where the data do not show it.
+    pub found: Option<Warning>,
 }
 
 /// The iteration of one problem at some level.
@@ -137,7 +139,7 @@ impl Iteration {
                 moved: 0,
                 bad_weight: None,
                 predicted: None,
-                between: None,
+                found: None,
             },
             first_length: length,
             length,
@@ -302,11 +304,17 @@ impl Iteration {
         sweep.levels().min(left).min(allowed).min(expected as usize)
     }
 
-    /// At the last level, looks at what the fit does between its data.
-    pub fn look_between(&mut self) {
+    /// At the last level, looks at what the fit does between its data, and at what keeps it from its tolerance.
+    pub fn look_closer(&mut self) {
         let (problem, largest) = (self.problem(), self.level.error.max);
         let allowed = largest.max(problem.tolerance());
-        self.level.between = Excursion::of(problem, self.control_points(), allowed);
+        let excursion = Excursion::of(problem, self.control_points(), allowed);
+        let fold = || match largest > problem.tolerance() {
+            true => Fold::of(problem),
+            false => None,
+        };
+        let between = excursion.map(Warning::Between);
+        self.level.found = between.or_else(|| fold().map(Warning::Folded));
     }
 
     /// Computes several levels in one pass over memory, and returns how many were taken: fewer, if
@@ -349,7 +357,7 @@ impl Iteration {
             moved,
             bad_weight: self.bad_weight(),
             predicted: None,
-            between: None,
+            found: None,
         };
         self.decay.record(self.level.iteration, error.max);
         self.level.predicted = self.predicted();

@@ -131,7 +131,7 @@
 
 /// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
 /// after which any level of any problem has other bits.
-pub(crate) const KERNEL: u32 = 1;
+pub(crate) const KERNEL: u32 = 2;
 
 pub(crate) mod about;
 pub(crate) mod admission;
@@ -151,6 +151,7 @@ pub mod direction;
 mod divergence;
 pub(crate) mod ends;
 mod equations;
+mod fold;
 pub(crate) mod foot;
 mod functional;
 pub mod geometry;

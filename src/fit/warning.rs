@@ -13,6 +13,7 @@ use super::choice::{BasisChoice, DirectionChoice};
 use super::convergence::Forecast;
 use super::direction::Direction;
 use super::ends::{End, Ends, MOST_ESTIMATED};
+use super::fold::Fold;
 use super::invalid::{Axis, Place};
 use super::no_data::no_data;
 use super::point_order::is_unordered;
@@ -60,6 +61,8 @@ pub enum Warning {
     },
     /// The fit has left neighbouring points by more than they are apart.
     Between(Excursion),
+    /// Points of a surface with nearly the same parameters are far from each other.
+    Folded(Fold),
     /// Extended: distances between are so much larger than the data that rounding leaves more than
     /// the tolerance.
     Rounding {
@@ -176,7 +179,7 @@ impl Warning {
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 12] = [
+    pub const CODES: [&str; 13] = [
         "few_points",
         "even_degree",
         "rounding",
@@ -189,6 +192,7 @@ impl Warning {
         "unordered",
         "no_data_value",
         "between_points",
+        "folded_parameters",
     ];
 
     /// The name on the wire.
@@ -206,6 +210,7 @@ impl Warning {
             Self::Unordered => "unordered",
             Self::NoData { .. } => "no_data_value",
             Self::Between(_) => "between_points",
+            Self::Folded(_) => "folded_parameters",
         }
     }
 
@@ -215,6 +220,9 @@ impl Warning {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
             Self::Outliers { .. } | Self::Unordered | Self::NoData { .. } => Place::Points,
             Self::Between(excursion) => Place::Point(excursion.index),
+            Self::Folded(Fold {
+                points: [index, _], ..
+            }) => Place::Point(index),
             Self::ReversedTangent { index } => Place::Constraint(index),
             _ => Place::Method,
         }
@@ -280,6 +288,14 @@ impl Warning {
             Self::Between(excursion) => format!(
                 "{excursion}: its errors at the data say nothing of that; give more points there, use another \
                  parametrization or averaged knots, or least squares with fairness"
+            ),
+            Self::Folded(Fold {
+                points: [first, second],
+                distance,
+            }) => format!(
+                "points {first} and {second} have nearly the same parameters and are {distance:.3e} apart, and so are \
+                 others: the parameters fold, and no surface is near both; project to another plane, as with \
+                 {{\"project\": \"xy\"}}, take foot points on another surface, or give parameters"
             ),
             Self::WithoutData { count } => format!(
                 "{count} control points have no data where their functions differ from zero: they stay where they \

@@ -118,11 +118,10 @@ impl Outline {
                 first,
                 last,
             } = levels;
-            let between = last.between.map(Warning::Between);
             let of_method = self
                 .method
                 .warnings(forecast, first.predicted, self.max_iterations);
-            of_method.into_iter().chain(between)
+            of_method.into_iter().chain(last.found)
         });
         self.warnings
             .clone()

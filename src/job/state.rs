@@ -10,6 +10,7 @@ use super::outline::Outline;
 use crate::fit::iteration::Level;
 use crate::fit::system::Forecast;
 pub(crate) use crate::fit::termination::Reason;
+use crate::fit::warning::Warning;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -129,6 +130,9 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
             "no step brings the fit nearer to all of the data: a distance of {last:.3e} is left, and no tolerance was \
              asked for"
         ),
+        Reason::Minimum if matches!(levels.last.found, Some(Warning::Folded(_))) => format!(
+            "no step brings the fit nearer to all of the data, as their parameters fold: {left}; give other parameters"
+        ),
         Reason::Minimum => {
             let advice = outline.method.advice_at_minimum();
             format!("no step brings the fit nearer to all of the data: {left}; {advice}")
@@ -143,12 +147,12 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
         }
         Reason::Rounding => format!("distances do not fall any more, for rounding: {left}"),
         Reason::Diverging => format!("distances grow, as the step is too long: {left}"),
-        Reason::Between => match levels.last.between {
-            Some(excursion) => format!(
+        Reason::Between => match levels.last.found {
+            Some(Warning::Between(excursion)) => format!(
                 "the fit is within the tolerance at the data, but {excursion}: use a larger tolerance, fairness, or a \
                  number of control points"
             ),
-            None => format!(
+            _ => format!(
                 "a fit within the tolerance at the data leaves them where there are none, and one that does not is not \
                  within it: {left}; use a larger tolerance, fairness, or a number of control points"
             ),

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::constraints::wave;
 use crate::data;
+use crate::numbers::flat;
 use crate::support::{Server, problem};
 
 /// Interpolated ends are conditions like the others.
@@ -40,7 +41,11 @@ async fn ends_count() {
     let once = server
         .stream(&job(json!({"constraints": [{"index": 2}]})))
         .await;
-    assert_eq!(twice.iterations, once.iterations);
+    let [twice, once] = [twice, once].map(|it| flat(&it.iterations[1]["control_points"]));
+    // But for rounding: the data are at most 10.
+    for (a, b) in twice.iter().zip(&once) {
+        assert!((a - b).abs() < 1e-13, "{twice:?} {once:?}");
+    }
     // Ends that are asked for by name are not replaced.
     let other =
         json!({"constraints": [{"at": "end", "point": [9, 0]}], "end_points": "interpolated"});
@@ -93,8 +98,8 @@ async fn constraints_that_cannot_be_are_refused() {
             curve(with(
                 json!([{"index": 1}, {"index": 2}, {"index": 3}, {"index": 4}, {"index": 5}]),
             )),
-            "/method/constraints/4",
-            "too little freedom",
+            "/method/constraints/3",
+            "together with the interpolated start, constraint 0, constraint 1 and constraint 2",
         ),
         (
             curve(with(json!([{"at": {"parameter": -1}, "point": [0, 0, 0]}]))),

@@ -249,7 +249,8 @@ async fn constrained_curves_obey_and_are_at_their_minimum() {
         let x = DMatrix::from_fn(control_points, 2, |k, c| net[k][c].as_f64().unwrap());
         let [off, minimum] = faults(&line, &points, &kept, &x);
         assert!(off < 1e-10, "{round}: {off:e}: {job}");
-        assert!(minimum < 1e-9, "{round}: {minimum:e}: {job}");
+        // Conditions of spans with hardly more freedom have a condition of up to 1e7.
+        assert!(minimum < 1e-8, "{round}: {minimum:e}: {job}");
         solved += 1;
     }
     assert!(

@@ -17,6 +17,7 @@ mod attacks;
 mod automatic;
 mod bad_requests;
 mod base_path;
+mod between;
 mod bodies;
 mod changed;
 mod clocks;

@@ -244,9 +244,9 @@ async fn mistakes_name_the_field_and_the_index() {
         ),
         (
             "/surface/parameters",
-            json!({"project": "yz"}),
+            json!({"project": "zx"}),
             "/surface/parameters/project",
-            "yz",
+            "zx",
         ),
         (
             "/surface/parameters",

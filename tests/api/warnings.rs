@@ -30,6 +30,8 @@ fn surface(rows: usize, columns: usize, basis: &Value) -> Value {
 fn warnings(job: &Value) -> Vec<(String, String)> {
     let texts = |name: &str, it: &Value| it[name].as_str().unwrap().to_owned();
     let all = job["warnings"].as_array().unwrap().iter();
+    // What is found out at the end of a fit has tests of its own.
+    let all = all.filter(|it| it["code"] != "between_points");
     all.map(|it| {
         assert!(!texts("detail", it).is_empty());
         (texts("code", it), texts("pointer", it))

@@ -255,7 +255,7 @@ export interface paths {
         put?: never;
         /**
          * Read a file of points
-         * @description The points of a file as a job has them, and what was found out about it: CSV with any separator, tables with blanks, point clouds (XYZ), airfoils (`.dat`). A surface is seen by blank lines between rows, or by x and y that form a lattice. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
+         * @description The points of a file as a job has them, and what was found out about it: CSV with any separator, tables with blanks, point clouds (XYZ), airfoils (`.dat`), vertices of meshes (OFF), JSON arrays of points, of rows of points or of rows of heights. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
          */
         post: operations["readPoints"];
         delete?: never;
@@ -1050,7 +1050,7 @@ export interface components {
              * @example xy
              * @enum {string}
              */
-            project: "nearest" | "xy";
+            project: "nearest" | "xy" | "xz" | "yz";
         } | {
             /** @description The other job. */
             foot_points: components["schemas"]["FootPointsRequest"];
@@ -1296,10 +1296,9 @@ export interface components {
             data_weights?: components["schemas"]["DataWeights"] | null;
             /**
              * Format: double
-             * @description How smooth it is to be: a multiple of the integral of the squared derivative is added to the sum
-             *     of squares. It is free of units: with n data points whose parameters have the range l, the
-             *     multiple is `fairness · l^(2r − 1) / n` on curves and `fairness · (l_u l_v)^(r − 1) / n` on
-             *     surfaces. Only with `least_squares`.
+             * @description How smooth it is to be: this multiple of the integral of the squared derivative is added to the
+             *     mean of the squared distances, over parameters scaled to [0, 1]; on surfaces by one factor, so
+             *     that the longer range is 1. Such a fit ends at the minimum of that sum. Only with `least_squares`.
              */
             fairness?: number | null;
             /**
@@ -1307,6 +1306,13 @@ export interface components {
              * @description The order r of that derivative. Only with `least_squares`. Default: `2`.
              */
             fairness_order?: number | null;
+            /**
+             * Format: double
+             * @description Of surfaces: how stiff they are over the spans of knots in which no datum lies, such as holes and
+             *     ragged borders of scans. This multiple of the integral of the squared first derivatives there is
+             *     added, too. Without it 1e-6 if there is `fairness`, otherwise 0. Only with `least_squares`.
+             */
+            gap_stiffness?: number | null;
             /** @description What every iteration obeys: points to pass through and derivatives. Only with `least_squares`. */
             constraints?: components["schemas"]["Constraint"][] | null;
             /** @description The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each. Only with `custom`. */
@@ -1438,10 +1444,7 @@ export interface components {
             derivative?: number[] | null;
             /** @description Curves: the second derivative. */
             second_derivative?: number[] | null;
-            /**
-             * @description Curves: the direction of the first derivative. Its length is that of the polygon through the
-             *     points over the range of the parameters.
-             */
+            /** @description Curves: the first derivative is a multiple of this vector that is not negative. */
             tangent?: number[] | null;
             /** @description Surfaces: the derivative with respect to u. */
             derivative_u?: number[] | null;
@@ -1799,6 +1802,8 @@ export interface components {
             detail: string | null;
             /** @description What is doubtful about it; some of that is found out only when the job begins to run. */
             warnings: components["schemas"]["Warning"][];
+            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            notices?: string[];
             /**
              * Format: int64
              * @description The number of data points.
@@ -1863,7 +1868,7 @@ export interface components {
          * @example minimum
          * @enum {string}
          */
-        EndReason: "minimum" | "convexity" | "nilpotent" | "rounding" | "diverging";
+        EndReason: "minimum" | "convexity" | "nilpotent" | "rounding" | "diverging" | "between";
         /**
          * @description What is doubtful about a fit that is computed even so.
          * @example {
@@ -1881,7 +1886,13 @@ export interface components {
              *     others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
              *     after the last iteration. `without_data`: control points of a least-squares fit have no data
              *     and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
-             *     part: its diagonal is more than 100 times that of the inner 90 % of the points. There may be others in later versions.
+             *     part: its diagonal is more than 100 times that of the inner 90 % of the points. `reversed_tangent`: the
+             *     data run against the vector of a tangent, so that the derivative there is zero. `slow_steps`: Chebyshev steps take hundreds of iterations to a
+             *     hundredth of the error, and `global` is nearer in the first ones.
+             *     `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
+             *     points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
+             *     `between_points`: the fit leaves neighbouring points by more than they are apart. `folded_parameters`: points of a
+             *     surface with nearly the same parameters are far from each other, so that no surface is near both. There may be others in later versions.
              * @example few_points
              * @example even_degree
              * @example rounding
@@ -1889,6 +1900,12 @@ export interface components {
              * @example ill_conditioned
              * @example without_data
              * @example outliers
+             * @example reversed_tangent
+             * @example slow_steps
+             * @example unordered
+             * @example no_data_value
+             * @example between_points
+             * @example folded_parameters
              */
             code: string;
             /** @description A JSON pointer into the input of the job. */
@@ -2294,6 +2311,8 @@ export interface components {
             links: components["schemas"]["Links"] | null;
             /** @description What is doubtful about it; some of that is found out only when the job begins to run. */
             warnings: components["schemas"]["Warning"][];
+            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            notices?: string[];
             /** @description How weights, knots and parameters are written, if they are binary: always with 64 bits. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /**
@@ -2965,6 +2984,8 @@ export interface components {
             kind: components["schemas"]["GeometryKind"];
             /** @description The final state. */
             state: components["schemas"]["JobState"];
+            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            notices?: string[];
             /**
              * Format: int64
              * @description The number of the last iteration.
@@ -3839,6 +3860,11 @@ export interface components {
          */
         "surface.size": string;
         /**
+         * @description The order of the points of a curve is that of the file: it is not refused where the points seem to have none.
+         * @example given
+         */
+        "curve.order": "given";
+        /**
          * @description Only jobs in this state.
          * @example converged
          */
@@ -4153,6 +4179,7 @@ export type ParameterSlug = components['parameters']['slug'];
 export type ParameterFile = components['parameters']['file'];
 export type ParameterPart = components['parameters']['part'];
 export type ParameterSurfaceSize = components['parameters']['surface.size'];
+export type ParameterCurveOrder = components['parameters']['curve.order'];
 export type ParameterState = components['parameters']['state'];
 export type ParameterLimit = components['parameters']['limit'];
 export type ParameterCursor = components['parameters']['cursor'];
@@ -4553,6 +4580,11 @@ export interface operations {
                  * @example 40x60
                  */
                 "surface.size"?: components["parameters"]["surface.size"];
+                /**
+                 * @description The order of the points of a curve is that of the file: it is not refused where the points seem to have none.
+                 * @example given
+                 */
+                "curve.order"?: components["parameters"]["curve.order"];
             };
             header?: never;
             path?: never;

@@ -54,6 +54,7 @@ pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::Unordered => pb::WarningCode::Unordered,
         Warning::NoData { .. } => pb::WarningCode::NoDataValue,
         Warning::Between(_) => pb::WarningCode::BetweenPoints,
+        Warning::Folded(_) => pb::WarningCode::FoldedParameters,
     }
 }
 

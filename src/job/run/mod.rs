@@ -219,7 +219,7 @@ impl Run {
     fn publish(&self, iteration: &mut Iteration, before: Option<Level>) {
         let outcome = iteration.outcome();
         if outcome.is_some_and(|outcome| outcome != Outcome::Overflow) {
-            iteration.look_between();
+            iteration.look_closer();
         }
         let level = iteration.level();
         let cache = &self.resources.memory.cache;

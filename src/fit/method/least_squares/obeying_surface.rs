@@ -16,7 +16,9 @@ use crate::fit::tolerance::surface::{Data, Fit, Nearest, ScatteredData, SurfaceL
 #[derive(Debug)]
 pub(in crate::fit) struct ObeyingSurface {
     scattered: ScatteredData,
-    obeying: Obeying,
+    /// What is minimized; with less and less fairness, of which the first is taken that is within the tolerance.
+    obeying: Vec<Obeying>,
+    tolerance: f64,
     /// Whether a fairness term keeps the surface away from its data.
     fair: bool,
 }
@@ -25,29 +27,42 @@ impl ObeyingSurface {
     pub(in crate::fit) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
         Self {
             scattered: ScatteredData::new(setup.data(), &point_by_point(setup), setup.tolerance()),
-            obeying: Obeying::new(setup, settings),
+            obeying: vec![Obeying::new(setup, settings)],
+            tolerance: setup.tolerance(),
             fair: settings.has_energy(),
         }
     }
 
     /// With some fairness, and stiff gaps, that nobody asked for.
     pub(in crate::fit) fn fair(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
-        let fairness = Some(Fairness {
-            value: FAIRNESS,
-            order: 2,
-        });
-        Self::new(
-            setup,
-            &LeastSquares {
-                fairness,
-                ..settings.clone()
-            },
-        )
+        let with = |value: f64| LeastSquares {
+            fairness: Some(Fairness { value, order: 2 }),
+            ..settings.clone()
+        };
+        Self {
+            obeying: FAIRNESS.map(|it| Obeying::new(setup, &with(it))).into(),
+            fair: true,
+            ..Self::new(setup, settings)
+        }
+    }
+
+    /// The nearest surface with so much fairness.
+    fn nearest_by(
+        &self,
+        obeying: &Obeying,
+        lines: &[KnotLine; 2],
+        near: Option<&Points>,
+    ) -> Option<Nearest> {
+        let control_points = obeying.minimum(lines, near, None)?;
+        Some(Nearest {
+            left: self.scattered.left(lines, &control_points),
+            control_points,
+        })
     }
 }
 
-/// How fair a surface is that is kept near its data where there are none.
-const FAIRNESS: f64 = 1e-9;
+/// How fair a surface is that is kept near its data where there are none, by decades as far as its tolerance asks for.
+const FAIRNESS: [f64; 4] = [1e-9, 1e-10, 1e-11, 1e-12];
 
 /// The parameters u and v of each point.
 fn point_by_point(setup: &Setup) -> [Arc<Vec<f64>>; 2] {
@@ -76,11 +91,16 @@ impl Data for ObeyingSurface {
 
     fn nearest(&self, lines: &[KnotLine; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
         let near = from.map(|level| level.over(lines));
-        let control_points = self.obeying.minimum(lines, near.as_ref(), None)?;
-        Some(Nearest {
-            left: self.scattered.left(lines, &control_points),
-            control_points,
-        })
+        let mut nearest = None;
+        for obeying in &self.obeying {
+            nearest = self.nearest_by(obeying, lines, near.as_ref());
+            let points = nearest.as_ref().map(|it| &it.control_points);
+            let distances = points.map(|points| self.distances(lines, points));
+            if distances.is_some_and(|it| it.max <= self.tolerance) {
+                break;
+            }
+        }
+        nearest
     }
 
     fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {

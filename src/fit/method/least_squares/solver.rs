@@ -32,7 +32,7 @@ use crate::fit::tensor::Tensor;
 pub(super) const MOST: usize = 4_000_000_000;
 
 /// The most multiplications of rotations; beyond them N is summed up.
-const MOST_ROTATIONS: usize = 200_000_000;
+const MOST_ROTATIONS: usize = 20_000_000;
 
 /// Refinements of a step by a factor of N.
 const REFINEMENTS: usize = 4;

@@ -36,21 +36,16 @@ pub(in super::super) fn independent(
     let mut kept: Vec<Condition> = Vec::new();
     for mut condition in conditions(setup, settings)? {
         interrupt::check();
-        condition.normalize();
+        let length = condition.normalize();
         let Some(sum) = basis.insert(&condition, &kept) else {
             kept.push(condition);
             continue;
         };
-        let off = sum.disagreement(&condition, &kept, setup);
-        if sum.is_exact && off <= EQUAL {
+        let (off, size) = sum.disagreement(&condition, &kept, setup);
+        if sum.is_exact && off <= EQUAL * size {
             continue;
         }
-        return Err(contradiction(
-            &condition,
-            &kept,
-            &sum,
-            off * setup.diagonal(),
-        ));
+        return Err(contradiction(&condition, &kept, &sum, off * length));
     }
     Ok(kept)
 }
@@ -62,8 +57,12 @@ fn contradiction(condition: &Condition, kept: &[Condition], sum: &Sum, off: f64)
         true => ", or let go of the ends by \"end_points\": \"free\"",
         false => "",
     };
+    let differs = match off.is_finite() {
+        true => format!(", with which it differs by {off:.3e}"),
+        false => String::new(),
+    };
     let detail = format!(
-        "cannot be obeyed together with {others}, with which it differs by {off:.3e}: the control points there have too little freedom; use more control points or fewer constraints{advice}"
+        "cannot be obeyed together with {others}{differs}: the control points there have too little freedom; use more control points or fewer constraints{advice}"
     );
     match condition.origin {
         Origin::Constraint(index) => unfit(index, &detail),
@@ -75,16 +74,18 @@ fn contradiction(condition: &Condition, kept: &[Condition], sum: &Sum, off: f64)
 }
 
 impl Condition {
-    /// Brings the row to length one, unless it is zero.
-    fn normalize(&mut self) {
+    /// Brings the row to length one, unless it is zero; returns the length that it had.
+    fn normalize(&mut self) -> f64 {
         let largest = self.row.iter().fold(0.0, |m: f64, (_, x)| m.max(x.abs()));
-        if largest > 0.0 {
-            let square: f64 = self.row.iter().map(|(_, x)| (x / largest).powi(2)).sum();
-            let length = square.sqrt();
-            let scale = |x: &mut f64| *x = *x / largest / length;
-            self.row.iter_mut().for_each(|(_, x)| scale(x));
-            self.value.iter_mut().for_each(scale);
+        if largest == 0.0 {
+            return 1.0;
         }
+        let square: f64 = self.row.iter().map(|(_, x)| (x / largest).powi(2)).sum();
+        let length = square.sqrt();
+        let scale = |x: &mut f64| *x = *x / largest / length;
+        self.row.iter_mut().for_each(|(_, x)| scale(x));
+        self.value.iter_mut().for_each(scale);
+        largest * length
     }
 }
 
@@ -96,9 +97,9 @@ struct Sum {
 }
 
 impl Sum {
-    /// How far the value of a condition is from the same sum of others, as a part of the data and of the terms of
+    /// How far the value of a condition is from the same sum of others, and the size of the data and of the terms of
     /// the sum. A tangent that takes part has any length: it agrees with one of the same direction only.
-    fn disagreement(&self, condition: &Condition, kept: &[Condition], setup: &Setup) -> f64 {
+    fn disagreement(&self, condition: &Condition, kept: &[Condition], setup: &Setup) -> (f64, f64) {
         let terms = || kept.iter().zip(&self.factors);
         let mut part =
             terms().filter(|(other, factor)| other.is_tangent && factor.abs() > TAKES_PART);
@@ -125,13 +126,13 @@ impl Sum {
             (true, (Some((other, factor)), None)) if *factor > 0.0 => {
                 (value, sum, size) = (condition.direction(), other.direction(), 1.0);
             }
-            _ => return f64::INFINITY,
+            _ => return (f64::INFINITY, size),
         }
         let off = value
             .iter()
             .zip(&sum)
             .map(|(value, sum)| (value - sum).abs());
-        off.fold(0.0, f64::max) / size
+        (off.fold(0.0, f64::max), size)
     }
 }
 
