@@ -55,7 +55,7 @@ describe("data", () => {
     const visit = await visitArch();
     const rows = [0, 1, 2, 3, 4].map((i) => [0, 1, 2, 3].map((j) => [i, j, i * j]));
     await drop(visit.page, "saddle.json", JSON.stringify(rows));
-    await until(async () => /^Surface, 5 × 4 points in space$/.test(await words(visit.page)), "the grid is recognised");
+    await until(async () => /^Surface, 5 × 4 points in space/.test(await words(visit.page)), "the grid is recognised");
     await visit.page.getByLabel("Degree, u").fill("2");
     await visit.page.getByLabel("Degree, v").fill("3");
     await visit.page.keyboard.press("Enter");
