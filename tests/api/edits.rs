@@ -453,7 +453,12 @@ async fn an_edit_is_the_same_after_a_restart() {
     let program = Program::start(data.path());
     let events = format!("{}/events", path(&story.job));
     let again = Story::read(program.get(&events).send().await.unwrap()).await;
-    assert_eq!(again.job, story.job);
+    // What is found out at the end of the fit is known in the meantime.
+    let begun = |mut job: Value| {
+        job["warnings"].take();
+        job
+    };
+    assert_eq!(begun(again.job), begun(story.job.clone()));
     assert_eq!(again.iterations, story.iterations);
     assert_eq!(
         program.json(path(&story.job)).await["parent"]["id"],
