@@ -225,7 +225,7 @@ fn is_other_kind(before: &Map<String, Value>, after: &Map<String, Value>) -> boo
 /// Whether the points of an input are of a curve or of a surface.
 fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
-        // What is wrong with it is told by those who read it.
+        // Those who read it report what is wrong with it.
         Content::Points => {
             PointKind::of(input, &Asked::default()).is_some_and(|points| points.surface)
         }

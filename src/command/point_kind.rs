@@ -10,7 +10,7 @@ use crate::import::{self, Kind};
 /// What points are of, and how many coordinates they have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PointKind {
-    /// Whether they are of a surface.
+    /// True if they are points of a surface.
     pub surface: bool,
     /// The number of coordinates.
     pub dimension: usize,

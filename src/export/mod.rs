@@ -114,7 +114,7 @@ pub fn check(format: Format, problem: &Problem) -> Result<(), ExportError> {
     }
 }
 
-/// Checks whether curves or surfaces through points of so many coordinates can be written in a format.
+/// Checks that a format can hold curves, or surfaces, through points with this number of coordinates.
 pub fn check_shape(format: Format, surface: bool, dimension: usize) -> Result<(), ExportError> {
     match format {
         Format::Csv => Ok(()),

@@ -4,12 +4,14 @@
 //! fit with other directions. One level is computed ahead, as only then is known whether a level is
 //! the last one.
 //!
-//! A fit that is within the tolerance at its data and leaves them between neighbours goes on with another schedule:
-//! curves with points between the data, surfaces with some fairness. If that ends like this, too, the fit has stalled.
+//! A fit that is within the tolerance at its data and far from them in between continues with a second schedule
+//! ([`careful`]).
+
+mod careful;
 
 use std::sync::Arc;
 
-use super::between::{self, Excursion};
+use self::careful::{FAR, NEAR};
 use super::construction::first_line;
 use super::direction::{BasisChoice, Direction, DirectionChoice};
 use super::interrupt;
@@ -41,7 +43,7 @@ pub(super) struct Automatic {
     /// The number of the level, and that of the level at which the knots became what they are.
     number: usize,
     knots_since: usize,
-    /// Whether the last level leaves its data where there are none.
+    /// True if the last level is far from its data where there are none.
     leaves: bool,
 }
 
@@ -94,7 +96,7 @@ impl Automatic {
         Some(automatic)
     }
 
-    /// Whether fewer control points than data are allowed.
+    /// Returns true if fewer control points than data are allowed.
     fn is_limited(&self) -> bool {
         let settings = self.whole.method().automatic();
         settings.is_some_and(|(settings, _)| settings.u < self.whole.grid().rows)
@@ -224,62 +226,6 @@ impl Schedules {
         )))
     }
 
-    /// Whether the fit is kept near its data where there are none.
-    fn is_careful(&self) -> bool {
-        !matches!(self, Self::Curve(_, None) | Self::Surface(_))
-    }
-
-    /// The schedule that keeps the fit near its data where there are none: of curves from a level on, of surfaces from
-    /// the coarsest knots on.
-    fn careful(&self, whole: &Problem, now: &Fit) -> Option<Self> {
-        let (settings, _) = whole.method().automatic()?;
-        if whole.v().is_some() {
-            let problem = whole;
-            let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
-            let data: Box<dyn Data> = match problem.is_scattered() {
-                // Where it is said how fair the surface is, it is as fair.
-                _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
-                true => Box::new(ObeyingSurface::fair(setup, settings)),
-                false => {
-                    let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
-                    let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());
-                    let data = GridData::new(points, problem.grid(), parameters.ok()?);
-                    Box::new(data.fair(problem.tolerance()))
-                }
-            };
-            let options = surface_options(problem, settings, None);
-            return Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
-                data, options,
-            ))));
-        }
-        let problem = &*now.problem;
-        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
-        let first = in_lines(&now.control_points, &lines);
-        let u = problem.u();
-        let guide = Guide::new(problem.data(), &u.parameters, u.period());
-        let options = Options {
-            degree: u.basis.degree(),
-            period: u.period(),
-            tolerance: problem.tolerance(),
-            max_control_points: settings
-                .u
-                .min(Guide::most_control_points(problem.data().len())),
-            correct_parameters: false,
-            first: lines.into_iter().next().map(|line| (line, first)),
-            minima_alone: true,
-            freedom: Some(Arc::clone(&guide.freedom)),
-        };
-        let weights = guide.weights(problem.tolerance(), settings.data_weights.as_deref());
-        let points = Arc::clone(&guide.points);
-        let minimum = equations::LeastSquares {
-            points: Arc::clone(&points),
-            data_weights: Some(Arc::new(weights)),
-            fairness: FAIRNESS,
-        };
-        let schedule = Schedule::new(points, Arc::clone(&guide.parameters), options, minimum);
-        Some(Self::Curve(Box::new(schedule), Some(guide)))
-    }
-
     fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit> {
         let level = match self {
             Self::Curve(schedule, None) if whole.data().len() >= MANY => {
@@ -375,27 +321,7 @@ impl Fit {
             error: FitError::of(distances),
         }
     }
-
-    /// Whether it leaves its data where there are none; of scattered data, which have no neighbours, whether it leaves
-    /// their box by more than this part of its diagonal.
-    fn leaves(&self, part: f64) -> bool {
-        let (problem, points) = (&*self.problem, &*self.control_points);
-        match problem.is_scattered() {
-            true => between::outside(problem, points) > part,
-            false => Excursion::of(problem, points, problem.tolerance()).is_some(),
-        }
-    }
 }
-
-/// How fair a curve with points between its data is, so that it has no spikes between these: a multiple of the energy of
-/// spans of equal length.
-const FAIRNESS: f64 = 1e-6;
-
-/// A surface of scattered data may leave their box by this part of its diagonal, as planes do in corners without data.
-const NEAR: f64 = 0.1;
-
-/// One that was kept near its data may do so by this part.
-const FAR: f64 = 1.0;
 
 /// The directions with which a fit begins that chooses its knots.
 pub(super) fn first_directions(

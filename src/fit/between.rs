@@ -1,8 +1,8 @@
-//! Between the data: whether a curve or a surface leaves neighbouring points by more than they are apart.
+//! Between the data: curves and surfaces that are further from two neighbouring points than these are apart.
 //!
 //! Errors at the data say nothing of what is between them. There the straight line between two points of a curve, and
 //! the bilinear patch between four of a grid, are what the data say, as far as the points are apart. A curve that is
-//! further away from them, at the same parameter, has left them.
+//! further away from them, at the same parameter, leaves its data.
 //!
 //! Points of one coordinate and grids may go beyond a flat place beside a steep one: there the distance of the
 //! neighbours is the largest among those of a gap and of the gaps around it.

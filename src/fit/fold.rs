@@ -1,5 +1,5 @@
-//! Whether the parameters of scattered points fold: whether points with nearly the same parameters are far from each
-//! other, as those on both sides of a tube that was projected to a plane. No surface is near both.
+//! Parameters of scattered points that fold: points with nearly the same parameters are far from each other, as those
+//! on both sides of a tube that was projected to a plane. No surface is near both.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,14 +9,14 @@ use super::setup::Setup;
 /// The points that are looked at, at equal distances in the list.
 const SAMPLES: usize = 96;
 
-/// Parameters fold if one in so many of them has a point far away beside it.
+/// Parameters fold if more than one sample in 16 has a point with nearly the same parameters far away.
 const ONE_IN: usize = 16;
 
-/// A point is far away if it is so many times further, as a part of all points, than its parameters are as a part of
-/// their range, which a steep surface does not reach.
+/// A point is far away if its distance, relative to the bounding box's diagonal, exceeds this multiple of the
+/// distance of its parameters, relative to their range. A steep surface stays below it.
 const STEEP: f64 = 12.0;
 
-/// And at least this part of the bounding box's diagonal away.
+/// The least distance of such a point, as a part of the bounding box's diagonal.
 const FAR: f64 = 0.03;
 
 /// Two points with nearly the same parameters.

@@ -182,7 +182,7 @@ def settings(method: Method) -> dict[str, Any]:
 
 
 def with_control_points(method: Optional[Method], control_points: Optional[ControlPoints]) -> Optional[Method]:
-    """A method with so many control points: that of least squares if none is named."""
+    """The method with this number of control points: least squares if no method is given."""
     if control_points is None:
         return method
     fields = settings("least_squares" if method is None else method)

@@ -20,11 +20,11 @@ use crate::model::short;
 pub(crate) struct FileHints {
     /// The rows and columns of a surface.
     pub size: Option<Grid>,
-    /// Whether the order of the points of a curve is meant.
+    /// True if the points of a curve are in order along it.
     pub ordered: bool,
 }
 
-/// What these fields, and what is said of the file, are for a file of at most so many points.
+/// The hints for reading a file of at most `most` points, from the fields of the job and the parameters of the file.
 pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize) -> Hints {
     let FileHints { size, ordered } = reading;
     let has = |name| fields.contains_key(name);

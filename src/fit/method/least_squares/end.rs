@@ -52,7 +52,7 @@ pub(super) struct End {
     fall: f64,
     /// Whether the normal equations can be solved in a short time.
     solvable: bool,
-    /// Whether products are summed up for that.
+    /// True if the normal equations are summed up as products for that.
     sums_products: bool,
     /// What every level obeys.
     conditions: Vec<Condition>,

@@ -245,7 +245,7 @@ pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
     }
 }
 
-/// Whether products are summed up, as rotations would take too many multiplications.
+/// Returns true if the normal equations are summed up as products, because rotations take too many multiplications.
 pub(super) fn sums_products(setup: &Setup, settings: &LeastSquares) -> bool {
     is_whole(setup, settings.is_separable()) && rotations(setup, settings) > MOST_ROTATIONS
 }
