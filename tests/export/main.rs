@@ -118,10 +118,13 @@ fn overflow_is_refused() {
     Arc::make_mut(&mut fit.control_points).lanes_mut()[1][4] = f64::INFINITY;
     for format in Format::ALL {
         let error = export::write(format, &fit.fitted()).unwrap_err();
-        assert!(
-            matches!(error, ExportError::NotFinite { coordinate: 1, .. }),
-            "{error}"
-        );
+        let is_said = match error {
+            ExportError::NotFinite { coordinate, .. } => coordinate == 1,
+            // A curve has no triangles, whatever its numbers are.
+            ExportError::NoTriangles { .. } => format == Format::Stl,
+            _ => false,
+        };
+        assert!(is_said, "{error}");
     }
 }
 
