@@ -40,8 +40,6 @@ pub(super) struct JobEvent {
     pub predicted: Predicted,
     pub stop: Stop,
     #[serde(default)]
-    pub warnings: Vec<Warning>,
-    #[serde(default)]
     pub notices: Vec<String>,
 }
 
@@ -85,6 +83,8 @@ pub(super) struct EndEvent {
     pub iterations: usize,
     pub error: Option<Distances>,
     pub elapsed: Option<f64>,
+    #[serde(default)]
+    pub warnings: Vec<Warning>,
     pub problem: Option<Why>,
 }
 

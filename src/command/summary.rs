@@ -34,7 +34,7 @@ pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Sh
     for notice in &job.notices {
         say(format_args!("{name}: {notice}"));
     }
-    for warning in &job.warnings {
+    for warning in &end.warnings {
         say(format_args!("{name}: warning: {}", warning.detail));
     }
     let JobEvent {

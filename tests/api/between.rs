@@ -107,6 +107,10 @@ async fn fits_that_leave_their_points_are_warned_of() {
             "{}",
             story.job
         );
+        assert_eq!(story.end["warnings"], fitted["warnings"]);
+        // Also of a stream that begins before the fit.
+        let live = server.stream(&job).await;
+        assert_eq!(live.end["warnings"], fitted["warnings"]);
     }
     let even: Vec<[f64; 2]> = (0..40)
         .map(|i| 0.2 * f64::from(i))

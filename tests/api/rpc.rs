@@ -294,6 +294,9 @@ async fn every_kind_of_job_is_the_same_in_both_languages() {
         }
         assert_eq!(end["iterations"], messages.end.iterations);
         assert_eq!(end["elapsed"].as_f64(), messages.end.elapsed);
+        let details = end["warnings"].as_array().unwrap().iter();
+        let details = details.map(|it| it["detail"].as_str().unwrap());
+        assert!(details.eq(messages.end.warnings.iter().map(|it| it.detail.as_str())));
 
         // Its result.
         let request = pb::GetResultRequest {

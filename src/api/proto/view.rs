@@ -271,6 +271,7 @@ pub(crate) fn end(job: &Job, status: &Status) -> Content {
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         problem: status.failure.map(problem),
         detail: status.detail(job.outline()).unwrap_or_default(),
+        warnings: warnings(job.outline(), status.levels.as_ref()),
     };
     Bytes::from(message.encode_to_vec()).into()
 }

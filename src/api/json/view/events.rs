@@ -166,6 +166,8 @@ struct EndEvent {
     error: Option<ErrorView>,
     /// Seconds from the beginning of the computation to the end.
     elapsed: Option<f64>,
+    /// All warnings, also those that were found while it ran.
+    warnings: Vec<WarningView>,
     /// Where to go on. Ephemeral edits leave nothing behind.
     links: Option<EndLinks>,
     /// Why it failed.
@@ -197,6 +199,7 @@ pub(crate) fn end(job: &Job, status: &Status) -> Bytes {
         iterations: level.map_or(0, |level| level.iteration),
         error: level.map(|level| ErrorView::new(&level.error, job.outline())),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
+        warnings: WarningView::of(job.outline(), status.levels.as_ref()),
         links: job.is_kept().then(|| EndLinks {
             itself: path(job),
             result: format!("{}/result", path(job)),

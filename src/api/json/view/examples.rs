@@ -64,7 +64,7 @@ pub(crate) fn iteration() -> Value {
 pub(crate) fn end() -> Value {
     json!({
         "state": "converged", "reason": null, "detail": null, "iterations": 23, "error": error(), "elapsed": 0.00015,
-        "links": end_links(),
+        "warnings": [], "links": end_links(),
     })
 }
 
