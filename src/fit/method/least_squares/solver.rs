@@ -7,7 +7,8 @@
 //! surface is, as far as [`MOST`] multiplications go. A step is solved for twice, the second time
 //! for what rounding has left of the gradient (corrected seminormal equations, Björck 1987), so that
 //! it is as exact as by orthogonal transformations. Where rotations would take more than [`MOST_ROTATIONS`]
-//! multiplications, the products N are summed up and decomposed instead, and the step is refined more often.
+//! multiplications, the products N are summed up and decomposed instead, and the step is refined more often; so it is
+//! with conditions, as their decomposition multiplies rounding with the square of their condition.
 
 use super::constraints::{Condition, Projection, Tangents};
 use super::fairness::Energy;
@@ -34,7 +35,7 @@ pub(super) const MOST: usize = 4_000_000_000;
 /// The most multiplications of rotations; beyond them N is summed up.
 const MOST_ROTATIONS: usize = 20_000_000;
 
-/// Refinements of a step by a factor of N.
+/// The most refinements of a step by a factor of N, or with conditions.
 const REFINEMENTS: usize = 4;
 
 /// `(AᵀA)⁻¹`, as a factorization.
@@ -80,6 +81,9 @@ impl Solver {
         solver.projection = Projection::inverse(conditions, scale.len(), |column| {
             solver.apply(&mut [column], &mut scratch);
         });
+        if solver.projection.is_some() {
+            solver.refinements = REFINEMENTS;
+        }
         solver
     }
 
@@ -174,11 +178,12 @@ impl Solver {
         for _ in 0..self.refinements {
             compute_residual(equations, state);
             objective.gradient(equations, state, &mut step);
+            self.solve(&mut step, &mut state.scratch);
+            // Not the gradient, which conditions keep from zero.
             if step.magnitude() >= left {
                 break;
             }
             left = step.magnitude();
-            self.solve(&mut step, &mut state.scratch);
             state.control_points.add(&step);
         }
     }
