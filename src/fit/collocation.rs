@@ -15,7 +15,6 @@ use rayon::prelude::*;
 use super::bands;
 use super::direction::Direction;
 use super::linear::banded::Banded;
-use super::linear::columns::Columns;
 use super::linear::qr::Orthogonal;
 use super::linear::{Dense, Inverse};
 
@@ -151,14 +150,11 @@ impl Collocation {
         }
     }
 
-    /// The entries that differ from zero, by columns.
-    pub(super) fn by_columns(&self) -> Columns {
+    /// The entries of column `j` that differ from zero, rows (increasing) and values.
+    pub(super) fn column(&self, j: usize) -> Vec<(usize, f64)> {
         match self {
-            Self::Banded(banded) => Columns::new(banded.columns(), banded.entries()),
-            Self::Dense(dense) => {
-                let row = |i| dense.row(i).map(move |(j, value)| (i, j, value));
-                Columns::new(dense.columns(), (0..dense.rows()).flat_map(row))
-            }
+            Self::Banded(banded) => banded.column(j).collect(),
+            Self::Dense(dense) => dense.column(j).collect(),
         }
     }
 

@@ -59,10 +59,10 @@ pub(crate) fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
         place[index] = Some(k);
     }
     let fixed: Vec<usize> = (0..count).filter(|&index| place[index].is_none()).collect();
-    let Some(residual) = start.residual() else {
+    let (Some(residual), Some(matrix)) = (start.residual(), system.collocation().tensor()) else {
         return Err(NoLimit::NotLocal);
     };
-    let lu = system.collocation().principal_block(&adjusted, &place).lu();
+    let lu = matrix.principal_block(&adjusted, &place).lu();
 
     // The adjusted points move by δ = B_II⁻¹ Δ_I in all; the others stay.
     let mut differences = Points::zeros(residual.dimension(), fixed.len());

@@ -171,11 +171,18 @@ impl Norms {
         self.blocks.iter().map(squares).sum::<f64>().sqrt()
     }
 
-    /// The distance of the curve from data point `index`, in data units.
-    pub(super) fn distance(&self, data: &Points, residual: &Points, index: usize) -> f64 {
-        let mut square = [0.0];
-        self.squares(index, data, residual, &mut square);
-        square[0].sqrt() / self.scale
+    /// The distances of the curve from consecutive data points from `start` on, in data units.
+    pub(super) fn distances(
+        &self,
+        data: &Points,
+        residual: &Points,
+        start: usize,
+        distances: &mut [f64],
+    ) {
+        self.squares(start, data, residual, distances);
+        for square in distances {
+            *square = square.sqrt() / self.scale;
+        }
     }
 
     /// The error by the norms of all blocks.

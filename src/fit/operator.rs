@@ -9,13 +9,11 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-
 use super::collocation::Collocation;
 use super::points::{Grid, Points};
 use super::setup::Setup;
 use super::sparse::Sparse;
-use super::tensor::{Tensor, TensorColumns};
+use super::tensor::Tensor;
 
 /// The collocation matrix B, which is shared by problems that have the same one.
 #[derive(Clone, Debug)]
@@ -52,25 +50,6 @@ impl Operator {
                 columns: 1,
             },
         }
-    }
-
-    /// The entries by columns. They are sorted when they are first needed, and kept.
-    pub(super) fn columns(&self) -> &Arc<TensorColumns> {
-        match self {
-            Self::Tensor(tensor) => tensor.columns(),
-            Self::Sparse(sparse) => sparse.columns(),
-        }
-    }
-
-    /// The block `B_II` of the rows and columns of some points I, of a square matrix. `points` are
-    /// their indices, and `place` says for each index of the grid where in `points` it stands.
-    pub(super) fn principal_block(
-        &self,
-        points: &[usize],
-        place: &[Option<usize>],
-    ) -> DMatrix<f64> {
-        let columns = self.data_grid().columns;
-        self.columns().principal_block(points, place, columns)
     }
 
     /// How many numbers of scratch space the maps of this matrix need.

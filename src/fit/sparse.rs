@@ -8,14 +8,10 @@
 //! of both directions are kept, p + q + 2 numbers. Both directions are open, and each function has a
 //! control point of its own.
 
-use std::sync::{Arc, OnceLock};
-
 use rayon::prelude::*;
 
 use super::direction::Direction;
-use super::linear::columns::Columns;
 use super::points::Grid;
-use super::tensor::TensorColumns;
 
 /// The most multiplications of a factorization of the normal equations.
 const MOST_WORK: usize = 4_000_000_000;
@@ -32,7 +28,6 @@ pub struct Sparse {
     u: Line,
     /// Those of v.
     v: Line,
-    columns: OnceLock<Arc<TensorColumns>>,
 }
 
 /// The functions of a direction that can differ from zero, at each point.
@@ -78,7 +73,6 @@ impl Sparse {
             },
             u: Line::new(u),
             v: Line::new(v),
-            columns: OnceLock::new(),
         }
     }
 
@@ -125,18 +119,6 @@ impl Sparse {
             let place = (first + k) * columns + start;
             let across = across.iter().enumerate();
             across.map(move |(l, b)| (place + l, a * b))
-        })
-    }
-
-    /// The entries by columns. They are sorted when they are first needed, and kept.
-    pub(super) fn columns(&self) -> &Arc<TensorColumns> {
-        self.columns.get_or_init(|| {
-            let rows = 0..self.rows();
-            let entries = rows.flat_map(|i| self.row(i).map(move |(j, value)| (i, j, value)));
-            Arc::new(TensorColumns {
-                u: Columns::new(self.control.count(), entries),
-                v: None,
-            })
         })
     }
 

@@ -11,12 +11,9 @@
 //! `n m (p + 1)(q + 1)`. Eigenvalues and singular values are the products of those of both
 //! directions.
 
-use std::sync::{Arc, OnceLock};
-
 use nalgebra::DMatrix;
 
 use super::collocation::Collocation;
-use super::linear::columns::Columns;
 use super::points::Grid;
 use super::setup::Setup;
 
@@ -31,58 +28,6 @@ pub struct Tensor {
     pub u: Collocation,
     /// The matrix of the v direction of a surface.
     pub v: Option<Collocation>,
-    columns: OnceLock<Arc<TensorColumns>>,
-}
-
-/// The entries of the matrices of both directions by columns.
-#[derive(Debug)]
-pub struct TensorColumns {
-    /// Of a curve, or of the u direction.
-    pub u: Columns,
-    /// Of the v direction of a surface.
-    pub v: Option<Columns>,
-}
-
-impl TensorColumns {
-    /// Calls `visit` for every entry (row, value) of the column of control point `index`, where
-    /// `columns` is the number of columns of the grid: the data points in the support of its basis
-    /// function.
-    pub fn visit(&self, index: usize, columns: usize, mut visit: impl FnMut(usize, f64)) {
-        match &self.v {
-            None => {
-                for &(i, value) in self.u.column(index) {
-                    visit(i as usize, value);
-                }
-            }
-            Some(v) => {
-                for &(i, a) in self.u.column(index / columns) {
-                    for &(j, b) in v.column(index % columns) {
-                        visit(i as usize * columns + j as usize, a * b);
-                    }
-                }
-            }
-        }
-    }
-
-    /// The block `B_II` of the rows and columns of some points I, of a square matrix. `points` are
-    /// their indices, `place` says for each index of the grid where in `points` it stands, and
-    /// `columns` is the number of columns of the grid.
-    pub(super) fn principal_block(
-        &self,
-        points: &[usize],
-        place: &[Option<usize>],
-        columns: usize,
-    ) -> DMatrix<f64> {
-        let mut block = DMatrix::zeros(points.len(), points.len());
-        for (k, &index) in points.iter().enumerate() {
-            self.visit(index, columns, |row, value| {
-                if let Some(row) = place[row] {
-                    block[(row, k)] = value;
-                }
-            });
-        }
-        block
-    }
 }
 
 impl Tensor {
@@ -93,18 +38,28 @@ impl Tensor {
             control: setup.control_grid(),
             u: Collocation::new(setup.u()),
             v: setup.v().map(Collocation::new),
-            columns: OnceLock::new(),
         }
     }
 
-    /// The entries by columns. They are sorted when they are first needed, and kept.
-    pub fn columns(&self) -> &Arc<TensorColumns> {
-        self.columns.get_or_init(|| {
-            Arc::new(TensorColumns {
-                u: self.u.by_columns(),
-                v: self.v.as_ref().map(Collocation::by_columns),
-            })
-        })
+    /// The entries of the column of control point `index` that differ from zero, rows (increasing)
+    /// and values: the data points in the support of its basis function.
+    pub(super) fn column(&self, index: usize) -> Vec<(usize, f64)> {
+        let Some(v) = &self.v else {
+            return self.u.column(index);
+        };
+        let columns = self.control.columns;
+        let along = self.u.column(index / columns);
+        let across = v.column(index % columns);
+        let products = along.into_iter().flat_map(|(i, a)| {
+            let line = i * self.data.columns;
+            across.iter().map(move |&(j, b)| (line + j, a * b))
+        });
+        products.collect()
+    }
+
+    /// The most entries of a row: multiplications for a point.
+    pub(super) fn widths(&self) -> impl Iterator<Item = usize> {
+        self.directions().map(|it| it.entries() / it.rows().max(1))
     }
 
     /// The arrangement of the data points.
@@ -124,8 +79,15 @@ impl Tensor {
         points: &[usize],
         place: &[Option<usize>],
     ) -> DMatrix<f64> {
-        self.columns()
-            .principal_block(points, place, self.data.columns)
+        let mut block = DMatrix::zeros(points.len(), points.len());
+        for (k, &index) in points.iter().enumerate() {
+            for (row, value) in self.column(index) {
+                if let Some(row) = place[row] {
+                    block[(row, k)] += value;
+                }
+            }
+        }
+        block
     }
 
     /// How many numbers of scratch space the maps of this matrix need: none of a curve, of a
@@ -185,8 +147,7 @@ mod tests {
                     control: grid,
                     u: Collocation::new(&u),
                     v: Some(Collocation::new(&v)),
-                    columns: OnceLock::new(),
-                };
+                        };
                 let x: Vec<f64> = (0..rows * columns)
                     .map(|i| (i as f64 * 0.7).sin())
                     .collect();

@@ -203,6 +203,31 @@ impl Banded {
         })
     }
 
+    /// The entries of column `j` that differ from zero: rows, increasing, and values. Only rows near
+    /// it are looked at, as far from the diagonal as entries reach.
+    pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let (rows, columns) = (self.rows as i64, self.columns as i64);
+        let (low, high) = (j as i64 - self.reach as i64, (j + self.reach + 1) as i64);
+        // A period to the left, and one to the right, of what goes around the end.
+        let shifts = match self.cyclic {
+            true if high - low >= rows => [Some(-low), None, None],
+            true => [Some(-rows), Some(0), Some(rows)],
+            false => [Some(0), None, None],
+        };
+        let near = shifts.into_iter().flatten().map(move |shift| {
+            let row = |i: i64| (i + shift).clamp(0, rows) as usize;
+            row(low)..row(high)
+        });
+        let spans = near.flat_map(|rows| self.spans(rows));
+        let places = spans.flat_map(|(offset, span)| span.map(move |i| (i, offset)));
+        let entries = places.flat_map(move |(i, offset)| {
+            let first = j as i64 - i as i64 - i64::from(offset);
+            let places = (first.rem_euclid(columns) as usize..self.width).step_by(self.columns);
+            places.map(move |k| (i, self.entries[k][i]))
+        });
+        entries.filter(|&(_, value)| value != 0.0)
+    }
+
     /// The diagonal, which holds the eigenvalues, if all entries on one side of it are zero.
     pub fn diagonal_if_triangular(&self) -> Option<Vec<f64>> {
         let entries = || self.entries().filter(|&(.., value)| value != 0.0);

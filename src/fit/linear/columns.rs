@@ -1,7 +1,4 @@
-//! Matrices by columns, for updates by single control points.
-//!
-//! Moving control point j by δ changes the residual by −δ times column j of B: the rows in which
-//! its basis function differs from zero, p + 1 or so of a B-spline of degree p.
+//! Sparse matrices by columns.
 
 /// The entries of a matrix that differ from zero, column by column.
 #[derive(Clone, Debug)]
@@ -39,11 +36,5 @@ impl Columns {
     /// The entries of column `j`, rows (increasing) and values.
     pub fn column(&self, j: usize) -> &[(u32, f64)] {
         &self.entries[self.starts[j]..self.starts[j + 1]]
-    }
-
-    /// The largest number of entries of a column.
-    pub fn longest(&self) -> usize {
-        let lengths = self.starts.windows(2).map(|pair| pair[1] - pair[0]);
-        lengths.max().unwrap_or(0)
     }
 }

@@ -126,6 +126,13 @@ impl Dense {
         support.zip(entries.iter().copied())
     }
 
+    /// The entries of column `j` that differ from zero: rows, increasing, and values.
+    pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let entries = self.transposed.row(j);
+        let entries = (0..self.rows()).map(move |i| (i, entries[i]));
+        entries.filter(|&(_, value)| value != 0.0)
+    }
+
     /// The matrix as nalgebra has it.
     pub fn to_matrix(&self) -> DMatrix<f64> {
         self.transposed.transpose()

@@ -18,6 +18,7 @@ use super::selection::{Choice, Selection, all_points};
 use super::threshold::Threshold;
 use super::update::{State, Update};
 use crate::fit::about::About;
+use crate::fit::blocks::BLOCK;
 use crate::fit::convergence::Forecast;
 use crate::fit::equations::Equations;
 use crate::fit::invalid::Invalid;
@@ -128,10 +129,17 @@ impl Choice for Far {
 
     fn choose(&mut self, equations: &Equations, state: &State, active: &mut Vec<usize>) {
         let data = equations.setup.data();
-        let distance = |index: usize| self.norms.distance(data, &state.residual, index);
-        // A point whose residual has not changed is as near as it was.
-        let far = |index: &usize| distance(*index) > self.threshold.of(*index);
+        let mut room = [0.0; BLOCK];
         active.clear();
-        active.extend(state.changed.iter().copied().filter(far));
+        // A point whose residual has not changed is as near as it was.
+        let runs = state.changed.chunk_by(|a, b| a + 1 == *b);
+        for run in runs.flat_map(|run| run.chunks(BLOCK)) {
+            let distances = &mut room[..run.len()];
+            self.norms
+                .distances(data, &state.residual, run[0], distances);
+            let points = run.iter().copied().zip(distances);
+            let far = points.filter(|(index, distance)| **distance > self.threshold.of(*index));
+            active.extend(far.map(|(index, _)| index));
+        }
     }
 }

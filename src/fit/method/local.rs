@@ -197,7 +197,11 @@ impl Choice for LineSweep {
     fn choose(&mut self, equations: &Equations, state: &State, active: &mut Vec<usize>) {
         let setup = &equations.setup;
         let (data, tolerance) = (setup.data(), setup.tolerance());
-        let distance = |index: usize| self.norms.distance(data, &state.residual, index);
+        let distance = |index: usize| {
+            let mut one = [0.0];
+            self.norms.distances(data, &state.residual, index, &mut one);
+            one[0]
+        };
         let done = |line: &[usize]| line.iter().all(|&index| distance(index) <= tolerance);
         // At most once around: if all are done, the fit has converged.
         for _ in 0..self.lines.len() {

@@ -9,17 +9,18 @@
 //! So an update costs as much as the supports of the moved points, about `|I| (p + 1)`
 //! multiplications for each coordinate of a curve of degree p and `|I| (p + 1)²` of a surface,
 //! whatever the number of data; and only the errors of the points that have changed are measured
-//! again. Where that is more than computing the whole residual anew, the whole residual is computed
-//! anew.
+//! again. Computing the whole residual anew takes more multiplications, but whole arrays at a time:
+//! where that is quicker, it is computed anew.
 
 use std::fmt::Debug;
-use std::sync::Arc;
 
 use super::update::{Change, State, Update};
 use crate::fit::equations::Equations;
-use crate::fit::linear::columns::Columns;
 use crate::fit::norms::Norms;
-use crate::fit::tensor::TensorColumns;
+use crate::fit::tensor::Tensor;
+
+/// How many multiplications of whole arrays take as long as one of an entry that is looked up.
+const LOOK_UP: usize = 6;
 
 /// How the moved control points are chosen.
 pub(super) trait Choice: Clone + Debug + Send + 'static {
@@ -50,16 +51,15 @@ pub(super) struct Selection<C> {
     active: Vec<usize>,
     /// Those that the last one moved, where each update has its own.
     moved: Vec<usize>,
-    /// Their steps, one coordinate.
+    /// The steps of the active ones, one coordinate after the other.
     deltas: Vec<f64>,
-    matrix: Arc<TensorColumns>,
     /// The number of the update that last changed the residual of each point, 0 if none has.
     stamps: Vec<u32>,
     /// The number of the current update.
     stamp: u32,
     /// Multiplications of computing the whole residual anew.
     whole_cost: usize,
-    /// Multiplications of an update by one point: the size of the support of its function.
+    /// The same of an update by one point: the size of the support of its function, looked up.
     point_cost: usize,
 }
 
@@ -72,68 +72,56 @@ impl<C: Choice> Selection<C> {
     /// Before the first update, which moves `active` (increasing) unless the choice varies. The
     /// relaxation is that of the forecast.
     pub(super) fn new(equations: &Equations, choice: C, active: Vec<usize>) -> Self {
-        let grid = equations.setup.grid();
-        let matrix = Arc::clone(equations.collocation.columns());
-        let width_u = matrix.u.longest();
-        let width_v = matrix.v.as_ref().map(Columns::longest);
-        let point_cost = width_u * width_v.unwrap_or(1);
-        let whole = width_u + width_v.unwrap_or(0);
+        let count = equations.setup.grid().count();
+        let tensor = equations.collocation.tensor();
+        let widths = || tensor.into_iter().flat_map(Tensor::widths);
         Self {
             choice,
             omega: equations.forecast.omega.unwrap_or(1.0),
             active,
             moved: Vec::new(),
             deltas: Vec::new(),
-            matrix,
-            stamps: vec![0; grid.count()],
+            stamps: vec![0; count],
             stamp: 0,
-            whole_cost: whole * grid.count(),
-            point_cost,
+            whole_cost: widths().sum::<usize>() * count,
+            point_cost: LOOK_UP * widths().product::<usize>(),
         }
     }
 
-    /// `Δ ← Δ − B δ` for the moved points; notes which points have changed.
-    fn update_residual(&mut self, columns: usize, state: &mut State) {
-        let mut deltas = std::mem::take(&mut self.deltas);
-        for (x, residual) in state
-            .control_points
-            .lanes_mut()
-            .iter_mut()
-            .zip(state.residual.lanes_mut())
-        {
-            deltas.clear();
-            let steps = self
-                .active
-                .iter()
-                .map(|&index| self.omega * residual[index]);
-            deltas.extend(steps);
-            for (&index, delta) in self.active.iter().zip(&deltas) {
-                x[index] += delta;
-                self.matrix.visit(index, columns, |row, value| {
-                    residual[row] -= value * delta;
-                });
-            }
+    /// `X ← X + δ` and `Δ ← Δ − B δ` for the active points; notes which points have changed, each
+    /// once and in increasing order.
+    fn update_residual(&mut self, matrix: &Tensor, state: &mut State) {
+        let State {
+            control_points,
+            residual,
+            changed,
+            ..
+        } = state;
+        self.deltas.clear();
+        for residual in residual.lanes() {
+            let steps = self.active.iter().map(|&index| self.omega * residual[index]);
+            self.deltas.extend(steps);
         }
-        self.deltas = deltas;
-        self.note_changes(columns, &mut state.changed);
-    }
-
-    /// Notes which points have changed, each once and in increasing order.
-    fn note_changes(&mut self, columns: usize, changed: &mut Vec<usize>) {
         self.stamp += 1;
-        let stamp = self.stamp;
-        let mut stamps = std::mem::take(&mut self.stamps);
         changed.clear();
-        for &index in &self.active {
-            self.matrix.visit(index, columns, |row, _| {
-                if stamps[row] != stamp {
-                    stamps[row] = stamp;
+        for (k, &index) in self.active.iter().enumerate() {
+            let column = matrix.column(index);
+            let deltas = self.deltas[k..].iter().step_by(self.active.len());
+            let lanes = control_points.lanes_mut().iter_mut();
+            for ((x, residual), delta) in lanes.zip(residual.lanes_mut()).zip(deltas) {
+                x[index] += delta;
+                for &(row, value) in &column {
+                    residual[row] -= value * delta;
+                }
+            }
+            for (row, _) in column {
+                if self.stamps[row] != self.stamp {
+                    self.stamps[row] = self.stamp;
                     changed.push(row);
                 }
-            });
+            }
         }
         changed.sort_unstable();
-        self.stamps = stamps;
     }
 }
 
@@ -146,8 +134,9 @@ impl<C: Choice> Update for Selection<C> {
     /// of it.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change {
         let moved = self.active.len();
-        if moved * self.point_cost < self.whole_cost {
-            self.update_residual(equations.setup.grid().columns, state);
+        let few = moved * self.point_cost < self.whole_cost;
+        if let Some(matrix) = equations.collocation.tensor().filter(|_| few) {
+            self.update_residual(matrix, state);
             return Change::Some { moved };
         }
         let lanes = state.control_points.lanes_mut().iter_mut();
