@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use piad::command;
+use piad::config::listen::Listen;
 use piad::config::{self, Command, Config, LogFormat};
 use piad::server;
-use piad::server::listen::Listen;
 use piad::server::probe::probe;
 use piad::signals;
 use piad::telemetry::endpoint::Endpoint;

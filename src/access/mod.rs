@@ -23,6 +23,3 @@ pub(crate) struct Access {
     pub(crate) tokens: Arc<Tokens>,
     pub(crate) tickets: TicketKey,
 }
-
-/// The variable with a token of all scopes, for the time before there is a file.
-pub(crate) const BOOTSTRAP: &str = "PIAD_TOKEN";

@@ -8,7 +8,6 @@ use jiff::Timestamp;
 use parking_lot::Mutex;
 use uuid::Uuid;
 
-use super::BOOTSTRAP;
 use super::denial::Denial;
 use super::file::{Token, TokensFile};
 use super::scope::Scope;
@@ -17,6 +16,9 @@ use super::ticket::{Ticket, TicketKey};
 use crate::job::quota::Quotas;
 use crate::job::tenant::Tenant;
 use crate::reload::{Reload, Seen};
+
+/// The variable with a token of all scopes, for the time before there is a file.
+pub(crate) const BOOTSTRAP: &str = "PIAD_TOKEN";
 
 /// The shortest token that the variable may have: one that can be guessed is none.
 const SHORTEST: usize = 32;

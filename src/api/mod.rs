@@ -23,6 +23,7 @@ mod jobs;
 pub(crate) mod json;
 mod language;
 mod levels;
+mod needs;
 mod openapi;
 mod order;
 mod problem;

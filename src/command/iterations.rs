@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use super::arguments::FitArguments;
 use super::client::Client;
 use super::failure::Failure;
 use super::outputs::{OutputFormat, Place, write};
+use crate::config::fit_arguments::FitArguments;
 
 /// The most files where nobody says how many.
 const MOST: usize = 1000;

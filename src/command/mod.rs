@@ -12,7 +12,6 @@
 //! - [`shells`]: completions and manual pages;
 //! - [`store`]: `piad store`, which is about the jobs of servers.
 
-pub mod arguments;
 mod client;
 mod events;
 mod failure;
@@ -40,7 +39,6 @@ use http_body_util::BodyExt;
 use tokio::runtime::Runtime;
 use tokio::time::timeout;
 
-use arguments::FitArguments;
 use client::Client;
 use events::{EndEvent, Event, Events, JobEvent};
 use failure::Failure;
@@ -52,7 +50,8 @@ use progress::Progress;
 use request::Request;
 use summary::Shape;
 
-use crate::access::BOOTSTRAP;
+use crate::access::tokens::BOOTSTRAP;
+use crate::config::fit_arguments::FitArguments;
 use crate::files;
 use crate::signals;
 use crate::terminal::say;
@@ -158,7 +157,7 @@ fn prepare(arguments: &FitArguments, outputs: &[Output]) -> Result<Prepared, Fai
         asked.check_foot_points(&input)?;
     }
     let request = Request::new(&input, &asked)?;
-    outputs::check_formats(outputs, || PointKind::of(&input, &asked))?;
+    outputs::check_formats(outputs, || PointKind::of(&input, &asked.hints()))?;
     Ok(Prepared {
         input,
         asked,

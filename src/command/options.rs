@@ -2,13 +2,13 @@
 
 use serde_json::{Map, Value, json};
 
-use super::arguments::FitArguments;
 use super::failure::Failure;
 use super::input::{Content, Input, not_json, not_read};
 use super::point_kind::PointKind;
 use super::pointer;
 use crate::api::json::request::file::{self, FileHints};
 use crate::api::json::request::path::{insert, insert_value};
+use crate::config::fit_arguments::FitArguments;
 use crate::files;
 use crate::fit::points::Grid;
 use crate::import::Hints;
@@ -227,7 +227,7 @@ fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
         // Those who read it report what is wrong with it.
         Content::Points => {
-            PointKind::of(input, &Asked::default()).is_some_and(|points| points.surface)
+            PointKind::of(input, &Asked::default().hints()).is_some_and(|points| points.surface)
         }
         Content::Job => input.value()?.get("surface").is_some(),
     };

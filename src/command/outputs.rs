@@ -10,9 +10,9 @@ use axum::body::Body;
 use http_body_util::BodyExt;
 use tempfile::NamedTempFile;
 
-use super::arguments::FitArguments;
 use super::failure::Failure;
 use super::point_kind::PointKind;
+use crate::config::fit_arguments::FitArguments;
 use crate::export::{Format, check_shape};
 
 /// The format of an output.

@@ -3,9 +3,8 @@
 use serde_json::Value;
 
 use super::input::{Content, Input};
-use super::options::Asked;
 use super::pointer;
-use crate::import::{self, Kind};
+use crate::import::{self, Hints, Kind};
 
 /// What points are of, and how many coordinates they have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,12 +16,11 @@ pub(super) struct PointKind {
 }
 
 impl PointKind {
-    /// That of an input with these options; `None` if it cannot be read, which the server reports.
-    pub(super) fn of(input: &Input, asked: &Asked) -> Option<Self> {
+    /// That of an input with these hints; `None` if it cannot be read, which the server reports.
+    pub(super) fn of(input: &Input, hints: &Hints) -> Option<Self> {
         match input.content {
             Content::Points => {
-                let hints = asked.hints();
-                let read = import::read(&input.bytes, &hints).ok()?;
+                let read = import::read(&input.bytes, hints).ok()?;
                 let surface = hints.kind == Some(Kind::Surface);
                 Some(Self {
                     surface: surface || read.grid.is_some(),

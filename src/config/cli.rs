@@ -6,10 +6,10 @@ use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
 use super::Config;
+use super::fit_arguments::FitArguments;
+use super::listen::Listen;
 use super::values::{Lifetime, Storage};
 use crate::access::scope::Scope;
-use crate::command::arguments::FitArguments;
-use crate::server::listen::Listen;
 
 /// Curve and surface fitting by progressive iterative approximation, every iteration streamed.
 #[derive(Debug, Parser)]

@@ -1,12 +1,16 @@
 //! The settings of a server: flags, `PIAD_*` variables, and a file.
 //!
-//! - [`cli`]: the command line of the program; [`values`]: how values are read;
+//! - [`cli`]: the command line of the program, [`fit_arguments`]: that of `piad fit`;
+//! - [`values`], [`listen`], [`origin`]: how values are read;
 //! - [`file`]: a file of settings; [`sources`]: where each setting comes from;
 //! - [`machine`]: the memory that there is.
 
 mod cli;
 mod file;
+pub(crate) mod fit_arguments;
+pub mod listen;
 mod machine;
+pub mod origin;
 mod sources;
 mod values;
 
@@ -18,18 +22,17 @@ use clap::{Args, Parser};
 use ipnet::IpNet;
 
 pub use cli::{Cli, Command, StoreCommand, TokenCommand};
+use listen::Listen;
+use origin::Origin;
 pub use sources::{Sources, parse};
-pub use values::{BasePath, Lifetime, LogFormat, Storage};
+pub(crate) use values::TlsFiles;
+pub use values::{BasePath, Lifetime, LogFormat, Storage, network};
 use values::{duration, host_name, seconds, some_seconds};
 
-use crate::api::http::cors::Origin;
 use crate::fit::admission::Admission;
 use crate::job::store::StorePlace;
 use crate::job::store::shared::Settings;
 use crate::model::job::Limits;
-use crate::server::listen::Listen;
-use crate::server::proxy;
-use crate::server::tls::TlsFiles;
 
 /// The settings of a server.
 #[derive(Args, Clone, Debug)]
@@ -92,7 +95,7 @@ pub struct Config {
         env = "PIAD_TRUSTED_PROXY",
         value_delimiter = ',',
         value_name = "NETWORK",
-        value_parser = proxy::network
+        value_parser = network
     )]
     pub trusted_proxy: Vec<IpNet>,
 

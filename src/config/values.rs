@@ -1,16 +1,37 @@
 //! Values of settings that are no numbers, and how they are read.
 
 use std::fmt;
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
 use clap::ValueEnum;
+use ipnet::IpNet;
 use jiff::SignedDuration;
 
 use crate::job::store::StorePlace;
 use crate::job::store::shared::Settings;
 use crate::redact;
+
+/// Where the certificates are, all of them in the form of PEM.
+#[derive(Clone, Debug)]
+pub(crate) struct TlsFiles {
+    /// The certificate of the server, followed by those of the authorities below the root.
+    pub(crate) certificate: PathBuf,
+    /// Its private key.
+    pub(crate) key: PathBuf,
+    /// Authorities, one of which must have signed the certificate of each client.
+    pub(crate) clients: Option<PathBuf>,
+}
+
+/// The addresses of trusted proxies: a network such as 10.0.0.0/8, or one address.
+pub fn network(text: &str) -> Result<IpNet, String> {
+    let network = text.parse();
+    network
+        .or_else(|_| text.parse().map(|address: IpAddr| address.into()))
+        .map_err(|_| "not a network such as 10.0.0.0/8, or an address".to_owned())
+}
 
 /// The path below which clients see a server: empty, or such as `/fits`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

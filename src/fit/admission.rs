@@ -1,7 +1,6 @@
 //! What a fit may take: known from its sizes, before anything of it is computed.
 
 use super::invalid::{Invalid, Place};
-use super::problem::Problem;
 
 /// The most that a fit may take.
 #[derive(Clone, Copy, Debug)]
@@ -28,14 +27,12 @@ impl Admission {
         start: usize::MAX,
     };
 
-    /// Refuses a problem that takes more.
-    pub(super) fn check(&self, problem: &Problem) -> Result<(), Invalid> {
-        let step = problem.step_cost();
+    /// Refuses what takes more: bytes, and multiplications of an iteration and before the first one.
+    pub(super) fn check(&self, needed: usize, step: usize, start: usize) -> Result<(), Invalid> {
         let limit = match step <= self.small_step {
             true => self.quick,
             false => self.heavy,
         };
-        let needed = problem.memory();
         if needed > limit {
             return Err(Invalid::at(
                 Place::Whole,
@@ -46,7 +43,7 @@ impl Admission {
         }
         let pieces = [
             ("an iteration", step, self.step),
-            ("preparing the fit", problem.start_cost(), self.start),
+            ("preparing the fit", start, self.start),
         ];
         match pieces.into_iter().find(|(_, needed, limit)| needed > limit) {
             None => Ok(()),

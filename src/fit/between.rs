@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use super::direction::Direction;
 use super::geometry::Geometry;
 use super::points::Points;
-use super::problem::Problem;
+use super::setup::Setup;
 
 /// Places at which gaps and spans are looked at, as parts of them.
 const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -42,11 +42,11 @@ pub struct Excursion {
 impl Excursion {
     /// The place where a fit leaves its neighbours by most beyond what they are apart and what is `allowed`; `None` if
     /// there is none, or if data have no neighbours as they are scattered.
-    pub(super) fn of(problem: &Problem, control_points: &Points, allowed: f64) -> Option<Self> {
-        if problem.is_scattered() {
+    pub(super) fn of(setup: &Setup, control_points: &Points, allowed: f64) -> Option<Self> {
+        if setup.is_scattered() {
             return None;
         }
-        let gaps = Gaps::new(problem);
+        let gaps = Gaps::new(setup);
         let apart = gaps.apart();
         let mut farthest: Option<(f64, Self)> = None;
         gaps.each_distance(control_points, |cell, distance| {
@@ -81,14 +81,14 @@ impl fmt::Display for Excursion {
 }
 
 /// How far a surface of scattered data leaves their bounding box, as a part of its diagonal.
-pub(super) fn outside(problem: &Problem, control_points: &Points) -> f64 {
-    let geometry = Geometry::new(problem, control_points);
-    let mut places = problem.directions().map(of_spans);
+pub(super) fn outside(setup: &Setup, control_points: &Points) -> f64 {
+    let geometry = Geometry::new(setup, control_points);
+    let mut places = setup.directions().map(of_spans);
     let (u, v) = (
         places.next().unwrap_or_default(),
         places.next().unwrap_or_default(),
     );
-    let extents = problem.points.extents();
+    let extents = setup.points.extents();
     let mut farthest = 0.0;
     for u in u.chunks((AT_ONCE / v.len().max(1)).max(1)) {
         let points = geometry.evaluate(u, &v);
@@ -97,7 +97,7 @@ pub(super) fn outside(problem: &Problem, control_points: &Points) -> f64 {
             farthest = lane.iter().map(beyond).fold(farthest, f64::max);
         }
     }
-    farthest / problem.diagonal()
+    farthest / setup.diagonal()
 }
 
 /// Parameters in the spans of a direction: both ends of each, and two between.
@@ -180,7 +180,7 @@ fn spans(direction: &Direction) -> impl Iterator<Item = [f64; 2]> {
 
 /// The gaps of a curve, or the cells of a grid.
 struct Gaps<'a> {
-    problem: &'a Problem,
+    setup: &'a Setup,
     points: &'a Points,
     along: Line,
     across: Line,
@@ -189,19 +189,19 @@ struct Gaps<'a> {
 }
 
 impl<'a> Gaps<'a> {
-    fn new(problem: &'a Problem) -> Self {
-        let v = problem.v();
+    fn new(setup: &'a Setup) -> Self {
+        let v = setup.v();
         let parts: &[f64] = match v {
-            _ if problem.grid().count() > MANY => &[0.5],
+            _ if setup.grid().count() > MANY => &[0.5],
             Some(_) => &PLACES_OF_SURFACES,
             None => &PLACES,
         };
         Self {
-            problem,
-            points: &problem.points,
-            along: Line::new(problem.u(), parts),
+            setup,
+            points: &setup.points,
+            along: Line::new(setup.u(), parts),
             across: v.map_or_else(Line::single, |v| Line::new(v, parts)),
-            columns: problem.grid().columns,
+            columns: setup.grid().columns,
         }
     }
 
@@ -222,7 +222,7 @@ impl<'a> Gaps<'a> {
 
     /// How far the corners of each cell are apart, infinitely where one of them is missing.
     fn apart(&self) -> Vec<f64> {
-        let missing = self.problem.missing();
+        let missing = self.setup.missing();
         let own = |cell: usize| {
             let [[a, b], [c, d]] = self.corners(cell);
             if missing.is_some_and(|missing| [a, b, c, d].iter().any(|&i| missing.contains(i))) {
@@ -233,7 +233,7 @@ impl<'a> Gaps<'a> {
             pairs.into_iter().map(distance).fold(0.0, f64::max)
         };
         let own: Vec<f64> = (0..self.count()).map(own).collect();
-        match self.problem.v().is_none() && self.points.dimension() > 1 {
+        match self.setup.v().is_none() && self.points.dimension() > 1 {
             true => own,
             false => self.largest_around(&own),
         }
@@ -255,7 +255,7 @@ impl<'a> Gaps<'a> {
 
     /// Each cell with the distance at each of its places.
     fn each_distance(&self, control_points: &Points, mut visit: impl FnMut(usize, f64)) {
-        let geometry = Geometry::new(self.problem, control_points);
+        let geometry = Geometry::new(self.setup, control_points);
         let across = &self.across.places;
         let v: Vec<f64> = across.iter().map(|place| place.parameter).collect();
         for along in self.along.places.chunks((AT_ONCE / v.len()).max(1)) {

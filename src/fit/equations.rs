@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use super::convergence::Forecast;
+use super::forecast::Forecast;
 use super::operator::Operator;
 use super::points::Points;
 use super::setup::Setup;

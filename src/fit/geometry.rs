@@ -16,34 +16,34 @@
 use super::direction::Direction;
 use super::interrupt::Meter;
 use super::points::{Grid, Points};
-use super::problem::Problem;
+use super::setup::Setup;
 
 /// The fitted curve or surface with the control points of one level. It borrows both, and copies
 /// nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<'a> {
-    problem: &'a Problem,
+    setup: &'a Setup,
     control_points: &'a Points,
 }
 
 impl<'a> Geometry<'a> {
-    /// The geometry of `control_points`, the free ones of some level of `problem`, in homogeneous
+    /// The geometry of `control_points`, the free ones of some level of a problem with this `setup`, in homogeneous
     /// coordinates if the problem is.
-    pub fn new(problem: &'a Problem, control_points: &'a Points) -> Self {
+    pub fn new(setup: &'a Setup, control_points: &'a Points) -> Self {
         Self {
-            problem,
+            setup,
             control_points,
         }
     }
 
     /// Number of control points in the u direction, end copies included.
     pub fn rows(&self) -> usize {
-        self.problem.u().basis.functions()
+        self.setup.u().basis.functions()
     }
 
     /// Number of control points in the v direction, end copies included; `None` for a curve.
     pub fn columns(&self) -> Option<usize> {
-        self.problem.v().map(|v| v.basis.functions())
+        self.setup.v().map(|v| v.basis.functions())
     }
 
     /// Every row and column of the complete net, row by row; the column of a curve is 0.
@@ -55,9 +55,9 @@ impl<'a> Geometry<'a> {
     /// The free control point that the control point at a place of the complete net is equal to, if it
     /// is equal to one: all but those beside ends with derivatives.
     pub fn equal_to(&self, row: usize, column: usize) -> Option<usize> {
-        let columns = self.problem.control_grid().columns;
-        let start = self.problem.u().equal_to(row)? * columns;
-        match self.problem.v() {
+        let columns = self.setup.control_grid().columns;
+        let start = self.setup.u().equal_to(row)? * columns;
+        match self.setup.v() {
             None => Some(start),
             Some(v) => Some(start + v.equal_to(column)?),
         }
@@ -66,9 +66,9 @@ impl<'a> Geometry<'a> {
     /// Where the complete control net depends on free control point `index`: every `(row, column)`,
     /// the column of a curve being 0.
     pub fn occurrences(&self, index: usize) -> impl Iterator<Item = (usize, usize)> + 'a {
-        let columns = self.problem.control_grid().columns;
-        let v = self.problem.v();
-        let rows = self.problem.u().functions_of(index / columns);
+        let columns = self.setup.control_grid().columns;
+        let v = self.setup.v();
+        let rows = self.setup.u().functions_of(index / columns);
         rows.flat_map(move |row| {
             let across = v.map(|v| v.functions_of(index % columns));
             let single = across.is_none().then_some(0);
@@ -98,16 +98,16 @@ impl<'a> Geometry<'a> {
         let lanes = || mine.lanes().iter().zip(others.lanes());
         let moved = |index: &usize| lanes().any(|(a, b)| a[*index] != b[*index]);
         let mut differences: Vec<usize> = (0..mine.len()).filter(moved).collect();
-        if self.problem.offsets().is_some() || other.problem.offsets().is_some() {
-            let columns = self.problem.control_grid().columns;
+        if self.setup.offsets().is_some() || other.setup.offsets().is_some() {
+            let columns = self.setup.control_grid().columns;
             let copies = self
                 .places()
                 .filter(|(row, column)| self.equal_to(*row, *column).is_none());
             for (row, column) in copies {
                 let at = |of: &Self, c| of.coordinate(row, column, c);
                 if (0..dimension).any(|c| at(self, c) != at(other, c)) {
-                    let across = self.problem.v().map_or(0, |v| v.free_index(column));
-                    differences.push(self.problem.u().free_index(row) * columns + across);
+                    let across = self.setup.v().map_or(0, |v| v.free_index(column));
+                    differences.push(self.setup.u().free_index(row) * columns + across);
                 }
             }
             differences.sort_unstable();
@@ -118,7 +118,7 @@ impl<'a> Geometry<'a> {
 
     /// Whether the control points have weights of their own.
     pub fn is_homogeneous(&self) -> bool {
-        self.problem.is_homogeneous()
+        self.setup.is_homogeneous()
     }
 
     /// One coordinate, of the loop, of the control point at a place of the complete net.
@@ -127,9 +127,9 @@ impl<'a> Geometry<'a> {
         if let Some(index) = self.equal_to(row, column) {
             return lane[index];
         }
-        let columns = self.problem.control_grid().columns;
+        let columns = self.setup.control_grid().columns;
         let across = |start: usize| -> f64 {
-            match self.problem.v() {
+            match self.setup.v() {
                 None => lane[start],
                 Some(v) => {
                     let parts = v.parts(column);
@@ -137,11 +137,11 @@ impl<'a> Geometry<'a> {
                 }
             }
         };
-        let parts = self.problem.u().parts(row);
+        let parts = self.setup.u().parts(row);
         let sum: f64 = parts
             .map(|(index, part)| part * across(index * columns))
             .sum();
-        let offsets = self.problem.offsets();
+        let offsets = self.setup.offsets();
         sum + offsets.map_or(0.0, |it| it.at(row, column, coordinate))
     }
 
@@ -161,12 +161,12 @@ impl<'a> Geometry<'a> {
         let weight = self.weight(row, column).unwrap_or(1.0);
         let geometry = *self;
         let coordinate = move |c| geometry.coordinate(row, column, c) / weight;
-        (0..self.problem.dimension()).map(coordinate)
+        (0..self.setup.dimension()).map(coordinate)
     }
 
     /// The weight of the control point at a place of the complete net, in a homogeneous fit.
     pub fn weight(&self, row: usize, column: usize) -> Option<f64> {
-        let last = self.problem.dimension();
+        let last = self.setup.dimension();
         self.is_homogeneous()
             .then(|| self.coordinate(row, column, last))
     }
@@ -176,18 +176,18 @@ impl<'a> Geometry<'a> {
     /// costs `d (p + 1)` multiplications besides evaluating the basis.
     pub fn evaluate(&self, u: &[f64], v: &[f64]) -> Points {
         let grid = Values {
-            along: LineValues::new(self.problem.u(), u),
-            across: match self.problem.v() {
+            along: LineValues::new(self.setup.u(), u),
+            across: match self.setup.v() {
                 None => LineValues::one(),
                 Some(direction) => LineValues::new(direction, v),
             },
-            controls: self.problem.control_grid(),
+            controls: self.setup.control_grid(),
         };
         let lanes = self.control_points.lanes().iter();
         let mut lanes: Vec<Vec<f64>> = lanes.map(|lane| grid.sums(lane)).collect();
-        if let Some(offsets) = self.problem.offsets() {
-            let across = self.problem.v().map(|direction| (direction, v));
-            offsets.add(1.0, (self.problem.u(), u), across, &mut lanes);
+        if let Some(offsets) = self.setup.offsets() {
+            let across = self.setup.v().map(|direction| (direction, v));
+            offsets.add(1.0, (self.setup.u(), u), across, &mut lanes);
         }
         // From homogeneous coordinates to points.
         if self.is_homogeneous()
@@ -204,7 +204,7 @@ impl<'a> Geometry<'a> {
     /// weights are positive.
     pub fn is_within_hull(&self) -> bool {
         let positive = |weights: &[f64]| weights.iter().all(|weight| *weight > 0.0);
-        let mut given = self.problem.directions().filter_map(Direction::weights);
+        let mut given = self.setup.directions().filter_map(Direction::weights);
         given.all(positive) && self.bad_weight().is_none()
     }
 
@@ -223,14 +223,14 @@ impl<'a> Geometry<'a> {
 
     /// The same of the copies at the ends.
     fn bad_copy(&self) -> Option<(usize, f64)> {
-        self.problem.offsets()?;
+        self.setup.offsets()?;
         let mut copies = self
             .places()
             .filter(|(row, column)| self.equal_to(*row, *column).is_none());
         copies.find_map(|(row, column)| {
             let weight = self.weight(row, column).filter(|weight| *weight <= 0.0)?;
-            let start = self.problem.u().free_index(row) * self.problem.control_grid().columns;
-            let index = self.problem.v().map_or(0, |v| v.free_index(column));
+            let start = self.setup.u().free_index(row) * self.setup.control_grid().columns;
+            let index = self.setup.v().map_or(0, |v| v.free_index(column));
             Some((start + index, weight))
         })
     }

@@ -25,8 +25,9 @@ use serde::{Deserialize, Serialize};
 
 use super::automatic::Automatic;
 use super::between::Excursion;
-use super::convergence::{Decay, Foreseen};
+use super::decay::Decay;
 use super::fold::Fold;
+use super::forecast::Foreseen;
 use super::geometry::Geometry;
 use super::method::update::Update;
 use super::norms::FitError;

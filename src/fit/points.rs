@@ -14,6 +14,9 @@ use super::aligned::{self, Lane};
 use super::bounds::Extent;
 use super::invalid::Axis;
 
+/// The most coordinates of a data point.
+pub const MAX_DIMENSION: usize = 3;
+
 /// The extents of fewer points are found by one thread.
 const PARALLEL: usize = 100_000;
 

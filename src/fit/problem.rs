@@ -12,7 +12,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use super::admission::Admission;
-use super::automatic as engine;
+use super::automatic::first;
 use super::collocation::Collocation;
 use super::direction::{Direction, DirectionChoice};
 use super::ends::line::Fitted;
@@ -85,7 +85,7 @@ impl Problem {
         automatic::check_request(&request)?;
         settle(&mut request);
         let (u, v) = match (&request.scattered, request.method.automatic()) {
-            (_, Some(settings)) => engine::first_directions(&request, settings)?,
+            (_, Some(settings)) => first::first_directions(&request, settings)?,
             (Some(scattered), None) => scattered_directions(&request, scattered)?,
             (None, None) => directions(&request, missing.as_ref())?,
         };
@@ -120,10 +120,10 @@ impl Problem {
             setup: Arc::new(setup),
             tolerance,
         };
-        admission.check(&problem)?;
+        admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
         while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
-            let finer = engine::finer(&problem.setup, &problem.request);
+            let finer = first::finer(&problem.setup, &problem.request);
             problem.setup = Arc::new(finer.ok_or(mistake)?);
         }
         Ok(problem)
@@ -229,7 +229,14 @@ impl Problem {
             let size = (self.diagonal(), self.tolerance);
             warnings.extend(Warning::of_points(&self.points, size));
         }
-        warnings.extend(Warning::of_data(&self.request));
+        let request = &self.request;
+        warnings.extend(match v {
+            None => Warning::of_curve(&request.points),
+            Some(_) if request.grid.is_rows() => {
+                Warning::of_grid(&request.points, &request.missing)
+            }
+            Some(_) => None,
+        });
         // Fewer control points have knots of their own, which are not at the data.
         if self.method().scheme().control_points().is_some() {
             return warnings;
@@ -253,8 +260,9 @@ impl Problem {
         let vectors = 3 + given + shifted + demand.vectors;
         let scratch = usize::from(self.v().is_some());
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
-        if self.is_automatic() {
-            return arrays + engine::memory(self) + demand.bytes;
+        if let Some((settings, _)) = self.method().automatic() {
+            let most = self.most_control_points();
+            return arrays + first::memory(self, settings, most) + demand.bytes;
         }
         if let (true, Some(v)) = (self.is_scattered(), self.v()) {
             let matrix = Sparse::memory(self.u(), v);

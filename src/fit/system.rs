@@ -6,14 +6,14 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::convergence::Foreseen;
 use super::equations::Equations;
+use super::forecast::Foreseen;
 use super::operator::Operator;
 use super::points::Points;
 use super::problem::Problem;
 use super::transform::Transform;
 
-pub use super::convergence::Forecast;
+pub use super::forecast::Forecast;
 
 /// A problem ready to be iterated: with its collocation matrix, its transform, and what is known of
 /// its convergence. Iterations of the same problem share one.

@@ -147,7 +147,7 @@ mod tests {
                     control: grid,
                     u: Collocation::new(&u),
                     v: Some(Collocation::new(&v)),
-                        };
+                };
                 let x: Vec<f64> = (0..rows * columns)
                     .map(|i| (i as f64 * 0.7).sin())
                     .collect();
@@ -171,6 +171,13 @@ mod tests {
                     &mut scratch,
                 );
                 assert_equal(&back, vector.clone(), 1e-8);
+                for (j, column) in kronecker.column_iter().enumerate() {
+                    let mut entries = vec![0.0; x.len()];
+                    let found = tensor.column(j);
+                    assert!(found.is_sorted_by_key(|(i, _)| *i));
+                    found.iter().for_each(|(i, value)| entries[*i] += value);
+                    assert_equal(&entries, column.clone_owned(), 1e-15);
+                }
                 tensor.apply_transposed(&x, &mut y, &mut scratch);
                 assert_equal(&y, kronecker.transpose() * &vector, 1e-14);
             }

@@ -10,15 +10,14 @@ use serde::{Deserialize, Serialize};
 use super::basis::knots::Knots;
 use super::between::Excursion;
 use super::choice::{BasisChoice, DirectionChoice};
-use super::convergence::Forecast;
 use super::direction::Direction;
 use super::ends::{End, Ends, MOST_ESTIMATED};
 use super::fold::Fold;
+use super::forecast::Forecast;
 use super::invalid::{Axis, Place};
 use super::no_data::no_data;
 use super::point_order::is_unordered;
 use super::points::Points;
-use super::request::Request;
 
 /// What is doubtful about a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -148,18 +147,14 @@ impl Warning {
         })
     }
 
-    /// Whether the points of a curve have an order, or the values of a grid one that stands for missing data.
-    pub(super) fn of_data(request: &Request) -> Option<Self> {
-        let Request {
-            points, missing, ..
-        } = request;
-        match request.v {
-            None => is_unordered(points).then_some(Self::Unordered),
-            Some(_) if request.grid.is_rows() => {
-                no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
-            }
-            Some(_) => None,
-        }
+    /// Whether the points of a curve have an order.
+    pub(super) fn of_curve(points: &Points) -> Option<Self> {
+        is_unordered(points).then_some(Self::Unordered)
+    }
+
+    /// Whether the values of a grid have one that stands for missing data.
+    pub(super) fn of_grid(points: &Points, missing: &[usize]) -> Option<Self> {
+        no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
     }
 
     /// Whether the slowest part of the error will hardly have changed at level `iterations`, the

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use serde::de::DeserializeOwned;
 use serde_json::{Deserializer, Value};
 
+use super::imported::{Hints, Imported, Kind};
+use super::lattice;
+use super::mistake::Mistake;
 use super::table::Table;
-use super::{Hints, Imported, Kind, Mistake, lattice};
-use crate::fit::points::Grid;
+use crate::fit::points::{Grid, MAX_DIMENSION};
 use crate::model::list_limits::ListLimits;
 use crate::model::points::{PointGrid, PointList};
-use crate::model::shape::MAX_DIMENSION;
 
 /// What an array holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

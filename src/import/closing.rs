@@ -1,8 +1,8 @@
 //! Outlines whose last point is the first one again, also to rounding: closed curves, in which a point is
 //! there once.
 
+use super::imported::{Hints, Kind};
 use super::table::Table;
-use super::{Hints, Kind};
 use crate::fit::points::Points;
 
 /// Cosine of the sharpest turn, 60°, at which an outline is taken to go on smoothly. The trailing edge of

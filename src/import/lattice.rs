@@ -1,7 +1,9 @@
 //! Points of a surface come in rows: blank lines separate them, or x and y say it, or somebody does.
 
+use super::closing;
+use super::imported::{Hints, Imported, Kind};
+use super::mistake::Mistake;
 use super::table::Table;
-use super::{Hints, Imported, Kind, Mistake, closing};
 use crate::fit::point_order::is_unordered;
 use crate::fit::points::{Grid, Points};
 

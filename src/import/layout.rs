@@ -1,9 +1,11 @@
 //! What stands where in the lines of a file, and which lines are words instead of points.
 
-use super::Mistake;
+use super::mistake::Mistake;
 use super::notation::Notation;
-use super::table::MOST_COLUMNS;
 use crate::model::short::quoted;
+
+/// The most columns of a file, most of which are not read.
+pub(super) const MOST_COLUMNS: usize = 1000;
 
 /// The most coordinates of a point.
 const MOST_COORDINATES: usize = 3;

@@ -1,7 +1,7 @@
 //! Meshes in OFF files: the vertices are points; the line of counts above them and the faces below are not.
 
-use super::Mistake;
-use super::table::{line_end, without_comment};
+use super::lines::{line_end, without_comment};
+use super::mistake::Mistake;
 
 /// What such files begin with; letters before `OFF` name what follows the coordinates of a vertex.
 const KEYWORDS: [&str; 5] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF"];

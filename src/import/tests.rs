@@ -2,7 +2,9 @@
 
 use proptest::prelude::*;
 
+use super::mistake::MOST_MISTAKES;
 use super::*;
+use crate::fit::points::Grid;
 
 const HINTS: Hints = Hints {
     kind: None,

@@ -32,6 +32,7 @@ pub(crate) mod memory;
 pub(crate) mod outline;
 pub(crate) mod peer;
 pub(crate) mod probation;
+mod progress;
 pub(crate) mod quota;
 pub(crate) mod reader_budget;
 pub(crate) mod recent;
@@ -68,6 +69,7 @@ use frame::Frame;
 use memory::Permit;
 use outline::Outline;
 use peer::Peer;
+use replay::Replays;
 use resources::Resources;
 use result::LastGeometry;
 use run::attached::Attached;
@@ -105,6 +107,8 @@ pub(crate) struct Job {
     /// Runs that readers can share, including the primary one.
     runs: Mutex<Vec<Weak<Run>>>,
     resources: Arc<Resources>,
+    /// Runs that compute again, of all jobs.
+    replays: Arc<Replays>,
     descriptions: EncodingCache,
     trace: Arc<JobTrace>,
 }
@@ -115,7 +119,7 @@ impl Job {
         record: Record,
         store: Option<Arc<Store>>,
         peer: Option<Peer>,
-        resources: Arc<Resources>,
+        (resources, replays): (Arc<Resources>, Arc<Replays>),
     ) -> Self {
         Self {
             outline: record.outline,
@@ -132,6 +136,7 @@ impl Job {
             primary: Mutex::new(Weak::new()),
             runs: Mutex::new(Vec::new()),
             resources,
+            replays,
             descriptions: EncodingCache::default(),
             trace: Arc::default(),
         }
@@ -371,10 +376,7 @@ impl Job {
     ) -> Result<Attached, StoreError> {
         let resources = &self.resources;
         let share = &resources.memory.replays;
-        let permit = resources
-            .replays
-            .turn(share, peer, self.outline.memory)
-            .await;
+        let permit = self.replays.turn(share, peer, self.outline.memory).await;
         // Another reader may have started a run in the meantime.
         if let Some(attached) = self.attach_to_live(next, peer) {
             return Ok(attached);
@@ -383,7 +385,7 @@ impl Job {
         // The spans of the job are about what it does once.
         let run = Run::new(system, resources, permit, peer, Arc::default());
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
-        self.resources.replays.add(Arc::downgrade(&run));
+        self.replays.add(Arc::downgrade(&run));
         self.runs.lock().push(Arc::downgrade(&run));
         Ok(attached)
     }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::counters::Counters;
 use super::memory::Memory;
 use super::quota::{Exceeded, OpenStream, Quotas};
-use super::replay::Replays;
 use super::scheduler::Scheduler;
 use super::tenant::Tenant;
 
@@ -16,8 +15,6 @@ pub(crate) struct Resources {
     pub scheduler: Scheduler,
     /// The memory for all of them.
     pub memory: Memory,
-    /// Runs that compute again.
-    pub replays: Replays,
     /// Bytes of recent frames that each run keeps at most.
     pub(super) ring_bytes: usize,
     /// What tenants may have.
@@ -34,7 +31,6 @@ impl Resources {
         Self {
             scheduler,
             memory: Memory::new(memory),
-            replays: Replays::default(),
             ring_bytes,
             quotas: Arc::default(),
             counters: Counters::default(),

@@ -8,8 +8,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Vis
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::list_limits::{ListLimits, too_many};
-use super::shape::MAX_DIMENSION;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::{Grid, MAX_DIMENSION, Points};
 
 /// A number, or numbers in lists within lists, all of a level of the same length.
 #[derive(Clone, Debug, Default, PartialEq)]

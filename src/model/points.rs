@@ -11,8 +11,7 @@ use serde::de::{
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::list_limits::{LONG, ListLimits};
-use super::shape::MAX_DIMENSION;
-use crate::fit::points::{Grid, Points};
+use crate::fit::points::{Grid, MAX_DIMENSION, Points};
 
 /// A list of points: `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
 #[derive(Clone, Debug)]

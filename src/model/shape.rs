@@ -25,9 +25,6 @@ use crate::fit::points::{Grid, Points};
 use crate::fit::problem::{Request, Weights};
 use crate::fit::scattered::Scattered;
 
-/// The most coordinates of a point.
-pub(crate) const MAX_DIMENSION: usize = 3;
-
 /// A curve through data points.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]

@@ -6,22 +6,20 @@ use std::sync::Arc;
 use std::task::Poll;
 use std::time::Instant;
 
-use axum::Router;
-use ipnet::IpNet;
 use parking_lot::Mutex;
 use tokio::io::{AsyncReadExt, join, split};
-use tokio::sync::watch;
 use tokio::task::{JoinError, JoinSet};
 use tokio::time::{Duration, sleep, timeout};
 use tracing::{debug, error, warn};
 
 use super::activity::Times;
-use super::connection::{self, Caller};
-use super::limits::{Admission, Connections};
+use super::connection::Caller;
+use super::conversation;
+use super::doors::Doors;
+use super::limits::Admission;
 use super::listener::{Incoming, Listener, Stream};
 use super::proxy;
 use super::tls::Tls;
-use crate::job::counters::Counters;
 use crate::job::peer::Peer;
 use crate::log_throttle::LogThrottle;
 
@@ -37,24 +35,6 @@ const BEYOND: Times = Times {
     idle: Duration::from_millis(100),
     write: Duration::from_secs(2),
 };
-
-/// What it takes to accept and serve connections.
-pub(super) struct Doors {
-    /// Where requests go.
-    pub(super) router: Router,
-    /// How long connections may do nothing.
-    pub(super) times: Times,
-    pub(super) connections: Connections,
-    /// Proxies that tell the addresses of their clients.
-    pub(super) proxies: Vec<IpNet>,
-    /// What connections from the network are encrypted with.
-    pub(super) tls: Option<Arc<Tls>>,
-    pub(super) counters: Counters,
-    /// Becomes true when no more are taken in.
-    pub(super) stopping: watch::Receiver<bool>,
-    /// Connections beyond the limits.
-    pub(super) crowds: Mutex<LogThrottle>,
-}
 
 impl Doors {
     /// Accepts connections until the server stops; returns when all of them have ended.
@@ -151,7 +131,7 @@ impl Doors {
             _ => Ok(incoming.stream),
         };
         match stream {
-            Ok(stream) => connection::serve(stream, caller, Arc::clone(self), times).await,
+            Ok(stream) => conversation::serve(stream, caller, Arc::clone(self), times).await,
             Err(reason) => {
                 self.counters.handshakes_failed.inc();
                 debug!(peer = %caller.peer, "a connection is closed: {reason}");

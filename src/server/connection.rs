@@ -8,14 +8,12 @@ use axum::http::{HeaderValue, Request, Version, header};
 use hyper::body::Incoming;
 use tower::Service;
 
-use super::accept::Doors;
-use super::activity::{Activity, Times};
-use super::conversation;
-use super::limits::Crowded;
-use super::listener::Stream;
+use super::activity::Activity;
+use super::doors::Doors;
 use super::proxy;
 use super::request_body::RequestBody;
 use super::response_body::{ResponseBody, Served};
+use crate::api::http::overload::Crowded;
 use crate::job::peer::Peer;
 
 /// Where a connection comes from.
@@ -50,12 +48,6 @@ impl Caller {
     pub(super) fn limited(self) -> Option<Peer> {
         (!self.is_proxy).then_some(self.peer)
     }
-}
-
-/// Serves a connection until it ends, is told to stop, or does nothing for too long.
-pub(super) async fn serve(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
-    let served = conversation::converse(stream, caller, doors, times);
-    Peer::scope(Some(caller.peer), served).await;
 }
 
 /// Answers a request.

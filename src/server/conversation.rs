@@ -20,9 +20,9 @@ use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::debug;
 
-use super::accept::Doors;
 use super::activity::{Activity, Overdue, Times};
 use super::connection::{self, Caller};
+use super::doors::Doors;
 use super::gathered_writes::GatheredWrites;
 use super::listener::Stream;
 use super::stream_timeout::unless_stalled;
@@ -48,7 +48,12 @@ const STREAM_WINDOW: u32 = 64 << 10;
 const CONNECTION_WINDOW: u32 = 256 << 10;
 
 /// Serves a connection until it ends, is told to stop, or does nothing for too long.
-pub(super) async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
+pub(super) async fn serve(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
+    let served = converse(stream, caller, doors, times);
+    Peer::scope(Some(caller.peer), served).await;
+}
+
+async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
     let activity = Arc::new(Activity::new());
     let mut watch = Watch {
         peer: caller.peer,

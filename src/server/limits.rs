@@ -6,12 +6,12 @@
 //! and metrics are answered; when these are taken, too, the oldest is closed for the next.
 
 use std::collections::VecDeque;
-use std::fmt;
 use std::sync::Arc;
 
 use parking_lot::Mutex;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 
+use crate::api::http::overload::Crowded;
 use crate::config::Config;
 use crate::job::peer::Peer;
 use crate::job::slots::{NoSlot, PerPeer, Slot, Slots};
@@ -74,32 +74,6 @@ pub(super) enum Admission {
     Within(Slot),
     /// Beyond the limits, until the receiver completes.
     Beyond(Crowded, oneshot::Receiver<()>),
-}
-
-/// Why a connection or a request is beyond the limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Crowded {
-    Connections(NoSlot),
-    /// So many requests of the peer are open.
-    Requests(usize),
-}
-
-impl fmt::Display for Crowded {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Connections(NoSlot::All(most)) => {
-                write!(f, "{most} connections are open, the limit of this server")
-            }
-            Self::Connections(NoSlot::PerPeer(most)) => write!(
-                f,
-                "{most} connections from one address are open, the limit of this server for each"
-            ),
-            Self::Requests(most) => write!(
-                f,
-                "{most} requests from one address are open, the limit of this server for each"
-            ),
-        }
-    }
 }
 
 impl Connections {

@@ -18,8 +18,8 @@ use tokio::net::UnixStream;
 use tokio::time::timeout;
 use tokio_rustls::TlsConnector;
 
-use super::listen::Listen;
 use super::listener::Stream;
+use crate::config::listen::Listen;
 
 /// Asks the server at this address, perhaps behind TLS, whether it is ready; the error says why not.
 pub async fn probe(listen: &Listen, is_secure: bool, patience: Duration) -> Result<(), String> {

@@ -23,14 +23,6 @@ const VERSION_2: &[u8] = b"\r\n\r\n\0\r\nQUIT\n";
 /// The longest header in version 1, with its end of line.
 const LONGEST_LINE: usize = 107;
 
-/// The addresses of trusted proxies: a network such as 10.0.0.0/8, or one address.
-pub fn network(text: &str) -> Result<IpNet, String> {
-    let network = text.parse();
-    network
-        .or_else(|_| text.parse().map(|address: IpAddr| address.into()))
-        .map_err(|_| "not a network such as 10.0.0.0/8, or an address".to_owned())
-}
-
 /// Whether the proxy at an address is trusted.
 pub(super) fn is_trusted(networks: &[IpNet], address: IpAddr) -> bool {
     let address = address.to_canonical();
@@ -215,6 +207,7 @@ async fn version_2(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Beginnin
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::network;
 
     fn networks(texts: &[&str]) -> Vec<IpNet> {
         texts.iter().map(|text| network(text).unwrap()).collect()

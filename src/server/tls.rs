@@ -15,6 +15,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt, copy, sink};
 use tokio_rustls::LazyConfigAcceptor;
 
 use super::listener::Stream;
+use crate::config::TlsFiles;
 use crate::reload::{Reload, Seen};
 
 /// The first byte of each TLS connection.
@@ -22,17 +23,6 @@ const HANDSHAKE: u8 = 0x16;
 
 /// What is read of a request that came without TLS, so that the client gets the answer.
 const IGNORED: u64 = 64 << 10;
-
-/// Where the certificates are, all of them in the form of PEM.
-#[derive(Clone, Debug)]
-pub(crate) struct TlsFiles {
-    /// The certificate of the server, followed by those of the authorities below the root.
-    pub(crate) certificate: PathBuf,
-    /// Its private key.
-    pub(crate) key: PathBuf,
-    /// Authorities, one of which must have signed the certificate of each client.
-    pub(crate) clients: Option<PathBuf>,
-}
 
 /// What connections are encrypted with.
 pub(super) struct Tls {

@@ -6,16 +6,25 @@ use opentelemetry_sdk::trace::{SpanData, SpanExporter};
 use prometheus_client::metrics::counter::Counter;
 use prometheus_client::registry::Registry;
 use std::sync::LazyLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+
+/// Whether spans are exported.
+pub(super) static IS_ON: AtomicBool = AtomicBool::new(false);
 
 /// Spans that the collector has taken, and spans that it has not. Those that the queue has no room for, when many
 /// come or the collector is slow, are in neither.
 static EXPORTED: LazyLock<Counter> = LazyLock::new(Counter::default);
 static FAILED: LazyLock<Counter> = LazyLock::new(Counter::default);
 
+/// Whether spans are exported.
+pub(crate) fn is_on() -> bool {
+    IS_ON.load(Ordering::Relaxed)
+}
+
 /// Registers the metrics under their names, if spans are exported.
 pub(crate) fn register(registry: &mut Registry) {
-    if !super::is_on() {
+    if !is_on() {
         return;
     }
     let help = "Spans of traces that the collector has taken";

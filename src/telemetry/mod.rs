@@ -12,7 +12,7 @@ mod exports;
 pub(crate) mod request;
 
 use std::env;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use opentelemetry::KeyValue;
@@ -30,17 +30,14 @@ use tracing_subscriber::registry::{LookupSpan, Registry};
 use tracing_subscriber::util::SubscriberInitExt;
 
 use endpoint::Endpoint;
-use exports::Counted;
-pub(crate) use exports::register;
+use exports::{Counted, IS_ON};
+pub(crate) use exports::{is_on, register};
 
 /// The target of all spans that are exported.
 pub(crate) const TARGET: &str = "piad::trace";
 
 /// The longest time that the last export may take.
 const LAST_EXPORT: Duration = Duration::from_secs(2);
-
-/// Whether spans are exported.
-static IS_ON: AtomicBool = AtomicBool::new(false);
 
 /// Exports spans until it is stopped.
 #[derive(Debug)]
@@ -129,11 +126,6 @@ pub fn start_log(
     }
     IS_ON.store(telemetry.is_some(), Ordering::Relaxed);
     Ok(())
-}
-
-/// Whether spans are exported.
-pub(crate) fn is_on() -> bool {
-    IS_ON.load(Ordering::Relaxed)
 }
 
 /// What the spans are about: this program, under the name that the environment gives it.

@@ -1,6 +1,6 @@
 //! Clients behind proxies: limits for an address are those of the client if the proxy is trusted.
 
-use piad::server::proxy;
+use piad::config::network;
 use reqwest::RequestBuilder;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
@@ -11,7 +11,7 @@ use crate::support::{PATIENCE, Server};
 
 /// A server on which an address has one job, and which trusts these proxies.
 async fn server(proxies: &[&str]) -> Server {
-    let networks = proxies.iter().map(|text| proxy::network(text).unwrap());
+    let networks = proxies.iter().map(|text| network(text).unwrap());
     let networks = networks.collect();
     Server::with(|config| {
         config.max_jobs_per_peer = Some(1);
@@ -140,7 +140,7 @@ async fn a_trusted_proxy_tells_whose_a_connection_is() {
 /// Requests of a client are limited, too, where it has no connections of its own.
 #[tokio::test]
 async fn requests_of_a_client_behind_a_proxy_are_limited() {
-    let proxies = vec![proxy::network("127.0.0.1").unwrap()];
+    let proxies = vec![network("127.0.0.1").unwrap()];
     let server = Server::with(|config| {
         config.max_requests_per_peer = 2;
         config.max_connections_per_peer = Some(1);

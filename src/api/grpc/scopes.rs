@@ -1,7 +1,7 @@
 //! What each call needs.
 
 use crate::access::scope::Scope::{JobsRead, JobsWrite};
-use crate::api::http::authorize::Needs;
+use crate::api::needs::Needs;
 
 /// The path before the name of a call.
 const SERVICE: &str = "/piad.v1.FittingService/";

@@ -1,6 +1,5 @@
 //! Lets requests in that have a token for what they ask, or a ticket. Nothing is read of others but their heads.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,8 +14,8 @@ use uuid::Uuid;
 
 use crate::access::Access;
 use crate::access::denial::Denial;
-use crate::access::scope::Scope;
 use crate::api::grpc;
+use crate::api::needs::{Methods, Needs};
 use crate::api::problem::{Kind, Problem};
 use crate::job::counters::Counters;
 use crate::job::peer::Peer;
@@ -28,18 +27,6 @@ const TICKET: &str = "ticket=";
 
 /// Where its path has the id of the job.
 const ID: usize = 3;
-
-/// What a request needs to be answered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::api) enum Needs {
-    /// Nothing: everybody may know it.
-    Nothing,
-    /// A token with this scope.
-    A(Scope),
-}
-
-/// What the methods of each path need.
-pub(in crate::api) type Methods = BTreeMap<&'static str, Vec<(&'static str, Needs)>>;
 
 /// What is checked, and against what.
 #[derive(Clone)]

@@ -1,13 +1,12 @@
 //! CORS: which pages of other origins may use the API from a browser.
 
-use std::fmt;
-use std::str::FromStr;
 use std::time::Duration;
 
-use axum::http::{HeaderName, HeaderValue, Method, Uri, header};
+use axum::http::{HeaderName, Method, header};
 use tower_http::cors::{AllowOrigin, CorsLayer};
 
 use super::request_id::REQUEST_ID;
+use crate::config::origin::Origin;
 use crate::telemetry::request::{TRACE_PARENT, TRACE_RESPONSE, TRACE_STATE};
 
 /// How long browsers cache the answer to a preflight request.
@@ -43,46 +42,6 @@ const SHOWN: [HeaderName; 10] = [
     TRACE_RESPONSE,
 ];
 
-/// An origin, as a browser writes it; or any.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Origin {
-    /// `*`
-    Any,
-    /// Such as `https://cad.example:8443`.
-    One(HeaderValue),
-}
-
-impl FromStr for Origin {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "*" {
-            return Ok(Self::Any);
-        }
-        let why = || {
-            "not *, and not an origin such as https://cad.example or http://localhost:3000, without a path".to_owned()
-        };
-        let text = text.to_ascii_lowercase();
-        let uri: Uri = text.parse().map_err(|_| why())?;
-        let (Some(scheme), Some(authority)) = (uri.scheme_str(), uri.authority()) else {
-            return Err(why());
-        };
-        if format!("{scheme}://{authority}") != text || text.contains(['@', '*']) {
-            return Err(why());
-        }
-        text.parse().map(Self::One).map_err(|_| why())
-    }
-}
-
-impl fmt::Display for Origin {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Any => f.write_str("*"),
-            Self::One(origin) => f.write_str(origin.to_str().unwrap_or("")),
-        }
-    }
-}
-
 /// Allows pages of these origins to use the whole API. Without origins there is no layer, and browsers
 /// let no page read an answer.
 pub(super) fn layer(origins: &[Origin]) -> Option<CorsLayer> {
@@ -103,35 +62,4 @@ fn of(origins: AllowOrigin) -> CorsLayer {
         .allow_headers(READ)
         .expose_headers(SHOWN)
         .max_age(MAX_AGE)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn origins_are_written_as_browsers_do() {
-        for text in [
-            "*",
-            "https://cad.example",
-            "http://localhost:3000",
-            "http://[::1]:80",
-        ] {
-            assert_eq!(text.parse::<Origin>().unwrap().to_string(), text);
-        }
-        let upper: Origin = "HTTPS://Cad.Example".parse().unwrap();
-        assert_eq!(upper.to_string(), "https://cad.example");
-        for text in [
-            "",
-            "cad.example",
-            "https://cad.example/",
-            "https://cad.example/path",
-            "https://*.example",
-            "https://a@b.example",
-            "null",
-            "https://",
-        ] {
-            assert!(text.parse::<Origin>().is_err(), "{text}");
-        }
-    }
 }

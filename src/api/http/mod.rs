@@ -36,7 +36,7 @@ pub(crate) mod jobs;
 pub(crate) mod measure;
 pub(crate) mod negotiate;
 mod newline;
-mod overload;
+pub(crate) mod overload;
 mod page;
 pub(crate) mod path;
 mod points;

@@ -1,15 +1,43 @@
 //! Requests on connections beyond the limits: only health and metrics are answered.
 
+use std::fmt;
+
 use axum::extract::Request;
 use axum::http::{HeaderValue, Version, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
 use crate::api::problem::{Kind, Problem};
-use crate::server::limits::Crowded;
+use crate::job::slots::NoSlot;
 
 /// Resources that are always answered.
 const ALWAYS: [&str; 3] = ["/livez", "/readyz", "/metrics"];
+
+/// Why a connection or a request is beyond the limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Crowded {
+    Connections(NoSlot),
+    /// So many requests of the peer are open.
+    Requests(usize),
+}
+
+impl fmt::Display for Crowded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Connections(NoSlot::All(most)) => {
+                write!(f, "{most} connections are open, the limit of this server")
+            }
+            Self::Connections(NoSlot::PerPeer(most)) => write!(
+                f,
+                "{most} connections from one address are open, the limit of this server for each"
+            ),
+            Self::Requests(most) => write!(
+                f,
+                "{most} requests from one address are open, the limit of this server for each"
+            ),
+        }
+    }
+}
 
 /// Answers requests on such connections with 503, except for those about the state of the server.
 pub(super) async fn hold_back(request: Request, next: Next) -> Response {

@@ -8,9 +8,8 @@ use crate::export::{ExportError, Format, Options};
 use crate::model::named::Named;
 use crate::model::short::quoted;
 use crate::model::stream::choices::ChoiceMistake;
-use crate::model::stream::form::not_samples;
 use crate::model::stream::options::{no_milestone, not_positive};
-use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec};
+use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec, not_samples};
 
 /// The parameters of a single iteration or a result.
 pub(super) const OF_RESULTS: [&str; 6] = ["view", "samples", "encoding", "digits", "dots", "units"];

@@ -16,7 +16,7 @@ use tower_http::request_id::SetRequestIdLayer;
 use tower_http::trace::TraceLayer;
 use tracing::{Span, error, info};
 
-use super::authorize::{self, Guard, Methods, Needs};
+use super::authorize::{self, Guard};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
@@ -26,6 +26,7 @@ use super::{
 use crate::access::scope::Scope;
 use crate::api::app::App;
 use crate::api::grpc;
+use crate::api::needs::{Methods, Needs};
 use crate::api::openapi::resources::Resources;
 use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
@@ -70,7 +71,10 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
         .option_layer(guard);
     let base_path = app.config.base_path.clone();
     let router = routes
-        .layer(Extension(Description::new(&base_path)))
+        .layer(Extension(Description::new(
+            &base_path,
+            Arc::clone(&methods),
+        )))
         .fallback(not_found)
         .method_not_allowed_fallback(move |request: Request| {
             ready(method_not_allowed(&methods, &request))

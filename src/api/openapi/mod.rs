@@ -22,7 +22,6 @@ use serde_json::{Map, Value, json};
 
 use crate::api::http::capabilities::Capabilities;
 use crate::api::http::info::{Health, ProblemTypes, ServiceIndex};
-use crate::api::http::router::resources;
 use crate::api::http::tickets::TicketView;
 use crate::api::json::plain::simplify;
 use crate::api::json::view::deviation::DeviationView;
@@ -33,6 +32,7 @@ use crate::api::json::view::points::PointsView;
 use crate::api::json::view::rates::RatesView;
 use crate::api::json::view::result::FitResult;
 use crate::api::json::view::{examples, to_bytes};
+use crate::api::needs::Methods;
 use crate::api::problem::{Kind, Problem, ProblemBody};
 use crate::config::BasePath;
 use crate::model::edit::EditRequest;
@@ -40,19 +40,19 @@ use crate::model::job::JobRequest;
 use crate::model::stream::StreamSpec;
 use operation::Api;
 
-/// Below which path the API is, and the bytes of the document once it has been requested.
+/// Below which path the API is, what it has there, and the bytes of the document once it has been requested.
 #[derive(Clone, Debug)]
-pub(super) struct Description(Arc<(String, OnceLock<Bytes>)>);
+pub(super) struct Description(Arc<(String, Arc<Methods>, OnceLock<Bytes>)>);
 
 impl Description {
-    /// The description of the API below a path that clients see.
-    pub(super) fn new(base_path: &BasePath) -> Self {
-        Self(Arc::new((base_path.to_string(), OnceLock::new())))
+    /// The description of these methods below a path that clients see.
+    pub(super) fn new(base_path: &BasePath, methods: Arc<Methods>) -> Self {
+        Self(Arc::new((base_path.to_string(), methods, OnceLock::new())))
     }
 
     fn bytes(&self) -> Bytes {
-        let (base_path, bytes) = self.0.as_ref();
-        let make = || match document(base_path) {
+        let (base_path, methods, bytes) = self.0.as_ref();
+        let make = || match document(base_path, methods) {
             Ok(document) => to_bytes(&document),
             Err(error) => {
                 tracing::error!(%error, "the description of the API cannot be read");
@@ -70,10 +70,9 @@ pub(super) async fn get(Extension(description): Extension<Description>) -> Respo
 }
 
 /// The document: what is written down, with the schemas of types.
-fn document(base_path: &str) -> serde_json::Result<Value> {
+fn document(base_path: &str, methods: &Methods) -> serde_json::Result<Value> {
     let api = Api::read()?;
-    let (_, methods) = resources().parts();
-    let (paths, responses) = api.paths(&methods);
+    let (paths, responses) = api.paths(methods);
     let mut paths = Value::Object(paths);
     let mut components = json!({
         "schemas": schemas(),
@@ -160,6 +159,7 @@ fn problem_examples() -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::api::http::router::resources;
     use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
     use crate::api::order::LONGEST_KEY;
     use crate::api::rates::{USUAL_DEGREE, USUAL_POINTS};

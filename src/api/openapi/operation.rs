@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use crate::api::http::authorize::{Methods, Needs};
 use crate::api::language::JSON;
+use crate::api::needs::{Methods, Needs};
 use crate::api::problem::Kind;
 
 /// All that is not derived from types: `api.json`.

@@ -5,7 +5,7 @@ use axum::handler::Handler;
 use axum::routing::{MethodRouter, delete, get, post};
 
 use crate::api::app::App;
-use crate::api::http::authorize::{Methods, Needs};
+use crate::api::needs::{Methods, Needs};
 
 /// The resources of the API.
 #[derive(Default)]

@@ -6,8 +6,8 @@ use prost::encoding::{WireType, decode_key, decode_varint};
 
 use crate::api::problem::Problem;
 use crate::fit::method::{LARGEST, MOST_CONDITIONS};
+use crate::fit::points::MAX_DIMENSION;
 use crate::model::list_limits::EXTRA;
-use crate::model::shape::MAX_DIMENSION;
 use crate::proto::messages as pb;
 
 /// What an index takes until a job or an edit is made of it, at most: as such, as a place that a point goes to, and

@@ -1,6 +1,7 @@
 //! `piad store copy`: the jobs of a server in another store.
 
-use super::{counter, jobs, open};
+use super::counting::{counter, jobs};
+use super::opening::open;
 use crate::config::Storage;
 use crate::job::store::copy::copy as copy_jobs;
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::jobs;
+use super::counting::jobs;
 use super::source::Source;
 use crate::api::json::view;
 use crate::config::Storage;

@@ -5,29 +5,19 @@
 
 mod check;
 mod copy;
+mod counting;
 mod export;
+mod opening;
 mod repair;
 mod source;
 
-use std::io::{IsTerminal, stderr};
 use std::process::ExitCode;
-use std::time::Duration;
 
-use indicatif::ProgressBar;
 use tokio::runtime::Runtime;
 
 use super::shells;
-use crate::config::{Storage, StoreCommand};
-use crate::job::counters::Counters;
-use crate::job::store::Store;
-use crate::job::store::shared::Settings;
+use crate::config::StoreCommand;
 use crate::terminal::say;
-
-/// What is done job by job needs few connections.
-const SETTINGS: Settings = Settings {
-    connections: 2,
-    lease: Duration::from_secs(15),
-};
 
 /// Does what is asked for; the status says whether it has succeeded.
 pub fn run(command: &StoreCommand) -> ExitCode {
@@ -51,39 +41,5 @@ pub fn run(command: &StoreCommand) -> ExitCode {
             say(format_args!("piad: {reason}"));
             ExitCode::FAILURE
         }
-    }
-}
-
-/// Opens a store that no server uses.
-async fn open(storage: &Storage) -> Result<Store, String> {
-    if *storage == Storage::Memory {
-        return Err(":memory: is no store that lasts".to_owned());
-    }
-    let store = Store::open(storage.place(SETTINGS), Counters::default()).await;
-    let store = store.map_err(|error| error.to_string())?;
-    if let Some(shared) = store.shared()
-        && shared
-            .is_in_use()
-            .await
-            .map_err(|error| error.to_string())?
-    {
-        return Err("servers are running jobs of the database: stop them first".to_owned());
-    }
-    Ok(store)
-}
-
-/// Tells how many jobs were looked at, on a terminal.
-fn counter() -> ProgressBar {
-    match stderr().is_terminal() {
-        true => ProgressBar::new_spinner(),
-        false => ProgressBar::hidden(),
-    }
-}
-
-/// A number of jobs in words.
-fn jobs(count: usize) -> String {
-    match count {
-        1 => "1 job".to_owned(),
-        count => format!("{count} jobs"),
     }
 }

@@ -3,7 +3,8 @@
 use std::panic;
 use std::path::Path;
 
-use super::{counter, jobs, open};
+use super::counting::{counter, jobs};
+use super::opening::open;
 use crate::config::Storage;
 use crate::job::store::copy::Records;
 use crate::job::store::embedded::salvage::{Salvage, Salvaged};

@@ -1,8 +1,8 @@
 //! Drawing a curve.
 
-use super::Measured;
 use super::heat;
 use super::layout::{DrawnData, are_sparse, draw_polygon, shows_net};
+use super::measured::Measured;
 use super::scale::{Heat, hexadecimal};
 use super::scene::{Cubic, Scene};
 use super::view::{Canvas, Projected, Projection};

@@ -1,7 +1,8 @@
 //! How the distance from the data has fallen, level by level, on a logarithmic scale.
 
-use super::layout::{MARGIN, WIDTH, draw_polygon};
+use super::layout::draw_polygon;
 use super::numbers::{power, short};
+use super::view::{MARGIN, WIDTH};
 use crate::export::text::Text;
 
 /// The height of the plot with its labels.

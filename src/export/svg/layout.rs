@@ -10,10 +10,6 @@ use crate::export::text::Text;
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
 
-/// The width of the drawing.
-pub(super) const WIDTH: f64 = 800.0;
-/// Free space on all sides.
-pub(super) const MARGIN: f64 = 24.0;
 /// The most data points that are drawn, and the most control points of polygons that are.
 const MOST_POINTS: usize = 2500;
 

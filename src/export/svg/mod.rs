@@ -9,6 +9,7 @@ mod curve;
 mod heat;
 mod history;
 mod layout;
+mod measured;
 mod numbers;
 mod scale;
 mod scene;
@@ -22,22 +23,17 @@ use super::fitted::Fitted;
 use super::nurbs::Nurbs;
 use super::text::{Text, one_line};
 use history::History;
-use layout::{DrawnData, MARGIN, WIDTH, shows_net};
+use layout::{DrawnData, shows_net};
+use measured::Measured;
 use numbers::rounded;
 use scene::Scene;
 use style::STYLE;
-use view::{Canvas, Projection};
+use view::{Canvas, MARGIN, Projection, WIDTH};
 
 /// The height of the caption.
 const CAPTION: f64 = 88.0;
 /// Characters of a name that fit into a line.
 const TITLE: usize = 84;
-
-/// Distances of the data, and the largest of them.
-struct Measured {
-    deviations: Deviations,
-    most: f64,
-}
 
 /// The drawing as an SVG file.
 pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {

@@ -1,7 +1,7 @@
 //! The colours of distances from the data, and their legend.
 
-use super::layout::MARGIN;
 use super::numbers::short;
+use super::view::MARGIN;
 use crate::export::text::Text;
 
 /// The height of the legend.

@@ -1,8 +1,8 @@
 //! Drawing a surface: its faces, its control net and the data, the far ones first.
 
-use super::Measured;
 use super::heat;
 use super::layout::{DrawnData, shows_net};
+use super::measured::Measured;
 use super::scale::{Heat, hexadecimal};
 use super::scene::{Scene, SurfacePart};
 use super::view::{Canvas, Projected, Projection};

@@ -1,10 +1,14 @@
 //! The projection from space to the page.
 
-use super::layout::{MARGIN, WIDTH};
 use crate::export::error::ExportError;
 use crate::export::nurbs::Nurbs;
 use crate::export::sampling::{cross, dot};
 use crate::export::text::Text;
+
+/// The width of the drawing.
+pub(super) const WIDTH: f64 = 800.0;
+/// Free space on all sides.
+pub(super) const MARGIN: f64 = 24.0;
 
 /// The greatest and the least height of a drawing.
 const MOST_HEIGHT: f64 = 620.0;

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Fit, Schedules, surface_options};
+use super::schedules::{Fit, Schedules, surface_options};
 use crate::fit::between::{self, Excursion};
 use crate::fit::method::ObeyingSurface;
 use crate::fit::problem::Problem;

@@ -2,11 +2,15 @@
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
-use super::patch::{Homogeneous, Patch};
+use super::parts::Homogeneous;
+use super::patch::Patch;
 use crate::fit::nurbs::{KnotVector, Nurbs};
 
 /// The degree up to which a knot span is one cell: polynomials of higher degrees can turn more often.
 const SIMPLE: usize = 3;
+
+/// The highest degree of a surface with foot points: the time of a step grows with its square.
+pub(super) const MAX_DEGREE: usize = 32;
 
 /// Squared distances that differ by this part are equal but for rounding.
 const ROUNDING: f64 = 1e-12;
@@ -101,7 +105,7 @@ impl Cells {
         let [along, across] = [0, 1].map(|axis| &self.intervals[axis][place[axis] as usize]);
         let [rows, columns] = self.degrees.map(|degree| degree + 1);
         for (i, row) in patch.net.chunks_exact_mut(columns).enumerate() {
-            let mut line = [[0.0; 4]; super::MAX_DEGREE + 1];
+            let mut line = [[0.0; 4]; MAX_DEGREE + 1];
             for k in 0..rows {
                 let factor = along.matrix[i * rows + k];
                 let start = (along.first + k) * self.columns + across.first;

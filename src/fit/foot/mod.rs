@@ -27,10 +27,7 @@ use super::interrupt;
 use super::nurbs::{KnotVector, Nurbs};
 use super::points::{Points, normalizing_scale};
 use super::problem::Problem;
-use cells::Cells;
-
-/// The highest degree of a surface with foot points: the time of a step grows with its square.
-pub(crate) const MAX_DEGREE: usize = 32;
+use cells::{Cells, MAX_DEGREE};
 
 /// The highest degree of a curve with foot points: the time to divide it grows with the fifth power.
 const MAX_DEGREE_OF_CURVES: usize = 64;

@@ -1,6 +1,7 @@
 //! Parts of a Bézier patch: its quarters, their quarters and so on, and how near they can be to a point.
 
-use super::patch::{Homogeneous, dot};
+/// A point in homogeneous coordinates `(w x, w y, w z, w)`.
+pub(super) type Homogeneous = [f64; 4];
 
 /// How often a patch is halved, in each direction.
 pub(super) const DEEPEST: usize = 3;
@@ -146,4 +147,8 @@ fn halve(
             before = place;
         }
     }
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -10,11 +10,8 @@
 //! Newton steps stay within [0, 1]²; parameters at an end that want to leave it are fixed there. Where
 //! the Hessian is not positive, the second derivatives are left out (Gauss–Newton).
 
-use super::parts::{DEEPEST, Part, Parts};
+use super::parts::{DEEPEST, Homogeneous, Part, Parts, dot};
 use crate::fit::basis::bernstein;
-
-/// A point in homogeneous coordinates `(w x, w y, w z, w)`.
-pub(super) type Homogeneous = [f64; 4];
 
 /// The most steps: two or three are usual.
 const STEPS: usize = 40;
@@ -316,8 +313,4 @@ fn add(sum: &mut Homogeneous, factor: f64, point: &Homogeneous) {
     for (sum, x) in sum.iter_mut().zip(point) {
         *sum += factor * x;
     }
-}
-
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -2,7 +2,7 @@
 
 /// The entries of a matrix that differ from zero, column by column.
 #[derive(Clone, Debug)]
-pub struct Columns {
+pub(crate) struct Columns {
     /// Where the entries of each column start, and, one place more, where those of the last one
     /// end.
     starts: Vec<usize>,
@@ -12,7 +12,10 @@ pub struct Columns {
 
 impl Columns {
     /// Sorts entries (row, column, value) that come row by row, in two passes over them.
-    pub fn new(columns: usize, entries: impl Iterator<Item = (usize, usize, f64)> + Clone) -> Self {
+    pub(crate) fn new(
+        columns: usize,
+        entries: impl Iterator<Item = (usize, usize, f64)> + Clone,
+    ) -> Self {
         let nonzero = || entries.clone().filter(|&(.., value)| value != 0.0);
         let mut starts = vec![0; columns + 1];
         for (_, j, _) in nonzero() {
@@ -34,7 +37,7 @@ impl Columns {
     }
 
     /// The entries of column `j`, rows (increasing) and values.
-    pub fn column(&self, j: usize) -> &[(u32, f64)] {
+    pub(crate) fn column(&self, j: usize) -> &[(u32, f64)] {
         &self.entries[self.starts[j]..self.starts[j + 1]]
     }
 }

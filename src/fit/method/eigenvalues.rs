@@ -5,7 +5,7 @@
 //! fit passes on what is known, as points that move do not change the matrix while parameters stay.
 
 use super::omega::Omega;
-use crate::fit::convergence::Forecast;
+use crate::fit::forecast::Forecast;
 use crate::fit::rates::DENSE;
 use crate::fit::setup::Setup;
 use crate::fit::spectrum;

@@ -59,7 +59,7 @@ pub(super) mod update;
 mod weighted;
 
 use super::about::About;
-use super::convergence::Forecast;
+use super::forecast::Forecast;
 use super::warning::Warning;
 
 pub use adaptive::Adaptive;

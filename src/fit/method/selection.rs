@@ -99,7 +99,10 @@ impl<C: Choice> Selection<C> {
         } = state;
         self.deltas.clear();
         for residual in residual.lanes() {
-            let steps = self.active.iter().map(|&index| self.omega * residual[index]);
+            let steps = self
+                .active
+                .iter()
+                .map(|&index| self.omega * residual[index]);
             self.deltas.extend(steps);
         }
         self.stamp += 1;

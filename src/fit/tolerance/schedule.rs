@@ -55,6 +55,12 @@ const RESOLUTION: usize = 256;
 /// Least-squares fits after growth: enough for every number of control points that is tried.
 const BUDGET: usize = 120;
 
+/// Data points of all fits with single knots less that are tried together: a fraction of a second.
+const WORK: usize = 1_000_000;
+
+/// With fewer fits than these hardly a knot would leave.
+const WORTHWHILE: usize = 64;
+
 /// A fit with as few control points as its tolerance needs, level by level.
 #[derive(Debug)]
 pub(crate) struct Schedule<M> {
@@ -117,7 +123,7 @@ impl<M: Minimum> Schedule<M> {
                 .min(points.len())
                 .max(options.degree + 1)
                 + 1,
-            prunings: pruning::budget(points.len()),
+            prunings: prunings(points.len()),
             minimum,
             unit: normalizing_scale(points.magnitude()),
             points,
@@ -357,4 +363,10 @@ impl<M: Minimum> Schedule<M> {
         self.last = Some(Arc::clone(&level));
         self.queue.push_back(level);
     }
+}
+
+/// How many fits with single knots less are tried of this number of data.
+fn prunings(points: usize) -> usize {
+    let fits = WORK / points.max(1);
+    if fits < WORTHWHILE { 0 } else { fits }
 }

@@ -66,7 +66,7 @@ fn running_job(problem: &Arc<Problem>, frames: usize) -> (Arc<Job>, Arc<SharedSy
     let resources = Arc::new(Resources::new(scheduler, 1 << 30, frames * frame_bytes));
     let outline = Outline::new(Label::default(), problem, None);
     let record = Record::new(outline, Status::running());
-    let job = Arc::new(Job::new(record, None, None, resources));
+    let job = Arc::new(Job::new(record, None, None, (resources, Arc::default())));
     let system = Arc::new(SharedSystem::new(Arc::clone(problem), None));
     (job, system)
 }

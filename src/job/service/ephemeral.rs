@@ -80,7 +80,7 @@ impl Jobs {
         };
         drop(queue);
         let record = Record::new(outline, Status::running());
-        let mut job = Job::new(record, None, peer, Arc::clone(&self.resources));
+        let mut job = Job::new(record, None, peer, self.shared());
         job.trace = trace;
         let job = Arc::new(job);
         if room.is_none() {

@@ -28,6 +28,7 @@ use super::outline::Outline;
 use super::peer::Peer;
 use super::probation::{LargeBody, Probation};
 use super::recent::Recent;
+use super::replay::Replays;
 use super::resources::Resources;
 use super::scheduler::{QUICK, WorkLane};
 use super::slots::{PerPeer, Slots};
@@ -73,6 +74,8 @@ pub(crate) struct JobLimits {
 pub(crate) struct Jobs {
     store: Arc<Store>,
     resources: Arc<Resources>,
+    /// Runs that compute again.
+    replays: Arc<Replays>,
     limits: JobLimits,
     /// For the one job that is on probation after a crash.
     probation: Probation,
@@ -98,6 +101,7 @@ impl Jobs {
         Self {
             store,
             resources,
+            replays: Arc::default(),
             limits,
             probation: Probation::default(),
             slots: Slots::new(limits.jobs, limits.jobs_of_a_peer),
@@ -318,9 +322,14 @@ impl Jobs {
         job
     }
 
+    /// What jobs share, as each of them has it.
+    fn shared(&self) -> (Arc<Resources>, Arc<Replays>) {
+        (Arc::clone(&self.resources), Arc::clone(&self.replays))
+    }
+
     fn job(&self, record: Record, peer: Option<Peer>, elsewhere: bool) -> Arc<Job> {
         let store = Some(Arc::clone(&self.store));
-        let job = Job::new(record, store, peer, Arc::clone(&self.resources));
+        let job = Job::new(record, store, peer, self.shared());
         job.elsewhere.store(elsewhere, Ordering::Release);
         Arc::new(job)
     }

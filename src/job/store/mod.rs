@@ -2,212 +2,41 @@
 //!
 //! - [`embedded`]: in a file or in the memory of one process; [`shared`]: in PostgreSQL, for any number of
 //!   replicas;
-//! - [`record`]: the bytes of a job;
+//! - `kept`: what is kept of a job, and what is asked for; [`record`]: its bytes; `error`: what can go wrong;
 //! - [`crash_recovery`]: what becomes of jobs that were running in a crash;
 //! - [`copy`]: from one store to another.
 
 pub(crate) mod copy;
 pub(crate) mod crash_recovery;
 pub(crate) mod embedded;
+mod error;
 #[cfg(any(test, fuzzing))]
 pub(crate) mod fuzzing;
+mod kept;
 pub(super) mod record;
 pub(crate) mod shared;
 
-use std::collections::HashSet;
-use std::fmt::Display;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 
-use futures_util::future::BoxFuture;
 use jiff::Timestamp;
-use serde::{Deserialize, Serialize};
-use thiserror::Error;
 use uuid::Uuid;
 
 use super::counters::Counters;
-use super::outline::Outline;
-use super::peer::Peer;
-use super::quota::{Exceeded, Quota};
+use super::quota::Quota;
 use super::result::LastGeometry;
-use super::scheduler::Broken;
-use super::state::{State, Status};
-use super::tenant::Tenant;
+use super::state::Status;
 use crate::fit::problem::Problem;
 use embedded::Embedded;
-pub(crate) use embedded::opening::OpenError;
 use shared::{Settings, Shared};
 
-/// The most jobs that [`Store::retain`] forgets in one go. Forgetting takes space on the disk before it
-/// frees some: where the disk is nearly full, many jobs could not be forgotten together.
-pub(crate) const FORGOTTEN_AT_ONCE: usize = 100;
-
-/// The bytes of a secret.
-pub(crate) type Secret = [u8; 32];
-
-/// How long an idempotency key is remembered.
-pub(crate) const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
-
-/// A job as it is kept, without its points.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Record {
-    /// What it is.
-    pub outline: Outline,
-    /// What has become of it.
-    pub status: Status,
-    /// How many crashes of the process are counted for it.
-    pub crashes: u32,
-    /// It was running in a crash, and runs again for a moment before the next such job.
-    pub on_probation: bool,
-}
-
-impl Record {
-    /// The record of a job that was just accepted.
-    pub(crate) fn new(outline: Outline, status: Status) -> Self {
-        Self {
-            outline,
-            status,
-            crashes: 0,
-            on_probation: false,
-        }
-    }
-}
-
-/// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
-/// what was asked for with it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct IdempotencyKey {
-    /// The name.
-    pub name: String,
-    /// SHA-256 of the request.
-    pub digest: [u8; 32],
-}
-
-impl IdempotencyKey {
-    /// A key of a peer, under the name that it has chosen. Each peer has keys of its own: no name contains
-    /// the end of a line.
-    pub(crate) fn new(peer: Option<Peer>, name: &str, digest: [u8; 32]) -> Self {
-        let owner = peer.map_or_else(String::new, |peer| peer.to_string());
-        Self {
-            name: format!("{owner}\n{name}"),
-            digest,
-        }
-    }
-}
-
-/// What is remembered of an idempotency key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct IdempotencyEntry {
-    /// The job that was made.
-    pub id: Uuid,
-    /// The digest of the request that made it.
-    pub digest: [u8; 32],
-    /// When it was made.
-    pub created: Timestamp,
-}
-
-impl IdempotencyEntry {
-    /// Returns true if the key is not remembered any more at this time.
-    pub(crate) fn has_expired(&self, now: Timestamp) -> bool {
-        is_older(self.created, KEY_LIFETIME, now)
-    }
-}
-
-/// What has become of a job that was to be kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Insertion {
-    /// It is kept.
-    New,
-    /// There is an entry for the same key.
-    Known(IdempotencyEntry),
-    /// Its tenant would have too much.
-    Refused(Exceeded),
-}
-
-/// Which jobs to list.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Selection {
-    /// Only jobs of this tenant.
-    pub tenant: Option<Tenant>,
-    /// Only jobs in this state.
-    pub state: Option<State>,
-    /// Only jobs older than this one.
-    pub before: Option<Uuid>,
-    /// At most so many.
-    pub limit: usize,
-}
-
-/// How much of the past is kept: the first jobs to end are the first to be forgotten.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Retention {
-    /// The most jobs that have ended.
-    pub jobs: usize,
-    /// The most bytes of their data and results.
-    pub bytes: u64,
-    /// How long they are kept after their end.
-    pub age: Duration,
-}
-
-/// A look at who holds jobs is not older than this when jobs are forgotten by it.
-pub(crate) const LOOK_LIFETIME: Duration = Duration::from_secs(10 * 60);
-
-/// The jobs that stay although they are beyond the retention.
-#[derive(Clone, Debug)]
-pub(crate) struct Spared {
-    /// Those that somebody holds.
-    pub held: HashSet<Uuid>,
-    /// When that was looked up, by [`Store::now`]. Jobs that have ended since then may be held, too; not those of
-    /// a clock that was far ahead.
-    pub since: Timestamp,
-}
-
-impl Spared {
-    /// Whether a job stays that ended at this time.
-    fn spares(&self, at: Timestamp, id: Uuid) -> bool {
-        let after = Duration::try_from(at.duration_since(self.since));
-        let is_new = after.is_ok_and(|after| !after.is_zero() && after <= LOOK_LIFETIME);
-        is_new || self.held.contains(&id)
-    }
-}
-
-/// The store did not do what it was asked for.
-#[derive(Clone, Debug, Error)]
-pub enum StoreError {
-    /// There is no space for what was to be kept. It may succeed later.
-    #[error("the store is full: {0}")]
-    Full(String),
-    /// The job was deleted in the meantime.
-    #[error("the job {0} was deleted")]
-    Gone(Uuid),
-    /// The database cannot be reached. It may succeed later.
-    #[error("the database cannot be reached: {0}")]
-    Away(String),
-    /// The file cannot be used now. It may succeed later.
-    #[error("the store cannot be used now: {0}")]
-    Unusable(String),
-    /// Anything else.
-    #[error("the store failed: {0}")]
-    Failed(String),
-    /// The store worked, but the computation that needed its records panicked.
-    #[error(transparent)]
-    Broken(#[from] Broken),
-}
-
-impl StoreError {
-    /// Returns true if the same may succeed later.
-    pub(crate) fn may_pass(&self) -> bool {
-        matches!(self, Self::Full(_) | Self::Away(_) | Self::Unusable(_))
-    }
-
-    /// What was read makes no sense.
-    fn damaged(what: impl Display, reason: impl Display) -> Self {
-        Self::Failed(format!("{what} cannot be read: {reason}"))
-    }
-}
-
-/// Completes when a change is durable, with what has come of it.
-pub(crate) type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;
+pub(crate) use embedded::open_error::OpenError;
+pub(crate) use error::Acknowledgement;
+pub(crate) use error::StoreError;
+pub(crate) use kept::{
+    FORGOTTEN_AT_ONCE, IdempotencyEntry, IdempotencyKey, Insertion, KEY_LIFETIME, LOOK_LIFETIME,
+    Record, Retention, Secret, Selection, Spared,
+};
 
 /// Keeps jobs.
 ///
@@ -424,13 +253,6 @@ impl Store {
             Self::Shared(it) => it.idempotency_entry(key).await,
         }
     }
-}
-
-/// Returns true if it was longer ago than this. A time in the future is not: a clock that was ahead must not
-/// make anything be forgotten.
-fn is_older(at: Timestamp, age: Duration, now: Timestamp) -> bool {
-    let passed = now.duration_since(at);
-    Duration::try_from(passed).is_ok_and(|passed| passed > age)
 }
 
 #[cfg(test)]

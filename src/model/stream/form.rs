@@ -3,13 +3,12 @@
 use std::sync::Arc;
 
 use super::choices::{ChoiceMistake, Choices, Conflict};
+use super::samples::not_samples;
+use super::words::{self as chosen, Choice};
 use crate::fit::points::Grid;
 use crate::fit::problem::Problem;
-use crate::model::short::quoted;
 
-use super::{self as chosen, Choice, MOST_SAMPLES};
-
-pub(crate) use super::Digits;
+pub(crate) use super::words::Digits;
 
 const CURVE_SAMPLES: Grid = Grid {
     rows: 200,
@@ -168,18 +167,6 @@ fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
             Err(choices.mistake(Choice::Samples, detail))
         }
     }
-}
-
-/// Why a text is no number of samples of a curve or a surface.
-pub(crate) fn not_samples(text: &str, surface: bool) -> String {
-    let form = match surface {
-        false => "200 for a curve",
-        true => "40x40 for a surface",
-    };
-    format!(
-        "{} is not a number of samples such as {form}, at least 2 in each direction and {MOST_SAMPLES} in all",
-        quoted(text)
-    )
 }
 
 /// Refuses numbers of 32 bits, where they are chosen, that have no room for the data.

@@ -2,7 +2,8 @@
 
 use schemars::json_schema;
 
-use super::{Describe, Digits, Encoding, MOST_SAMPLES, OnDisconnect, Pace, Samples, View};
+use super::samples::{MOST_SAMPLES, Samples};
+use super::words::{Describe, Digits, Encoding, OnDisconnect, Pace, View};
 use crate::model::schema::{names, schema_of};
 
 /// How a number of samples of a surface is written.

@@ -5,8 +5,9 @@
 
 use serde_json::{Map, Value, json};
 
-use super::job::{self, Data};
+use super::job;
 use super::places::Places;
+use super::points::Data;
 use crate::api::json::view::to_bytes;
 use crate::api::problem::{Location, Problem, Words};
 use crate::fit::points::Grid;

@@ -3,10 +3,9 @@
 use bytes::Bytes;
 
 use super::places::Places;
-use super::points;
+use super::points::{self, Data};
 use crate::api::json::read::parse;
 use crate::api::problem::Problem;
-use crate::fit::points::{Grid, Points};
 use crate::model::job::JobRequest;
 use crate::model::points::{PointGrid, PointList};
 
@@ -43,17 +42,6 @@ pub(crate) fn read_by_serde(body: &[u8], most_points: usize) -> Result<JobReques
 fn placed(request: JobRequest) -> (JobRequest, Places) {
     let places = Places::of_job(&request);
     (request, places)
-}
-
-/// Points that are not a part of the JSON of a job.
-#[derive(Debug)]
-pub(crate) enum Data {
-    /// Those of a curve.
-    Curve(Points),
-    /// Those of a surface, in rows, and the indices of those that are missing.
-    Grid(Points, Grid, Vec<usize>),
-    /// Those of a surface, without rows.
-    Scattered(Points),
 }
 
 /// The job that these fields ask for, with these points in the place of the ones that are empty there.

@@ -11,9 +11,7 @@ use std::ops::Range;
 use memchr::memmem;
 use rayon::prelude::*;
 
-use super::job::Data;
-use crate::fit::points::{Grid, Points};
-use crate::model::shape::MAX_DIMENSION;
+use crate::fit::points::{Grid, MAX_DIMENSION, Points};
 
 /// The most lists within each other that are told apart.
 const DEEP: usize = 4;
@@ -24,6 +22,17 @@ const PARTS: usize = 2;
 /// The fields that have points. No other field of a job, nor of anything in it, is called so.
 const POINTS: &[u8] = b"\"points\"";
 const SCATTERED: &[u8] = b"\"scattered\"";
+
+/// Points that are not a part of the JSON of a job.
+#[derive(Debug)]
+pub(crate) enum Data {
+    /// Those of a curve.
+    Curve(Points),
+    /// Those of a surface, in rows, and the indices of those that are missing.
+    Grid(Points, Grid, Vec<usize>),
+    /// Those of a surface, without rows.
+    Scattered(Points),
+}
 
 /// Takes the points out of the JSON of a job, at most as many as `most`: what is left has an empty list in their
 /// place. Lists that are longer than `part`, in bytes, are read in parts by several threads.

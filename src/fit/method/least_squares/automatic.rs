@@ -1,22 +1,12 @@
 //! As few control points as the tolerance needs: what can be chosen, and what does not go with it.
 
 use super::constraints::{At, Constraint};
-use super::settings::{EndPoints, LeastSquares, Variant};
+use super::settings::{Automatic, EndPoints, LeastSquares, Variant};
 use crate::fit::basis::knots::Knots;
 use crate::fit::choice::{BasisChoice, DirectionChoice};
 use crate::fit::invalid::{Axis, Invalid, Place, Setting};
 use crate::fit::problem::Weights;
 use crate::fit::request::Request;
-
-/// The number of control points where only the data limit it.
-pub const AS_MANY_AS_DATA: usize = usize::MAX;
-
-/// A fit that chooses its knots by itself ([`crate::fit::tolerance`]).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Automatic {
-    /// Whether parameters move to the foot points of their data.
-    pub correct_parameters: bool,
-}
 
 impl LeastSquares {
     /// With at most so many control points in both directions, and as few as will do.

@@ -45,9 +45,9 @@ use std::sync::Arc;
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::fit::about::About;
-use crate::fit::convergence::Forecast;
 use crate::fit::direction::Direction;
 use crate::fit::equations::Equations;
+use crate::fit::forecast::Forecast;
 use crate::fit::invalid::{Axis, Invalid, Place, Setting};
 use crate::fit::points::Points;
 use crate::fit::setup::Setup;
@@ -56,10 +56,11 @@ use constraints::independent;
 use fairness::Energy;
 use steps::Steps;
 
-pub use automatic::{AS_MANY_AS_DATA, Automatic};
 pub use constraints::MOST_CONDITIONS;
 pub use constraints::{At, Constraint, Wanted};
-pub use settings::{BY_KNOTS, EndPoints, Fairness, LeastSquares, Variant};
+pub use settings::{
+    AS_MANY_AS_DATA, Automatic, BY_KNOTS, EndPoints, Fairness, LeastSquares, Variant,
+};
 
 /// The most control points for each data point of a direction of a fair fit.
 const FAIR: usize = 2;

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use super::automatic::Automatic;
 use super::constraints::{Constraint, Wanted};
 use crate::fit::choice::BasisChoice;
 use crate::fit::invalid::{Invalid, Place, Setting, one_for_each};
+
+/// The number of control points where only the data limit it.
+pub const AS_MANY_AS_DATA: usize = usize::MAX;
 
 /// The number of control points of a direction that its explicit knots imply.
 pub const BY_KNOTS: usize = usize::MAX - 1;
@@ -35,6 +37,13 @@ pub struct LeastSquares {
     pub gap_stiffness: Option<f64>,
     /// How much each data point counts; all of them 1 without it.
     pub data_weights: Option<Arc<[f64]>>,
+}
+
+/// A fit that chooses its knots by itself ([`crate::fit::tolerance`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Automatic {
+    /// Whether parameters move to the foot points of their data.
+    pub correct_parameters: bool,
 }
 
 impl LeastSquares {

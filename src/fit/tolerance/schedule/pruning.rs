@@ -15,18 +15,6 @@ const SPARSE: usize = 8;
 /// Knots of which the removal is tried, where none before can be spared.
 const CANDIDATES: usize = 12;
 
-/// Data points of all fits that are tried together: a fraction of a second.
-const WORK: usize = 1_000_000;
-
-/// With fewer fits than these hardly a knot would leave.
-const WORTHWHILE: usize = 64;
-
-/// How many fits may be tried of so many data.
-pub(super) fn budget(points: usize) -> usize {
-    let fits = WORK / points.max(1);
-    if fits < WORTHWHILE { 0 } else { fits }
-}
-
 impl<M: Minimum> Schedule<M> {
     /// The best level without one of its knots; whether there is such a level within the tolerance.
     pub(super) fn prune(&mut self) -> bool {

@@ -6,18 +6,22 @@
 
 use std::sync::Arc;
 
-use super::SurfaceLevel;
 use super::lines::flipped;
 use crate::fit::points::Points;
 use crate::fit::tolerance::line::KnotLine;
 use crate::fit::tolerance::values::Values;
 
-/// The control points over `lines` of about the surface of a level.
-pub(super) fn following(level: &SurfaceLevel, lines: &[KnotLine; 2]) -> Points {
-    let maps = [0, 1].map(|axis| Map::new(&level.lines[axis], &lines[axis]));
-    let [rows, columns] = level.counts();
-    let [new_rows, new_columns] = [0, 1].map(|axis| lines[axis].control_points());
-    let lanes = level.control_points.lanes().iter();
+/// The control points over `lines` of about the surface that has these ones over others, `before`.
+pub(super) fn following(
+    before: &[KnotLine; 2],
+    control_points: &Points,
+    lines: &[KnotLine; 2],
+) -> Points {
+    let maps = [0, 1].map(|axis| Map::new(&before[axis], &lines[axis]));
+    let counts = |lines: &[KnotLine; 2]| [0, 1].map(|axis| lines[axis].control_points());
+    let [rows, columns] = counts(before);
+    let [new_rows, new_columns] = counts(lines);
+    let lanes = control_points.lanes().iter();
     Points::from_lanes(lanes.map(|lane| {
         let across = maps[1].apply(lane, rows, new_columns);
         let turned = flipped(&across, rows, new_columns);

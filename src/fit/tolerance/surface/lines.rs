@@ -1,15 +1,19 @@
 //! The lines of grids as curves: what holds for a curve holds for all lines of a direction at once.
 
-use super::SurfaceLevel;
 use crate::fit::points::Points;
 use crate::fit::tolerance::insertion::refine;
 use crate::fit::tolerance::line::KnotLine;
 
-/// The same surface with more knots in a direction.
-pub(super) fn refined(level: &SurfaceLevel, axis: usize, fine: &KnotLine) -> Points {
-    let coarse = &level.lines[axis];
-    let [rows, columns] = level.counts();
-    let (points, dimension) = (&level.control_points, level.control_points.dimension());
+/// The control points of the same surface with more knots in a direction, `fine`.
+pub(super) fn refined(
+    lines: &[KnotLine; 2],
+    points: &Points,
+    axis: usize,
+    fine: &KnotLine,
+) -> Points {
+    let coarse = &lines[axis];
+    let [rows, columns] = [0, 1].map(|axis| lines[axis].control_points());
+    let dimension = points.dimension();
     if axis == 1 {
         let curves = refine(coarse, fine, &lines_of(points, rows, columns));
         joined(&curves, dimension, rows, fine.control_points())

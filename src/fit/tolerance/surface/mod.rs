@@ -88,7 +88,7 @@ impl SurfaceLevel {
     pub(crate) fn over(&self, lines: &[KnotLine; 2]) -> Points {
         match self.lines == *lines {
             true => self.control_points.clone(),
-            false => following(self, lines),
+            false => following(&self.lines, &self.control_points, lines),
         }
     }
 }

@@ -183,7 +183,7 @@ impl SurfaceSchedule {
         if let (false, Some((axis, line)), Some(last)) =
             (is_within, self.finer(&fit), self.last.clone())
         {
-            let control_points = refined(&last, axis, &line);
+            let control_points = refined(&last.lines, &last.control_points, axis, &line);
             let mut lines = last.lines.clone();
             lines[axis] = line;
             let inserted = self.level(lines, control_points);

@@ -3,8 +3,8 @@
 use tokio::sync::oneshot;
 use uuid::Uuid;
 
+use super::error::closed;
 use super::transaction::Transaction;
-use super::writer::closed;
 use crate::job::store::StoreError;
 
 /// A change, whatever its outcome is.

@@ -12,7 +12,8 @@ use uuid::Uuid;
 use super::clock::Clock;
 use super::error::{catch_panic, not_open};
 use super::file::{Bytes, StoreFile};
-use super::opening::{self, OpenError};
+use super::open_error::OpenError;
+use super::opening;
 use super::tables::{
     self, COMMIT_FACT, FACTS, HEADERS, Header, INPUTS, KEYS, RESULTS, SECRETS, TICKETS, Values,
 };

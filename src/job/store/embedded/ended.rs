@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use jiff::Timestamp;
 use uuid::Uuid;
 
-use crate::job::store::{FORGOTTEN_AT_ONCE, Retention, Spared, is_older};
+use crate::job::store::kept::is_older;
+use crate::job::store::{FORGOTTEN_AT_ONCE, Retention, Spared};
 
 /// The jobs that have ended and their bytes, in the order of the times at which they ended.
 #[derive(Debug, Default)]

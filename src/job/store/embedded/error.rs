@@ -19,6 +19,11 @@ pub(super) fn not_open() -> StoreError {
     StoreError::Unusable("it could not be opened again after an error".to_owned())
 }
 
+/// The thread that writes has ended.
+pub(super) fn closed() -> StoreError {
+    StoreError::Failed("the store is closed".to_owned())
+}
+
 /// Whether an error says that there is no room.
 pub(super) fn means_full(kind: ErrorKind) -> bool {
     matches!(

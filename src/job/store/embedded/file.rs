@@ -8,7 +8,7 @@ use std::sync::Arc;
 use redb::StorageBackend;
 use redb::backends::FileBackend;
 
-use super::opening::{self, OpenError};
+use super::open_error::{self, OpenError};
 
 /// The open file of a store. Databases in it are opened one after the other: it stays the same file whatever
 /// happens to its name.
@@ -23,13 +23,13 @@ pub(super) struct StoreFile {
 impl StoreFile {
     /// Opens a file that no other process has open.
     pub(super) fn open(path: &Path) -> Result<Self, OpenError> {
-        let of_file = |reason| opening::of_file(path, reason);
+        let of_file = |reason| open_error::of_file(path, reason);
         let mut options = OpenOptions::new();
         let file = options.read(true).write(true).open(path).map_err(of_file)?;
         let length = file.metadata().map_err(of_file)?.len();
         let backend = file.try_clone().map_err(of_file)?;
         let backend =
-            FileBackend::new(backend).map_err(|error| opening::explain(path, error.into()))?;
+            FileBackend::new(backend).map_err(|error| open_error::explain(path, error.into()))?;
         // Another program may have left holes in it. If there is no room, they stay.
         let _ = reserve(&file, 0, length);
         Ok(Self {

@@ -19,7 +19,8 @@ mod error;
 #[cfg(test)]
 mod failures;
 mod file;
-pub(super) mod opening;
+pub(super) mod open_error;
+mod opening;
 mod overlay;
 mod recovery;
 pub(crate) mod salvage;

@@ -19,7 +19,8 @@ use uuid::Uuid;
 use super::database::JobDatabase;
 use super::envelope::{self, Kind};
 use super::error::catch_panic;
-use super::opening::{self, OpenError};
+use super::open_error::{self, OpenError};
+use super::opening;
 use super::tables::{self, HEADERS, Header, INPUTS, RESULTS, Values};
 use super::{Embedded, FILE};
 use crate::job::counters::Counters;
@@ -67,7 +68,7 @@ impl Salvage {
     /// Opens the file in this directory, which no server may use.
     pub(crate) fn open(directory: &Path) -> Result<Self, OpenError> {
         let path = directory.join(FILE);
-        let of_file = |reason| opening::of_file(&path, reason);
+        let of_file = |reason| open_error::of_file(&path, reason);
         let file = File::open(&path).map_err(of_file)?;
         if let Err(reason) = file.try_lock() {
             return Err(match reason {
@@ -112,7 +113,7 @@ impl Salvage {
         let path = directory.join(REPAIRED);
         match fs::remove_file(&path) {
             Err(reason) if reason.kind() != io::ErrorKind::NotFound => {
-                return Err(opening::of_file(&path, reason));
+                return Err(open_error::of_file(&path, reason));
             }
             _ => {}
         }
@@ -242,7 +243,7 @@ impl Drop for Salvage {
 }
 
 fn of_file_in(path: &Path) -> impl FnOnce(io::Error) -> OpenError {
-    |reason| opening::of_file(path, reason)
+    |reason| open_error::of_file(path, reason)
 }
 
 fn unreadable(reason: io::Error) -> StoreError {

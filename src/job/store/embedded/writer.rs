@@ -13,6 +13,7 @@ use uuid::Uuid;
 use super::change::{Barrier, Change, Pending};
 use super::committer::Committer;
 use super::database::JobDatabase;
+use super::error::closed;
 use super::transaction::Transaction;
 use crate::job::counters::Counters;
 use crate::job::store::{Acknowledgement, StoreError};
@@ -128,11 +129,6 @@ impl Drop for Writer {
             error!("the thread of the store panicked");
         }
     }
-}
-
-/// The thread has ended.
-pub(super) fn closed() -> StoreError {
-    StoreError::Failed("the store is closed".to_owned())
 }
 
 /// What the thread works with.

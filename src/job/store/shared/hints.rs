@@ -1,28 +1,8 @@
-//! What replicas tell each other by NOTIFY. It only spares time: whatever is missed is found by polling.
-//!
-//! Transactions with a NOTIFY are committed one after the other, by a lock of the whole database, each with a
-//! write to the disk. So hints are told apart from the changes, many at once, and without waiting for the disk.
+//! Hints: what replicas tell each other.
 
 use std::fmt;
-use std::sync::Weak;
-use std::time::Duration;
 
-use sqlx::postgres::{PgListener, PgPoolOptions};
-use tokio::sync::mpsc;
-use tokio::time::{sleep, timeout};
-use tracing::debug;
 use uuid::Uuid;
-
-use super::Shared;
-
-/// Hints that nobody has told or read yet; further ones are dropped.
-pub(super) const MOST: usize = 4096;
-
-/// After so long without a hint the connection is made anew: one that was cut off says nothing.
-const SILENCE: Duration = Duration::from_secs(60);
-
-/// The pause before a connection that was lost is made anew.
-const PAUSE: Duration = Duration::from_secs(1);
 
 /// What has happened at another replica, or at this one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +21,7 @@ pub(crate) enum Hint {
 
 impl Hint {
     /// The hint of a payload.
-    fn of(payload: &str) -> Option<Self> {
+    pub(super) fn of(payload: &str) -> Option<Self> {
         if payload == "queued" {
             return Some(Self::Queued);
         }
@@ -66,60 +46,6 @@ impl fmt::Display for Hint {
             Self::Deleted(id) => write!(f, "deleted {id}"),
             Self::Cancel(id) => write!(f, "cancel {id}"),
         }
-    }
-}
-
-const NOTIFY: &str = "
-SELECT set_config('synchronous_commit', 'off', true), pg_notify('piad', hint) FROM unnest($1::text[]) AS hint";
-
-/// Tells hints until there is nobody any more who gives some.
-pub(super) async fn go_on_telling(store: Weak<Shared>, mut hints: mpsc::Receiver<Hint>) {
-    let mut some = Vec::new();
-    while hints.recv_many(&mut some, MOST).await > 0 {
-        let Some(store) = store.upgrade() else { return };
-        let payloads: Vec<String> = some.drain(..).map(|hint| hint.to_string()).collect();
-        let notify = || sqlx::query(NOTIFY).bind(&payloads);
-        if let Err(error) = store.connections.run(0, notify).await {
-            debug!(%error, "hints for other replicas are lost");
-        }
-    }
-}
-
-impl Shared {
-    /// Tells the other replicas, and this one, in a moment.
-    pub(super) fn tell(&self, hint: Hint) {
-        let _ = self.told.try_send(hint);
-    }
-
-    /// The hints from now on, until nobody reads them any more.
-    pub(crate) fn hints(&self) -> mpsc::Receiver<Hint> {
-        let (sender, hints) = mpsc::channel(MOST);
-        let pool = PgPoolOptions::new().max_connections(1).min_connections(0);
-        let options = self.options.clone();
-        tokio::spawn(async move {
-            while !sender.is_closed() {
-                // A pool for each connection: one that hangs is left behind.
-                let pool = pool.clone().connect_lazy_with(options.clone());
-                let lost = async {
-                    let mut listener = PgListener::connect_with(&pool).await?;
-                    listener.listen("piad").await?;
-                    while let Ok(told) = timeout(SILENCE, listener.recv()).await {
-                        if let Some(hint) = Hint::of(told?.payload()) {
-                            let _ = sender.try_send(hint);
-                        }
-                    }
-                    Ok::<(), sqlx::Error>(())
-                };
-                tokio::select! {
-                    () = sender.closed() => {}
-                    lost = lost => if let Err(error) = lost {
-                        debug!(%error, "hints of other replicas are missed");
-                        sleep(PAUSE).await;
-                    }
-                }
-            }
-        });
-        hints
     }
 }
 

@@ -7,7 +7,7 @@
 //!   [`pieces`]: long values;
 //! - [`order`]: changes of one job, one after the other;
 //! - [`leases`]: which replica runs a job, and what becomes of the jobs of one that is gone;
-//! - [`hints`]: what replicas tell each other at once.
+//! - [`hints`], [`telling`]: what replicas tell each other at once.
 //!
 //! A job that runs is claimed by a replica, with a number that grows with each claim, its epoch. Whatever a
 //! replica writes of a job says the epoch of its claim; once another replica has claimed the job, it changes
@@ -21,6 +21,7 @@ mod opening;
 mod order;
 mod pieces;
 mod reads;
+mod telling;
 mod within;
 mod writes;
 

@@ -13,7 +13,7 @@ use tracing::warn;
 use uuid::Uuid;
 
 use super::connection::{Connections, of_database};
-use super::{Settings, Shared, hints};
+use super::{Settings, Shared, telling};
 use crate::job::counters::Counters;
 use crate::job::store::{OpenError, StoreError};
 use crate::redact::redacted;
@@ -67,7 +67,7 @@ impl Shared {
             }
         }
         let open = Connections::new(options.clone(), settings.connections, counters.clone());
-        let (told, hints) = mpsc::channel(hints::MOST);
+        let (told, hints) = mpsc::channel(telling::MOST);
         let store = Arc::new(Self {
             told,
             connections: open.map_err(OpenError::Database)?,
@@ -78,7 +78,7 @@ impl Shared {
             order: Default::default(),
             counters,
         });
-        tokio::spawn(hints::go_on_telling(Arc::downgrade(&store), hints));
+        tokio::spawn(telling::go_on_telling(Arc::downgrade(&store), hints));
         Ok(store)
     }
 }

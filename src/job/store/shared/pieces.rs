@@ -1,14 +1,10 @@
 //! Long values are kept in pieces, each in a row of its own: what is sent in one go is bounded.
 
-use sqlx::{PgConnection, Row};
+use sqlx::PgConnection;
 use uuid::Uuid;
 
-use super::Shared;
-use super::connection::of_database;
-use crate::job::store::StoreError;
-
 /// The bytes of a piece; the last one is shorter.
-const PIECE: usize = 4 << 20;
+pub(super) const PIECE: usize = 4 << 20;
 
 /// Where a value is kept.
 #[derive(Clone, Copy, Debug)]
@@ -59,35 +55,6 @@ impl Value<'_> {
             insertion.execute(&mut *connection).await?;
         }
         Ok(())
-    }
-}
-
-impl Shared {
-    /// A value, if it is there.
-    pub(super) async fn value(
-        &self,
-        table: Table,
-        id: Uuid,
-    ) -> Result<Option<Vec<u8>>, StoreError> {
-        let selection = match table {
-            Table::Inputs => "SELECT bytes FROM inputs WHERE id = $1 AND piece = $2",
-            Table::Results => "SELECT bytes FROM results WHERE id = $1 AND piece = $2",
-        };
-        let mut value = Vec::new();
-        for piece in 0_i32.. {
-            let select = || sqlx::query(selection).bind(id).bind(piece);
-            let rows = self.connections.run(PIECE, select).await?;
-            // Without a row it is not there, or was deleted meanwhile.
-            let Some(row) = rows.first() else {
-                return Ok(None);
-            };
-            let bytes: &[u8] = row.try_get(0).map_err(of_database)?;
-            value.extend_from_slice(bytes);
-            if bytes.len() < PIECE {
-                break;
-            }
-        }
-        Ok(Some(value))
     }
 }
 

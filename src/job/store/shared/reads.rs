@@ -7,6 +7,7 @@ use uuid::Uuid;
 
 use super::Shared;
 use super::connection::of_database;
+use super::pieces::{PIECE, Table};
 use crate::job::store::{
     IdempotencyEntry, IdempotencyKey, KEY_LIFETIME, Record, Secret, Selection, StoreError, record,
 };
@@ -44,6 +45,33 @@ ON CONFLICT (name) DO UPDATE SET name = excluded.name RETURNING bytes";
 const EXISTS: &str = "SELECT 1 FROM jobs WHERE id = $1";
 
 impl Shared {
+    /// A value, if it is there.
+    pub(super) async fn value(
+        &self,
+        table: Table,
+        id: Uuid,
+    ) -> Result<Option<Vec<u8>>, StoreError> {
+        let selection = match table {
+            Table::Inputs => "SELECT bytes FROM inputs WHERE id = $1 AND piece = $2",
+            Table::Results => "SELECT bytes FROM results WHERE id = $1 AND piece = $2",
+        };
+        let mut value = Vec::new();
+        for piece in 0_i32.. {
+            let select = || sqlx::query(selection).bind(id).bind(piece);
+            let rows = self.connections.run(PIECE, select).await?;
+            // Without a row it is not there, or was deleted meanwhile.
+            let Some(row) = rows.first() else {
+                return Ok(None);
+            };
+            let bytes: &[u8] = row.try_get(0).map_err(of_database)?;
+            value.extend_from_slice(bytes);
+            if bytes.len() < PIECE {
+                break;
+            }
+        }
+        Ok(Some(value))
+    }
+
     /// Those of these jobs that are there.
     pub(crate) async fn records(&self, ids: &[Uuid]) -> Result<Vec<Record>, StoreError> {
         let rows = self
