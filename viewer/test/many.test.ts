@@ -46,12 +46,15 @@ describe("many data points", () => {
   test("are all there to be looked at and dragged", PATIENT, async () => {
     const visit = await open("data");
     await visit.page.keyboard.press("e");
-    // No point is drawn there, where the curve ends.
-    const [x, y] = await visit.leftmost(170);
     const { mouse } = visit.page;
-    await mouse.move(x, y);
     const tip = visit.page.locator("#tip");
-    await tip.waitFor();
+    let [x, y] = [0, 0];
+    // No point is drawn there, where the curve ends. The scene may still move while the mode begins.
+    await until(async () => {
+      [x, y] = await visit.leftmost(170);
+      await mouse.move(x, y, { steps: 2 });
+      return tip.isVisible();
+    }, "the point is found");
     await says(tip, new RegExp(`^point${COUNT - 1}x−3y0`));
     const before = await visit.drawn();
     await mouse.down();

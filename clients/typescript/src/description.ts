@@ -2649,6 +2649,7 @@ export interface components {
          *         "at": 4
          *       },
          *       "elapsed": 0.00015,
+         *       "warnings": [],
          *       "links": {
          *         "self": "/v1/jobs/019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10",
          *         "result": "/v1/jobs/019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10/result"
@@ -2674,6 +2675,8 @@ export interface components {
              * @description Seconds from the beginning of the computation to the end.
              */
             elapsed: number | null;
+            /** @description All warnings, also those that were found while it ran. */
+            warnings: components["schemas"]["Warning"][];
             /** @description Where to go on. Ephemeral edits leave nothing behind. */
             links: components["schemas"]["EndLinks"] | null;
             /** @description Why it failed. */
@@ -2887,6 +2890,7 @@ export interface components {
          *           "at": 4
          *         },
          *         "elapsed": 0.00015,
+         *         "warnings": [],
          *         "links": {
          *           "self": "/v1/jobs/019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10",
          *           "result": "/v1/jobs/019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10/result"
