@@ -51,7 +51,7 @@ tokens: tools postgres
 
 # `piad fit`, and the files that `make files` reads.
 programs: tools
-	cargo nextest run --locked --test command --test export
+	cargo nextest run --locked --test architecture --test command --test export
 
 # Exported files, read by OpenCASCADE, OpenNURBS and others; offset, thickened and joined by OpenCASCADE.
 files: $(VENV)/installed

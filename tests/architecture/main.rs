@@ -46,7 +46,10 @@ fn files_use_each_other_in_one_direction() {
     for folder in CRATES {
         let modules = Modules::of(&root.join(folder));
         let uses = modules.uses();
-        assert!(uses.len() > 10 * CRATES.len(), "nothing is read in {folder}");
+        assert!(
+            uses.len() > 10 * CRATES.len(),
+            "nothing is read in {folder}"
+        );
         assert_eq!(circles(&uses), [""; 0], "{folder}");
         let room = |name: &Name| name.iter().take(1).cloned().collect::<Name>();
         let rooms: Vec<(Name, Name)> = uses
@@ -67,5 +70,8 @@ fn circles_are_found() {
         pairs.map(|(user, used)| (name(user), name(used))).collect()
     };
     assert!(circles(&uses(&[("a", "b"), ("b", "c::d"), ("a", "c::d")])).is_empty());
-    assert_eq!(circles(&uses(&[("a", "b"), ("b", "c::d"), ("c::d", "a")])).len(), 1);
+    assert_eq!(
+        circles(&uses(&[("a", "b"), ("b", "c::d"), ("c::d", "a")])).len(),
+        1
+    );
 }

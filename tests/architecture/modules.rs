@@ -45,7 +45,9 @@ impl Modules {
             match item {
                 Item::Use(item) => {
                     let is_passed_on = !matches!(item.vis, Visibility::Inherited);
-                    module.imports.extend(paths::imports(&item.tree, is_passed_on));
+                    module
+                        .imports
+                        .extend(paths::imports(&item.tree, is_passed_on));
                 }
                 item => module.paths.extend(paths::of(item)),
             }
@@ -114,9 +116,8 @@ impl Modules {
             if module.defined.contains(part) {
                 return Some(home);
             }
-            let passed_on = module.imports.iter().filter(|it| it.is_passed_on);
-            let mut passed_on = passed_on.filter(|it| it.name == *part);
-            let Some(import) = passed_on.next() else {
+            // Children also see what their parents have imported for themselves.
+            let Some(import) = module.imports.iter().find(|it| it.name == *part) else {
                 return Some(home);
             };
             let origin = self.absolute(&home, &import.path)?;

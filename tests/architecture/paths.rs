@@ -1,7 +1,7 @@
 //! The paths in a file.
 
 use syn::visit::{Visit, visit_path};
-use syn::{Item, ItemMod, Path, UseTree};
+use syn::{Item, ItemMod, Path, UseTree, Visibility};
 
 use super::modules::Name;
 
@@ -73,6 +73,9 @@ impl<'ast> Visit<'ast> for Paths {
         }
         visit_path(self, path);
     }
+
+    /// Who sees an item is not what it uses.
+    fn visit_visibility(&mut self, _visibility: &'ast Visibility) {}
 
     /// Modules within a file are those of tests.
     fn visit_item_mod(&mut self, _module: &'ast ItemMod) {}

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::MethodForm;
 use super::constraint::ConstraintInput;
 use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
+use super::form::MethodForm;
 use crate::fit::invalid::{Place, Setting};
 use crate::fit::method::{
     AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,

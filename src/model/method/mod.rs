@@ -1,16 +1,17 @@
 //! Methods as they are asked for, and what they are for a fit.
 //!
 //! - `settings`: their settings; `least_squares`: those of least squares, with `constraint` and `counts`;
-//! - `schema`: their schema.
+//! - `choice`: what they are for a fit; `form`: where their settings stand; `schema`: their schema.
 
+mod choice;
 mod constraint;
 pub(crate) mod counts;
+mod form;
 mod least_squares;
 mod schema;
 mod settings;
 
 use std::fmt;
-use std::sync::Arc;
 
 use schemars::JsonSchema;
 use serde::de::value::{MapAccessDeserializer, MapDeserializer};
@@ -20,13 +21,14 @@ use serde::{Deserialize, Serialize};
 use super::either::Kept;
 use super::mistakes::OrMistakes;
 use super::named::{Named, names};
-use super::per_direction::{PerDirection, direction};
-use crate::fit::invalid::Place as P;
+use super::per_direction::PerDirection;
 use crate::fit::method::Method;
 use crate::fit::points::Grid;
 use crate::fit::problem::Request;
 
+pub(crate) use choice::MethodChoice;
 pub(crate) use constraint::ConstraintInput;
+pub(crate) use form::{MethodForm, pointer};
 pub(crate) use least_squares::{LeastSquaresInput, VariantKind};
 pub(crate) use schema::settings_of;
 pub(crate) use settings::{
@@ -149,22 +151,6 @@ impl MethodInput {
     }
 }
 
-/// A method, and the points that it selects.
-#[derive(Clone, Debug)]
-pub(crate) struct MethodChoice {
-    /// The method with its settings.
-    pub method: Method,
-    /// Local fits: the indices of the points that are adjusted, if not all.
-    pub selected: Option<Arc<[usize]>>,
-}
-
-impl From<Method> for MethodChoice {
-    fn from(method: Method) -> Self {
-        let selected = None;
-        Self { method, selected }
-    }
-}
-
 impl MethodInput {
     /// The method for data points arranged in `grid`, and the points that it selects.
     pub(crate) fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
@@ -215,33 +201,4 @@ impl MethodInput {
             _ => MethodForm::default(),
         }
     }
-}
-
-/// How a method is written.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct MethodForm {
-    /// The directions have a setting each.
-    pub each: bool,
-    /// The numbers of control points are limits.
-    pub limited: bool,
-}
-
-/// The JSON pointer to a setting, or a part of it; everything else is the method.
-pub(crate) fn pointer(place: P, MethodForm { each, limited }: MethodForm) -> String {
-    let setting = match place {
-        P::Setting(setting) => setting.name().to_owned(),
-        P::Index(index) => format!("indices/{index}"),
-        P::Constraint(index) => format!("constraints/{index}"),
-        P::ControlPoints(axis) if limited => {
-            format!("max_control_points{}", direction(each, axis))
-        }
-        P::ControlPoints(axis) => format!("control_points{}", direction(each, axis)),
-        P::Transform(axis) => format!("transform{}", direction(each, axis)),
-        P::TransformRow(axis, row) => format!("transform{}/{row}", direction(each, axis)),
-        P::TransformEntry(axis, row, column) => {
-            format!("transform{}/{row}/{column}", direction(each, axis))
-        }
-        _ => return "/method".to_owned(),
-    };
-    format!("/method/{setting}")
 }

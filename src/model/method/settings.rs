@@ -5,7 +5,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::MethodChoice;
+use super::choice::MethodChoice;
 use crate::fit::invalid::{Place as P, Setting};
 use crate::fit::method::{
     self as fit, Adaptive, Convex, Custom, Extended, Local, Method, Start, Sweeps, Weighted,
