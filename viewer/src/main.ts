@@ -46,7 +46,7 @@ scrub(app);
 tabs(byId("panels"));
 const root = byId("stage");
 const hall = new Hall(app, new Stage(root));
-mode(app, hall);
+mode(app);
 const history = new History(app);
 tools(app, hall);
 labels(app, hall, root);

@@ -50,8 +50,7 @@ describe("a data point", () => {
   test("is dragged: the fit follows, and one edit is kept", PATIENT, async () => {
     const [visit, id] = await open();
     const were = (await jobs()).length;
-    await visit.page.keyboard.press("e");
-    const before = await visit.drawn();
+    const before = await visit.edit();
     const [x, y] = await visit.leftmost();
     const { mouse } = visit.page;
     await mouse.move(x, y);
@@ -87,8 +86,7 @@ describe("a data point", () => {
 
   test("goes back where it was with Escape", PATIENT, async () => {
     const [visit, id] = await open();
-    await visit.page.keyboard.press("e");
-    const before = await visit.drawn();
+    const before = await visit.edit();
     const [x, y] = await visit.leftmost();
     await visit.page.mouse.move(x, y);
     await visit.page.mouse.down();

@@ -55,7 +55,7 @@ async function measure(browser: Browser, server: Server, name: string, request: 
   const visit = await Visit.to(browser, `${server.url}#job=${id}`);
   await visit.standing(/^converged/);
   await until(async () => Number.isFinite((await visit.leftmost(PALE))[0]), "the data points are drawn");
-  await visit.page.keyboard.press("e");
+  await visit.edit();
   await visit.page.evaluate(() => performance.setResourceTimingBufferSize(10_000));
   await browser.startTracing(visit.page, { categories: ["devtools.timeline", "disabled-by-default-devtools.timeline.frame", "devtools.timeline.frame"] });
   await circle(visit);

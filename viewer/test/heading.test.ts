@@ -64,7 +64,7 @@ describe("the heading", () => {
     await visit.standing(/^converged/);
     await visit.still();
     const before = await state.textContent();
-    await visit.page.keyboard.press("e");
+    await visit.edit();
     const [x, y] = await visit.leftmost();
     await visit.page.mouse.move(x, y);
     await visit.page.mouse.down();

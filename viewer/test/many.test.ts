@@ -45,14 +45,15 @@ describe("many data points", () => {
 
   test("are all there to be looked at and dragged", PATIENT, async () => {
     const visit = await open("data");
-    await visit.page.keyboard.press("e");
+    await visit.edit();
     const { mouse } = visit.page;
     const tip = visit.page.locator("#tip");
     let [x, y] = [0, 0];
-    // No point is drawn there, where the curve ends. The scene may still move while the mode begins.
+    // No point is drawn there, where the curve ends. Where points are is found out beside, and not at once.
     await until(async () => {
       [x, y] = await visit.leftmost(170);
-      await mouse.move(x, y, { steps: 2 });
+      await mouse.move(x + 1, y);
+      await mouse.move(x, y);
       return tip.isVisible();
     }, "the point is found");
     await says(tip, new RegExp(`^point${COUNT - 1}x−3y0`));

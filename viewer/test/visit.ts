@@ -94,6 +94,14 @@ export class Visit {
     return drawn;
   }
 
+  /** Begins the Edit mode, and waits until it is seen; the picture. By the button: after a key the focus would be drawn, until the next click. */
+  async edit(): Promise<Drawn> {
+    const button = this.page.getByRole("button", { name: "Edit", exact: true });
+    await button.click();
+    await becomes(() => button.getAttribute("aria-pressed"), "true");
+    return this.still();
+  }
+
   /** The numbers of the iterations that were shown, since the page was opened. */
   numbers(): Promise<string[]> {
     return this.page.evaluate(() => (globalThis as { numbers?: string[] }).numbers ?? []);
@@ -153,8 +161,10 @@ export class Visit {
       const { data, width, height } = context.getImageData(0, top, image.width, image.height - top);
       const ink = (getComputedStyle(document.body).color.match(/\d+/g) ?? []).map(Number);
       const isInk = (x: number, y: number) => ink.every((value, i) => Math.abs(data[(y * width + x) * 4 + i]! - value) < pale);
-      for (let x = 0; x < width; x++) {
-        for (let y = 0; y < height; y++) if (isInk(x, y)) return [x + 2, y + top];
+      // Within the frame of the Edit mode.
+      const frame = 4;
+      for (let x = frame; x < width; x++) {
+        for (let y = 0; y < height - frame; y++) if (isInk(x, y)) return [x + 2, y + top];
       }
       return [NaN, NaN];
     }, [shot.toString("base64"), pale] as const);

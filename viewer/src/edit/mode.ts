@@ -2,9 +2,8 @@
 
 import type { App } from "../app.js";
 import { byId, el } from "../html.js";
-import type { Hall } from "../scene/hall.js";
 
-export function mode(app: App, hall: Hall): void {
+export function mode(app: App): void {
   const { view } = app;
   const toggle = () => {
     const editing = !view.value.editing;
@@ -17,7 +16,7 @@ export function mode(app: App, hall: Hall): void {
   const update = () => {
     const { editing } = view.value;
     button.setAttribute("aria-pressed", String(editing));
-    hall.stage.canvas.classList.toggle("edits", editing);
+    byId("stage").classList.toggle("edits", editing);
   };
   view.subscribe(update);
   update();
