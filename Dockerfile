@@ -15,6 +15,7 @@ RUN --mount=type=cache,target=/usr/local/cargo/registry \
     cargo install --locked --root /usr/local cargo-auditable@0.7.7
 COPY Cargo.toml Cargo.lock build.rs ./
 COPY proto ./proto
+COPY crates ./crates
 COPY src ./src
 COPY benches ./benches
 COPY viewer/dist ./viewer/dist

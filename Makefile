@@ -28,8 +28,8 @@ check:
 
 # Unit tests, and the examples of the documentation.
 library: tools postgres
-	tests/postgres cargo nextest run --locked --lib --bins
-	cargo test --locked --doc
+	tests/postgres cargo nextest run --locked --workspace --lib --bins
+	cargo test --locked --workspace --doc
 
 # A server, by its API; what concerns jobs themselves with them in a database, too.
 OF_JOBS := jobs|streams|durable|deleting|edits|ephemeral|milestones|views|peers|quotas|crashes
@@ -216,11 +216,11 @@ fuzz-%:
 	  -max_len=4096 -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=64 -print_final_stats=1
 
 lint: tools
-	cargo fmt --check
-	cargo clippy --locked --all-targets -- -D warnings
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
 
 fmt:
-	cargo fmt
+	cargo fmt --all
 
 # PostgreSQL, of which tests/postgres starts clusters of its own.
 postgres:

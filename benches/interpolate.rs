@@ -16,15 +16,15 @@ use std::time::Instant;
 use std::{fs, io};
 
 use clap::Parser;
-use piad::fit::basis::knots::Knots;
-use piad::fit::direction::{BasisChoice, DirectionChoice};
-use piad::fit::invalid::Axis;
-use piad::fit::iteration::Iteration;
-use piad::fit::method::Method;
-use piad::fit::parameters::{Parametrization, parameters};
-use piad::fit::points::{Grid, Points};
-use piad::fit::problem::{Problem, Request, Tolerance, Weights};
-use piad::fit::system::System;
+use piad_fit::basis::knots::Knots;
+use piad_fit::direction::{BasisChoice, DirectionChoice};
+use piad_fit::invalid::Axis;
+use piad_fit::iteration::Iteration;
+use piad_fit::method::Method;
+use piad_fit::parameters::{Parametrization, parameters};
+use piad_fit::points::{Grid, Points};
+use piad_fit::problem::{Problem, Request, Tolerance, Weights};
+use piad_fit::system::System;
 
 /// As in the program.
 #[global_allocator]

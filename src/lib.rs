@@ -15,7 +15,7 @@
 //! A request flows down through the modules, frames flow up:
 //!
 //! - [`config`] — one struct: flags and `PIAD_*` variables;
-//! - [`fit`] — the numerics, pure and deterministic: problems, bases, the one loop;
+//! - [`piad_fit`] — the numerics, pure and deterministic, in a crate of their own: problems, bases, the one loop;
 //! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, STL, DXF, SVG, CSV;
 //! - [`import`] — files of points: CSV, point clouds, airfoils;
 //! - [`model`] — what clients ask for, typed and without a wire;
@@ -38,7 +38,6 @@ pub mod command;
 pub mod config;
 pub mod export;
 pub(crate) mod files;
-pub mod fit;
 pub(crate) mod import;
 pub(crate) mod job;
 pub(crate) mod log_throttle;

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use piad::fit::basis::knots::Knots;
-use piad::fit::direction::{BasisChoice, DirectionChoice};
-use piad::fit::method::Method;
-use piad::fit::parameters::Parametrization;
-use piad::fit::points::{Grid, Points};
-use piad::fit::problem::{Problem, Request, Tolerance, Weights};
-use piad::fit::system::System;
+use piad_fit::basis::knots::Knots;
+use piad_fit::direction::{BasisChoice, DirectionChoice};
+use piad_fit::method::Method;
+use piad_fit::parameters::Parametrization;
+use piad_fit::points::{Grid, Points};
+use piad_fit::problem::{Problem, Request, Tolerance, Weights};
+use piad_fit::system::System;
 
 /// A rippled spiral in space.
 pub(crate) fn spiral(count: usize) -> Points {

@@ -4,12 +4,12 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
 
-use piad::fit::iteration::Iteration;
-use piad::fit::method::Method;
-use piad::fit::points::Grid;
-use piad::fit::problem::Problem;
-use piad::fit::spectrum;
-use piad::fit::tensor::Tensor;
+use piad_fit::iteration::Iteration;
+use piad_fit::method::Method;
+use piad_fit::points::Grid;
+use piad_fit::problem::Problem;
+use piad_fit::spectrum;
+use piad_fit::tensor::Tensor;
 
 use super::problems;
 use super::timing::{Candidate, medians};

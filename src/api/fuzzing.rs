@@ -18,10 +18,6 @@ use crate::api::json::view;
 use crate::api::problem::{Problem as Refusal, Words};
 use crate::api::proto;
 use crate::config::Config;
-use crate::fit::iteration::Iteration;
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
-use crate::fit::system::System;
 use crate::job::outline::{Label, Outline};
 use crate::job::result::LastGeometry;
 use crate::job::state::{Levels, State, Status};
@@ -32,6 +28,10 @@ use crate::model::job::{JobRequest, ValidJob};
 use crate::model::mistakes::MOST_MISTAKES;
 use crate::model::scattered::no_base;
 use made::Choices;
+use piad_fit::iteration::Iteration;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
+use piad_fit::system::System;
 
 /// Jobs of more points are read and written, but not computed.
 const MOST_POINTS: usize = 50;

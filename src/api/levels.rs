@@ -11,8 +11,6 @@ use super::order;
 use super::problem::{Kind, Problem};
 use super::proto;
 use super::stream::encode::{self, Cost};
-use crate::fit::foot;
-use crate::fit::foot::deviation::Deviation;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::cursor::{Cursor, Next};
@@ -21,6 +19,8 @@ use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
 use crate::job::state::{Levels, Status};
 use crate::model::stream::form::{Form, View};
+use piad_fit::foot;
+use piad_fit::foot::deviation::Deviation;
 
 /// Bytes of memory for each data point while an input is written.
 const BYTES_PER_POINT: usize = 160;

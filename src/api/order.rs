@@ -13,10 +13,6 @@ use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem, Words};
 use crate::config::Config;
 use crate::export::{self, ExportError, Format};
-use crate::fit::foot;
-use crate::fit::nurbs::Nurbs;
-use crate::fit::problem as fit;
-use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
@@ -36,6 +32,10 @@ use crate::model::short::quoted;
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
+use piad_fit::foot;
+use piad_fit::nurbs::Nurbs;
+use piad_fit::problem as fit;
+use piad_fit::system::System;
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub(super) const PARSED_AT_ONCE: usize = 16 * 1024;

@@ -7,10 +7,10 @@
 use std::fmt;
 
 use super::whole::plain_number;
-use crate::fit::KERNEL;
 use crate::job::Job;
 use crate::job::state::{Failure, State};
 use crate::model::short::quoted;
+use piad_fit::KERNEL;
 
 /// The id of the last event.
 pub(crate) const END: &str = "end";

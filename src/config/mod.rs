@@ -29,10 +29,10 @@ pub(crate) use values::TlsFiles;
 pub use values::{BasePath, Lifetime, LogFormat, Storage, network};
 use values::{duration, host_name, seconds, some_seconds};
 
-use crate::fit::admission::Admission;
 use crate::job::store::StorePlace;
 use crate::job::store::shared::Settings;
 use crate::model::job::Limits;
+use piad_fit::admission::Admission;
 
 /// The settings of a server.
 #[derive(Args, Clone, Debug)]

@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::error::{ExportError, NetIndex};
 use super::fitted::Fitted;
 use super::text::Text;
-use crate::fit::points::Grid;
-use crate::fit::samples::Samples;
+use piad_fit::points::Grid;
+use piad_fit::samples::Samples;
 
 /// The number of samples of a curve, and of each direction of a surface, by default.
 const CURVE: usize = 200;

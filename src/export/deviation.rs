@@ -1,11 +1,12 @@
 //! How far the curve or surface is from each data point at its parameters.
 
-use super::nurbs::{KnotVector, Nurbs, in_space};
-use super::sampling::{SpanParameter, length, minus};
-use crate::fit::basis::bspline;
-use crate::fit::direction::Direction;
-use crate::fit::points::Grid;
-use crate::fit::problem::Problem;
+use super::nurbs::{KnotVector, Nurbs};
+use crate::export::vectors::{length, minus};
+use piad_fit::direction::Direction;
+use piad_fit::nurbs::in_space;
+use piad_fit::nurbs::sampling::SpanParameter;
+use piad_fit::points::Grid;
+use piad_fit::problem::Problem;
 
 /// The most data points at which the distance is computed; of more, some rows and columns are left out.
 pub const MOST_MEASURED: usize = 1 << 18;
@@ -115,14 +116,5 @@ fn scattered(
         u,
         v,
         scattered: true,
-    }
-}
-
-impl KnotVector {
-    /// The site of a parameter of the domain.
-    fn site_at(&self, t: f64) -> SpanParameter {
-        let (low, high) = self.domain();
-        let t = t.clamp(low, high);
-        SpanParameter::new(bspline::find_span(self.degree, &self.knots, t), t)
     }
 }

@@ -8,8 +8,8 @@ use super::error::{ExportError, NetIndex};
 use super::fitted::{Fitted, GENERATOR};
 use super::format::Format;
 use super::nurbs::{KnotVector, Nurbs};
-use super::sampling::{Jet, SpanParameter, steps_between};
 use super::text::Text;
+use piad_fit::nurbs::sampling::{Jet, SpanParameter, steps_between};
 
 /// The most samples of a polygon mesh in each direction, as AutoCAD has it.
 const MOST_IN_MESH: usize = 256;

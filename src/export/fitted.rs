@@ -5,10 +5,10 @@ use std::sync::Arc;
 use jiff::Timestamp;
 
 use super::options::Options;
-use crate::fit::basis::{Basis, Polynomial};
-use crate::fit::direction::Direction;
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
+use piad_fit::basis::{Basis, Polynomial};
+use piad_fit::direction::Direction;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
 
 /// The program that writes the files.
 pub(super) const GENERATOR: &str = concat!("piad ", env!("CARGO_PKG_VERSION"));

@@ -3,8 +3,9 @@
 use crate::export::error::ExportError;
 use crate::export::format::Format;
 use crate::export::nurbs::{KnotVector, Nurbs};
-use crate::export::sampling::{Jet, SpanParameter, cross, length, minus, steps_between, unit};
-use crate::fit::points::Grid;
+use crate::export::vectors::{cross, length, minus, unit};
+use piad_fit::nurbs::sampling::{Jet, SpanParameter, steps_between};
+use piad_fit::points::Grid;
 
 /// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
 /// every viewer can show.
@@ -166,8 +167,8 @@ pub(super) fn single(value: f64, format: Format) -> Result<f32, ExportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::sampling::dot;
-    use crate::export::sampling::tests::cylinder;
+    use crate::export::cylinder::cylinder;
+    use crate::export::vectors::dot;
 
     fn wide(vector: [f32; 3]) -> [f64; 3] {
         vector.map(f64::from)

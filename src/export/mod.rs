@@ -6,7 +6,7 @@
 //! - [`format`](mod@format): the formats and their names; [`error`]: why something cannot be written;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly;
-//! - `sampling`: points and derivatives of it, for `dxf` and `svg`, and for `mesh`: triangles for `gltf` and `stl`;
+//! - `mesh`: its triangles, for `gltf` and `stl`;
 //! - `deviation`: how far it is from each data point, for `svg`;
 //! - [`csv`]: samples as numbers;
 //! - `text`: numbers and names as text.
@@ -17,6 +17,8 @@
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
 
 pub(crate) mod csv;
+#[cfg(test)]
+mod cylinder;
 mod deviation;
 mod dxf;
 pub(crate) mod error;
@@ -28,11 +30,11 @@ mod mesh;
 pub mod nurbs;
 mod obj;
 pub(crate) mod options;
-mod sampling;
 mod step;
 mod stl;
 mod svg;
 mod text;
+mod vectors;
 
 pub use deviation::MOST_MEASURED;
 pub use error::ExportError;
@@ -43,9 +45,9 @@ pub use options::{Dots, Options, Unit};
 
 use mesh::MOST_ALONG_SURFACE;
 
-use crate::fit::points::Grid;
-use crate::fit::problem::Problem;
-use crate::fit::samples;
+use piad_fit::points::Grid;
+use piad_fit::problem::Problem;
+use piad_fit::samples;
 
 /// The highest degree for STEP and IGES: that of OpenCASCADE and of the many systems built on it.
 /// They refuse to load a file with a higher one, and some say so only in their log.
@@ -60,7 +62,7 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
         return csv::write(fitted);
     }
     check(format, fitted.problem)?;
-    let nurbs = Nurbs::new(fitted.problem, fitted.control_points)?;
+    let nurbs = nurbs::checked(fitted.problem, fitted.control_points)?;
     match format {
         Format::Step => Ok(step::write(&nurbs, fitted)),
         Format::Iges => iges::write(&nurbs, fitted),

@@ -1,70 +1,34 @@
 //! The curve or surface as CAD kernels store it, checked: the model that all exact formats write.
 
 use super::error::{ExportError, NetIndex};
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
 
-pub use crate::fit::nurbs::{KnotVector, Nurbs};
+pub use piad_fit::nurbs::{KnotVector, Nurbs};
 
-/// The place of a point in space: points of the plane have z = 0.
-pub(super) fn in_space(coordinates: impl Iterator<Item = f64>) -> [f64; 3] {
-    let mut place = [0.0; 3];
-    for (x, coordinate) in place.iter_mut().zip(coordinates) {
-        *x = coordinate;
+/// The B-spline form of a fit, if its weights are positive and its control points finite.
+///
+/// # Errors
+///
+/// The first control point of which that is not so.
+pub fn checked(problem: &Problem, control_points: &Points) -> Result<Nurbs, ExportError> {
+    let nurbs = Nurbs::of(problem, control_points);
+    let place = |index| NetIndex::new(index, nurbs.v.as_ref().map(KnotVector::count));
+    if let Some(index) = nurbs.bad_weight() {
+        return Err(ExportError::Weight {
+            place: place(index),
+            weight: nurbs.weight(index),
+        });
     }
-    place
-}
-
-impl Nurbs {
-    /// The B-spline form of a fit, if its weights are positive and its control points finite.
-    pub fn new(problem: &Problem, control_points: &Points) -> Result<Self, ExportError> {
-        let nurbs = Self::of(problem, control_points);
-        nurbs.check_weights()?;
-        nurbs.check_places()?;
-        Ok(nurbs)
+    if let Some((coordinate, index)) = nurbs.bad_coordinate() {
+        return Err(ExportError::NotFinite {
+            what: "control point",
+            place: place(index),
+            coordinate,
+            value: nurbs.points.lane(coordinate)[index],
+        });
     }
-
-    /// The place of a control point in space; curves and surfaces of the plane have z = 0.
-    pub fn place(&self, index: usize) -> [f64; 3] {
-        in_space(self.points.point(index))
-    }
-
-    /// The length below which differences are meaningless, which CAD systems call the accuracy of a model:
-    /// 10⁻⁷ of the extent, but at most 10⁻⁷, the usual value.
-    pub fn resolution(&self) -> f64 {
-        let extent = self.points.bounding_diagonal();
-        if extent > 0.0 && extent < 1.0 {
-            1e-7 * extent
-        } else {
-            1e-7
-        }
-    }
-
-    fn place_of(&self, index: usize) -> NetIndex {
-        NetIndex::new(index, self.v.as_ref().map(KnotVector::count))
-    }
-
-    fn check_weights(&self) -> Result<(), ExportError> {
-        match self.bad_weight() {
-            None => Ok(()),
-            Some(index) => Err(ExportError::Weight {
-                place: self.place_of(index),
-                weight: self.weight(index),
-            }),
-        }
-    }
-
-    fn check_places(&self) -> Result<(), ExportError> {
-        match self.bad_coordinate() {
-            None => Ok(()),
-            Some((coordinate, index)) => Err(ExportError::NotFinite {
-                what: "control point",
-                place: self.place_of(index),
-                coordinate,
-                value: self.points.lane(coordinate)[index],
-            }),
-        }
-    }
+    Ok(nurbs)
 }
 
 #[cfg(test)]
@@ -72,13 +36,13 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::fit::basis::knots::Knots;
-    use crate::fit::direction::{BasisChoice, DirectionChoice};
-    use crate::fit::ends::{End, Ends};
-    use crate::fit::method::Method;
-    use crate::fit::parameters::Parametrization;
-    use crate::fit::points::Grid;
-    use crate::fit::problem::{Request, Tolerance, Weights};
+    use piad_fit::basis::knots::Knots;
+    use piad_fit::direction::{BasisChoice, DirectionChoice};
+    use piad_fit::ends::{End, Ends};
+    use piad_fit::method::Method;
+    use piad_fit::parameters::Parametrization;
+    use piad_fit::points::Grid;
+    use piad_fit::problem::{Request, Tolerance, Weights};
 
     const SQUARE: [[f64; 2]; 5] = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 3.0], [0.0, 2.0]];
 
@@ -121,7 +85,7 @@ mod tests {
     #[test]
     fn end_copies_are_part_of_the_net() {
         let problem = problem(3, false, None);
-        let nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+        let nurbs = checked(&problem, problem.data()).unwrap();
         assert_eq!(nurbs.points.lane(0), [0.0, 0.0, 2.0, 2.0, 1.0, 0.0, 0.0]);
         assert_eq!(nurbs.rows(), 7);
         assert_eq!(nurbs.u.domain(), (0.0, 1.0));
@@ -135,7 +99,7 @@ mod tests {
     fn closed_curves_repeat_their_first_control_points() {
         for degree in 1..=4 {
             let problem = problem(degree, true, None);
-            let nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+            let nurbs = checked(&problem, problem.data()).unwrap();
             assert!(nurbs.u.closed);
             assert_eq!(nurbs.rows(), 5 + degree);
             for lane in nurbs.points.lanes() {
@@ -151,7 +115,7 @@ mod tests {
     fn weights_of_functions_are_weights_of_control_points() {
         let weights = vec![1.0, 2.0, 3.0, 4.0, 5.0];
         let problem = problem(3, false, Some(weights));
-        let nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+        let nurbs = checked(&problem, problem.data()).unwrap();
         let expected = [1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 5.0];
         assert_eq!(nurbs.weights.as_deref(), Some(expected.as_slice()));
         assert_eq!(nurbs.points.lane(1), [0.0, 0.0, 0.0, 2.0, 3.0, 2.0, 2.0]);
@@ -160,7 +124,7 @@ mod tests {
     #[test]
     fn small_models_have_a_fine_resolution() {
         let problem = problem(3, false, None);
-        let mut nurbs = Nurbs::new(&problem, problem.data()).unwrap();
+        let mut nurbs = checked(&problem, problem.data()).unwrap();
         assert_eq!(nurbs.resolution(), 1e-7);
         for lane in nurbs.points.lanes_mut() {
             lane.iter_mut().for_each(|x| *x *= 1e-3);

@@ -1,8 +1,8 @@
 //! What can be chosen about a file besides its format.
 
 use super::format::Format;
-use crate::fit::points::Grid;
 use crate::model::named::Named;
+use piad_fit::points::Grid;
 
 /// What can be chosen about a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use super::fitted::{Fitted, GENERATOR};
 use super::format::Format;
 use super::mesh::{Mesh, single};
 use super::nurbs::Nurbs;
-use super::sampling::{cross, minus, unit};
+use super::vectors::{cross, minus, unit};
 
 /// Bytes of the header, and of each triangle.
 const HEADER: usize = 80;

@@ -3,7 +3,7 @@
 //! That of MSES begins with the domain of a grid, and may have several elements.
 
 use super::table::Table;
-use crate::fit::points::Points;
+use piad_fit::points::Points;
 
 /// What stands between the elements of an airfoil in a file of MSES.
 pub(super) const NEXT_ELEMENT: [f64; 2] = [999.0, 999.0];

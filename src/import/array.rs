@@ -9,9 +9,9 @@ use super::imported::{Hints, Imported, Kind};
 use super::lattice;
 use super::mistake::Mistake;
 use super::table::Table;
-use crate::fit::points::{Grid, MAX_DIMENSION};
 use crate::model::list_limits::ListLimits;
 use crate::model::points::{PointGrid, PointList};
+use piad_fit::points::{Grid, MAX_DIMENSION};
 
 /// What an array holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 
 use super::imported::{Hints, Kind};
 use super::table::Table;
-use crate::fit::points::Points;
+use piad_fit::points::Points;
 
 /// Cosine of the sharpest turn, 60°, at which an outline is taken to go on smoothly. The trailing edge of
 /// an airfoil turns by more than 160°, or by 90° where it is blunt, and stays an end.

@@ -1,6 +1,6 @@
 //! What a file of points becomes, and what is known of it before.
 
-use crate::fit::points::{Grid, Points};
+use piad_fit::points::{Grid, Points};
 
 /// What is known of a file beside what is in it.
 #[derive(Clone, Copy, Debug)]

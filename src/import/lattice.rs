@@ -4,8 +4,8 @@ use super::closing;
 use super::imported::{Hints, Imported, Kind};
 use super::mistake::Mistake;
 use super::table::Table;
-use crate::fit::point_order::is_unordered;
-use crate::fit::points::{Grid, Points};
+use piad_fit::point_order::is_unordered;
+use piad_fit::points::{Grid, Points};
 
 /// What is said of points that seem to have no order along a curve.
 const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=project in a query), or say that their order is meant (--order given, or curve.order=given)";

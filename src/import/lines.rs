@@ -9,8 +9,8 @@ use super::mistake::{MOST_MISTAKES, Mistake};
 use super::notation::Notation;
 use super::plain::{self, Piece};
 use super::table::{Table, check_count};
-use crate::fit::points::Points;
 use crate::model::short::quoted;
+use piad_fit::points::Points;
 
 /// Files of more points get room for all of them at once.
 const LONG: usize = 1024;

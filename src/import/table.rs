@@ -1,7 +1,7 @@
 //! The points of a file, before it is known whether they are those of a curve or of a surface.
 
 use super::mistake::Mistake;
-use crate::fit::points::Points;
+use piad_fit::points::Points;
 
 /// The points of a file in their order.
 #[derive(Debug)]

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::mistake::MOST_MISTAKES;
 use super::*;
-use crate::fit::points::Grid;
+use piad_fit::points::Grid;
 
 const HINTS: Hints = Hints {
     kind: None,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 
 use super::memory::{Cache, Charge};
-use crate::fit::iteration::Iteration;
+use piad_fit::iteration::Iteration;
 
 /// The most that are kept of an iteration.
 const MOST: usize = 8;

@@ -6,10 +6,10 @@ use super::content::Content;
 use super::encoding_cache::EncodingCache;
 use super::memory::{Cache, Charge};
 use super::store::StoreError;
-use crate::fit::geometry::Geometry;
-use crate::fit::iteration::{Iteration, Level};
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
+use piad_fit::geometry::Geometry;
+use piad_fit::iteration::{Iteration, Level};
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
 
 /// One level of a fit.
 #[derive(Debug)]

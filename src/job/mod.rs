@@ -61,14 +61,14 @@ use tokio::sync::{Notify, watch};
 use tokio::time::sleep;
 use uuid::Uuid;
 
-use crate::fit::iteration::Level;
-use crate::fit::problem::Problem;
 use content::Content;
 use encoding_cache::EncodingCache;
 use frame::Frame;
 use memory::Permit;
 use outline::Outline;
 use peer::Peer;
+use piad_fit::iteration::Level;
+use piad_fit::problem::Problem;
 use replay::Replays;
 use resources::Resources;
 use result::LastGeometry;

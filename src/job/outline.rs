@@ -6,16 +6,16 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
-use crate::fit::KERNEL;
-use crate::fit::method::Method;
-use crate::fit::points::Grid;
-use crate::fit::problem::Problem;
-use crate::fit::warning::Warning;
 use crate::job::peer::Peer;
 use crate::job::quota::Amount;
 use crate::job::state::Levels;
 use crate::job::tenant::Tenant;
 use crate::model::stream::StreamSpec;
+use piad_fit::KERNEL;
+use piad_fit::method::Method;
+use piad_fit::points::Grid;
+use piad_fit::problem::Problem;
+use piad_fit::warning::Warning;
 
 /// A job without its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,8 +2,8 @@
 
 use super::outline::Outline;
 use super::state::{Levels, State, Status};
-use crate::fit::termination::Reason;
-use crate::fit::warning::Warning;
+use piad_fit::termination::Reason;
+use piad_fit::warning::Warning;
 
 impl Status {
     /// Why it ended, in words, where the state does not say it.

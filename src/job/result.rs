@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::frame::Frame;
-use crate::fit::bases::Bases;
-use crate::fit::iteration::Level;
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
+use piad_fit::bases::Bases;
+use piad_fit::iteration::Level;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
 
 /// The geometry of the last level of a job.
 #[derive(Clone, Debug)]

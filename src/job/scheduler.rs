@@ -27,8 +27,8 @@ use tracing::error;
 
 use super::peer::Peer;
 use super::turns::{PeerQueue, Turns};
-use crate::fit::interrupt::{self, Interrupted};
 use crate::trim;
+use piad_fit::interrupt::{self, Interrupted};
 
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);

@@ -6,9 +6,9 @@ use std::str::FromStr;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use crate::fit::iteration::Level;
-use crate::fit::system::Forecast;
-pub(crate) use crate::fit::termination::Reason;
+use piad_fit::iteration::Level;
+use piad_fit::system::Forecast;
+pub(crate) use piad_fit::termination::Reason;
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

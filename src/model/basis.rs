@@ -7,10 +7,10 @@ use super::either::{object, whole};
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::named::{Named, Rule, names, rules};
 use super::schema::{self, schema_of};
-use crate::fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
-use crate::fit::direction::BasisChoice;
-use crate::fit::invalid::{self as fit, Axis};
-use crate::fit::parameters::Parametrization;
+use piad_fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
+use piad_fit::direction::BasisChoice;
+use piad_fit::invalid::{self as fit, Axis};
+use piad_fit::parameters::Parametrization;
 
 /// The degree of a B-spline if nobody says it.
 pub(crate) const DEFAULT_DEGREE: usize = 3;
@@ -35,13 +35,17 @@ names!(BasisKind, "kind of basis", [
     "wang_ball" => WangBall,
 ]);
 
-rules!(Knots, "rule for knots", [
+rules!(
+    /// The knots of a B-spline as they are asked for.
+    KnotsInput(Knots), "rule for knots", [
     "data" => Data,
     "averaged" => Averaged,
     "spread" => Spread,
 ]);
 
-rules!(Parametrization, "rule for parameters", [
+rules!(
+    /// The parameters of data points as they are asked for.
+    ParametersInput(Parametrization), "rule for parameters", [
     "chord_length" => ChordLength,
     "centripetal" => Centripetal,
     "uniform" => Uniform,
@@ -64,7 +68,7 @@ pub(crate) struct Basis {
     pub degree: Option<usize>,
     /// Where the pieces meet.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub knots: Option<Knots>,
+    pub knots: Option<KnotsInput>,
 }
 
 object!(
@@ -88,7 +92,7 @@ impl Basis {
             BasisKind::Bspline => {
                 return Ok(BasisChoice::BSpline {
                     degree: self.degree.unwrap_or(DEFAULT_DEGREE),
-                    knots: self.knots.unwrap_or(Knots::Usual),
+                    knots: self.knots.map_or(Knots::Usual, |KnotsInput(knots)| knots),
                 });
             }
             BasisKind::Bernstein => Polynomial::Bernstein,
@@ -115,7 +119,7 @@ impl From<&BasisChoice> for Basis {
         let kind = match choice {
             BasisChoice::BSpline { degree, knots } => {
                 return Self {
-                    knots: Some(knots.clone()).filter(|knots| *knots != Knots::Usual),
+                    knots: (*knots != Knots::Usual).then(|| KnotsInput(knots.clone())),
                     ..Self::of_degree(*degree)
                 };
             }
@@ -131,7 +135,7 @@ impl From<&BasisChoice> for Basis {
 }
 
 schema_of!(
-    Parametrization,
+    ParametersInput,
     "ParameterChoice",
     json_schema!({
         "description": "How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first.",
@@ -160,7 +164,7 @@ schema_of!(
 );
 
 schema_of!(
-    Knots,
+    KnotsInput,
     "KnotChoice",
     json_schema!({
         "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\").",

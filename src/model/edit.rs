@@ -21,10 +21,10 @@ use super::settings::Index;
 use super::stop::StopRules;
 use super::stream::StreamSpec;
 use super::weights::{Rational, Resolved, check_unused};
-use crate::fit::direction::DirectionChoice;
-use crate::fit::invalid::{self as fit, Invalid};
-use crate::fit::points::Points;
-use crate::fit::problem::{Problem, Request, Weights};
+use piad_fit::direction::DirectionChoice;
+use piad_fit::invalid::{self as fit, Invalid};
+use piad_fit::points::Points;
+use piad_fit::problem::{Problem, Request, Weights};
 
 /// The most characters of the name of a drag.
 pub(crate) const LONGEST_SESSION: usize = 100;

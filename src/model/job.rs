@@ -15,11 +15,11 @@ use super::shape::{CurveInput, SurfaceInput};
 use super::stop::StopRules;
 use super::stream::StreamSpec;
 use super::weights::Rational;
-use crate::fit::admission::Admission;
-use crate::fit::invalid as fit;
-use crate::fit::nurbs::Nurbs;
-use crate::fit::points::Grid;
-use crate::fit::problem::{Problem, Request};
+use piad_fit::admission::Admission;
+use piad_fit::invalid as fit;
+use piad_fit::nurbs::Nurbs;
+use piad_fit::points::Grid;
+use piad_fit::problem::{Problem, Request};
 
 /// The most characters of a name.
 pub const LONGEST_NAME: usize = 200;

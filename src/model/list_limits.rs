@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 
 use super::either::below;
-use crate::fit::basis::MAX_DEGREE;
+use piad_fit::basis::MAX_DEGREE;
 
 /// Knot vectors, and weights of control points, are longer than lists with a number for each data point by at
 /// most as many numbers as this.

@@ -8,7 +8,7 @@ use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Vis
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::list_limits::{ListLimits, too_many};
-use crate::fit::points::{Grid, MAX_DIMENSION, Points};
+use piad_fit::points::{Grid, MAX_DIMENSION, Points};
 
 /// A number, or numbers in lists within lists, all of a level of the same length.
 #[derive(Clone, Debug, Default, PartialEq)]

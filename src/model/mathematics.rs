@@ -1,13 +1,13 @@
 //! What is wrong with a fitting problem, as far as one mistake does not follow from another.
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
-use crate::fit::admission::Admission;
-use crate::fit::basis::knots::Knots;
-use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::invalid::{self as fit, Axis};
-use crate::fit::method::{LeastSquares, Method};
-use crate::fit::parameters::Parametrization;
-use crate::fit::problem::{Problem, Request, Weights};
+use piad_fit::admission::Admission;
+use piad_fit::basis::knots::Knots;
+use piad_fit::direction::{BasisChoice, DirectionChoice};
+use piad_fit::invalid::{self as fit, Axis};
+use piad_fit::method::{LeastSquares, Method};
+use piad_fit::parameters::Parametrization;
+use piad_fit::problem::{Problem, Request, Weights};
 
 /// Of problems with so many points more than one mistake is looked for, which takes a copy.
 const MOST_COPIED: usize = 10_000;

@@ -6,7 +6,7 @@
 use std::fmt;
 
 use super::stream::Choice;
-use crate::fit::invalid as fit;
+use piad_fit::invalid as fit;
 
 /// The most mistakes that are told at once.
 pub(crate) const MOST_MISTAKES: usize = 16;

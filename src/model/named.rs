@@ -84,6 +84,14 @@ macro_rules! names {
             const ALL: &'static [(Self, &'static str)] = &[$((Self::$value, $name),)+];
         }
 
+        $crate::model::named::by_name!($type);
+    };
+}
+pub(crate) use names;
+
+/// Writes and reads a value by its name.
+macro_rules! by_name {
+    ($type:ty) => {
         impl serde::Serialize for $type {
             fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 serializer.serialize_str($crate::model::named::Named::name(*self))
@@ -97,7 +105,24 @@ macro_rules! names {
         }
     };
 }
-pub(crate) use names;
+pub(crate) use by_name;
+
+/// Declares how a setting of a fit is written: by the names of its values.
+macro_rules! setting {
+    ($(#[$about:meta])* $written:ident($type:ident), $what:literal, [$($name:literal => $value:ident),+ $(,)?]) => {
+        $(#[$about])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) struct $written(pub $type);
+
+        impl $crate::model::named::Named for $written {
+            const WHAT: &'static str = $what;
+            const ALL: &'static [(Self, &'static str)] = &[$((Self($type::$value), $name),)+];
+        }
+
+        $crate::model::named::by_name!($written);
+    };
+}
+pub(crate) use setting;
 
 /// Declares an enumeration with the names of its values.
 macro_rules! named {
@@ -169,28 +194,32 @@ pub(crate) fn read_rule<'de, T: Rule, D: Deserializer<'de>>(
     deserializer.deserialize_any(RuleVisitor(PhantomData))
 }
 
-/// Gives rules their names, in JSON, too; numbers are their variant `Explicit`.
+/// Declares how a rule of a fit is written: by its name; numbers are its variant `Explicit`.
 macro_rules! rules {
-    ($type:ty, $what:literal, [$($name:literal => $rule:ident),+ $(,)?]) => {
-        impl $crate::model::named::Rule for $type {
+    ($(#[$about:meta])* $written:ident($type:ident), $what:literal, [$($name:literal => $rule:ident),+ $(,)?]) => {
+        $(#[$about])*
+        #[derive(Clone, Debug, PartialEq)]
+        pub(crate) struct $written(pub $type);
+
+        impl $crate::model::named::Rule for $written {
             const WHAT: &'static str = $what;
-            const RULES: &'static [(Self, &'static str)] = &[$((Self::$rule, $name),)+];
+            const RULES: &'static [(Self, &'static str)] = &[$((Self($type::$rule), $name),)+];
 
             fn explicit(numbers: std::sync::Arc<Vec<f64>>) -> Self {
-                Self::Explicit(numbers)
+                Self($type::Explicit(numbers))
             }
         }
 
-        impl serde::Serialize for $type {
+        impl serde::Serialize for $written {
             fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                match self {
-                    Self::Explicit(numbers) => serializer.collect_seq(numbers.iter()),
-                    rule => $crate::model::named::Rule::name(rule).serialize(serializer),
+                match &self.0 {
+                    $type::Explicit(numbers) => serializer.collect_seq(numbers.iter()),
+                    _ => $crate::model::named::Rule::name(self).serialize(serializer),
                 }
             }
         }
 
-        impl<'de> serde::Deserialize<'de> for $type {
+        impl<'de> serde::Deserialize<'de> for $written {
             fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
                 $crate::model::named::read_rule(d)
             }

@@ -14,12 +14,12 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 use serde_json::{Value, json};
 
 use super::either::{Peeked, below, step};
-use crate::fit::invalid::Axis;
+use piad_fit::invalid::Axis;
 
 /// A value for both directions, or one for each: `X` or `{"u": X, "v": X}`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum PerDirection<T> {
+pub(crate) enum PerDirection<T> {
     /// The same for u and v.
     Both(T),
     /// One for u and one for v.
@@ -33,7 +33,7 @@ pub enum PerDirection<T> {
 
 impl<T> PerDirection<T> {
     /// The values for u and v.
-    pub fn split(self) -> (T, T)
+    pub(crate) fn split(self) -> (T, T)
     where
         T: Clone,
     {
@@ -44,7 +44,7 @@ impl<T> PerDirection<T> {
     }
 
     /// What is made of each of the values.
-    pub fn map<U>(self, make: impl Fn(T) -> U) -> PerDirection<U> {
+    pub(crate) fn map<U>(self, make: impl Fn(T) -> U) -> PerDirection<U> {
         match self {
             Self::Both(value) => PerDirection::Both(make(value)),
             Self::Each { u, v } => PerDirection::Each {
@@ -55,7 +55,7 @@ impl<T> PerDirection<T> {
     }
 
     /// The value for both directions where they have the same, or there is only one.
-    pub fn of(u: T, v: Option<T>) -> Self
+    pub(crate) fn of(u: T, v: Option<T>) -> Self
     where
         T: PartialEq,
     {
@@ -66,7 +66,7 @@ impl<T> PerDirection<T> {
     }
 
     /// Whether each direction has a value of its own.
-    pub fn is_each(&self) -> bool {
+    pub(crate) fn is_each(&self) -> bool {
         matches!(self, Self::Each { .. })
     }
 }

@@ -11,7 +11,7 @@ use serde::de::{
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::list_limits::{LONG, ListLimits};
-use crate::fit::points::{Grid, MAX_DIMENSION, Points};
+use piad_fit::points::{Grid, MAX_DIMENSION, Points};
 
 /// A list of points: `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
 #[derive(Clone, Debug)]

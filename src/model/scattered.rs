@@ -9,6 +9,7 @@ use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
 
+use super::basis::ParametersInput;
 use super::either::{below, object};
 use super::iteration::IterationChoice;
 use super::lists::{LISTS, Lists};
@@ -16,17 +17,17 @@ use super::mistakes::{Mistake, SpecPart};
 use super::named::{Named, Rule, names};
 use super::per_direction::PerDirection;
 use super::schema::schema_of;
-use crate::fit::foot::foot_points;
-use crate::fit::nurbs::Nurbs;
-use crate::fit::parameters::Parametrization;
-use crate::fit::points::Points;
-use crate::fit::scattered::{CoordinatePlane, Scattered};
+use piad_fit::foot::foot_points;
+use piad_fit::nurbs::Nurbs;
+use piad_fit::parameters::Parametrization;
+use piad_fit::points::Points;
+use piad_fit::scattered::{CoordinatePlane, Scattered};
 
 /// The parameters of the data points of a surface.
 #[derive(Clone, Debug)]
-pub enum SurfaceParameters {
+pub(crate) enum SurfaceParameters {
     /// Those of the rows and columns of a grid.
-    Grid(PerDirection<Parametrization>),
+    Grid(PerDirection<ParametersInput>),
     /// Those of scattered points, as they are given, or from a plane.
     Scattered(Scattered),
     /// Those of the foot points of scattered points on the surface of another job.
@@ -114,7 +115,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
     type Value = SurfaceParameters;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (what, names) = (Parametrization::WHAT, Parametrization::names().join(", "));
+        let (what, names) = (ParametersInput::WHAT, ParametersInput::names().join(", "));
         write!(
             f,
             "the name of a {what}: {names}; or a list of numbers; or one for each direction, {{\"u\": …, \"v\": …}}; of scattered points pairs, [[u, v], …], \"project\" or foot_points"
@@ -125,7 +126,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         if name == "project" {
             return Ok(SurfaceParameters::Scattered(Scattered::Plane));
         }
-        let rule = Parametrization::deserialize(StrDeserializer::new(name))?;
+        let rule = ParametersInput::deserialize(StrDeserializer::new(name))?;
         Ok(SurfaceParameters::Grid(PerDirection::Both(rule)))
     }
 
@@ -134,7 +135,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             Lists::read(SeqAccessDeserializer::new(list), LISTS, false, 2)?;
         match lengths[..] {
             [_] => {
-                let numbers = Parametrization::Explicit(Arc::new(values));
+                let numbers = ParametersInput(Parametrization::Explicit(Arc::new(values)));
                 Ok(SurfaceParameters::Grid(PerDirection::Both(numbers)))
             }
             [_, 2] => {
@@ -177,8 +178,8 @@ impl<'de> Visitor<'de> for ParametersVisitor {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Each {
-    u: Option<Parametrization>,
-    v: Option<Parametrization>,
+    u: Option<ParametersInput>,
+    v: Option<ParametersInput>,
     project: Option<ProjectionPlane>,
     foot_points: Option<FootPoints>,
 }
@@ -200,7 +201,7 @@ impl Serialize for SurfaceParameters {
 }
 
 schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
-    let of_grid: Schema = PerDirection::<Parametrization>::json_schema(generator);
+    let of_grid: Schema = PerDirection::<ParametersInput>::json_schema(generator);
     let mut choices = match of_grid.get("oneOf") {
         Some(Value::Array(choices)) => choices.clone(),
         _ => vec![of_grid.to_value()],

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::basis::{Basis, Degree};
+use super::basis::{Basis, Degree, ParametersInput};
 use super::either::{Whole, object, whole};
 use super::ends::{CurveEnds, DirectionEnds, EndsInput, SurfaceEnds};
 use super::lists::PointNumbers;
@@ -16,14 +16,14 @@ use super::points::{PointGrid, PointList};
 use super::scattered::{FootPoints, SurfaceParameters};
 use super::schema;
 use super::weights::{self, Rational, Resolved, check_unused};
-use crate::fit::basis::MAX_DEGREE;
-use crate::fit::direction::DirectionChoice;
-use crate::fit::invalid::Axis;
-use crate::fit::method::Method;
-use crate::fit::parameters::Parametrization;
-use crate::fit::points::{Grid, Points};
-use crate::fit::problem::{Request, Weights};
-use crate::fit::scattered::Scattered;
+use piad_fit::basis::MAX_DEGREE;
+use piad_fit::direction::DirectionChoice;
+use piad_fit::invalid::Axis;
+use piad_fit::method::Method;
+use piad_fit::parameters::Parametrization;
+use piad_fit::points::{Grid, Points};
+use piad_fit::problem::{Request, Weights};
+use piad_fit::scattered::Scattered;
 
 /// A curve through data points.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -45,7 +45,7 @@ pub(crate) struct CurveInput {
     pub degree: Option<usize>,
     /// The parameters of the data points; without them `chord_length`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub parameters: Option<Parametrization>,
+    pub parameters: Option<ParametersInput>,
     /// Weights of the data points, for a rational curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveWeights>")]
@@ -119,7 +119,7 @@ fn given_ends<S: Serializer>(
 /// What is said of a direction.
 struct DirectionInput {
     basis: Option<Basis>,
-    parameters: Option<Parametrization>,
+    parameters: Option<ParametersInput>,
     closed: Option<bool>,
     ends: Option<EndsInput>,
 }
@@ -138,7 +138,7 @@ impl DirectionInput {
         let ends = mistakes.keep(ends.transpose());
         Some(DirectionChoice {
             basis: basis?,
-            parameters: self.parameters.unwrap_or(usual),
+            parameters: self.parameters.map_or(usual, |ParametersInput(rule)| rule),
             closed: self.closed.unwrap_or(false),
             control_points: None,
             ends: ends?,
@@ -234,7 +234,7 @@ impl CurveInput {
             points: PointList(Arc::clone(&request.points)),
             basis: Some(Basis::from(&request.u.basis)),
             degree: None,
-            parameters: Some(request.u.parameters.clone()),
+            parameters: Some(ParametersInput(request.u.parameters.clone())),
             weights,
             closed: Some(request.u.closed),
             ends: request.u.ends.as_ref().map(|it| EndsInput::of(it, false)),
@@ -248,7 +248,7 @@ struct SurfaceData {
     /// How scattered points get their parameters; those of foot points are not known yet.
     scattered: Option<Scattered>,
     /// How those of a grid do.
-    parameters: Option<PerDirection<Parametrization>>,
+    parameters: Option<PerDirection<ParametersInput>>,
 }
 
 impl SurfaceData {
@@ -379,7 +379,10 @@ impl SurfaceInput {
             let ends = choice.ends.as_ref();
             DirectionEnds(ends.map(|it| EndsInput::of(it, true)))
         };
-        let parameters = || PerDirection::of(u.parameters.clone(), Some(v.parameters.clone()));
+        let parameters = || {
+            let [u, v] = [u, v].map(|it| ParametersInput(it.parameters.clone()));
+            PerDirection::of(u, Some(v))
+        };
         let (points, scattered, parameters) = match &request.scattered {
             None => {
                 let points = PointGrid {

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::messages as pb;
 use super::values::{chosen, count, known, value};
-use crate::fit::basis::knots::Knots;
-use crate::fit::direction::BasisChoice;
-use crate::fit::parameters::Parametrization;
-use crate::model::basis::{Basis, BasisKind};
+use crate::model::basis::{Basis, BasisKind, KnotsInput, ParametersInput};
 use crate::model::mistakes::Mistake;
 use crate::model::named::{Named, Rule};
+use piad_fit::basis::knots::Knots;
+use piad_fit::direction::BasisChoice;
+use piad_fit::parameters::Parametrization;
 
 const KINDS: [(BasisKind, pb::BasisKind); 4] = [
     (BasisKind::Bspline, pb::BasisKind::Bspline),
@@ -24,9 +24,9 @@ pub(crate) fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mista
     let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
         pb::KnotRule::Unspecified => Chosen::Any,
         pb::KnotRule::Explicit => Chosen::Explicit,
-        pb::KnotRule::Data => Chosen::Rule(Knots::Data),
-        pb::KnotRule::Averaged => Chosen::Rule(Knots::Averaged),
-        pb::KnotRule::Spread => Chosen::Rule(Knots::Spread),
+        pb::KnotRule::Data => Chosen::Rule(KnotsInput(Knots::Data)),
+        pb::KnotRule::Averaged => Chosen::Rule(KnotsInput(Knots::Averaged)),
+        pb::KnotRule::Spread => Chosen::Rule(KnotsInput(Knots::Spread)),
     };
     Ok(Basis {
         kind: chosen(&KINDS, basis.kind, &format!("{field}.kind"))?.unwrap_or_default(),
@@ -39,14 +39,18 @@ pub(crate) fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mista
 pub(crate) fn read_parameters(
     parameters: Option<pb::Parameters>,
     field: &str,
-) -> Result<Option<Parametrization>, Mistake> {
+) -> Result<Option<ParametersInput>, Mistake> {
     let parameters = parameters.unwrap_or_default();
     let rule = match known(parameters.rule, &format!("{field}.rule"))? {
         pb::ParameterRule::Unspecified => Chosen::Any,
         pb::ParameterRule::Explicit => Chosen::Explicit,
-        pb::ParameterRule::ChordLength => Chosen::Rule(Parametrization::ChordLength),
-        pb::ParameterRule::Centripetal => Chosen::Rule(Parametrization::Centripetal),
-        pb::ParameterRule::Uniform => Chosen::Rule(Parametrization::Uniform),
+        pb::ParameterRule::ChordLength => {
+            Chosen::Rule(ParametersInput(Parametrization::ChordLength))
+        }
+        pb::ParameterRule::Centripetal => {
+            Chosen::Rule(ParametersInput(Parametrization::Centripetal))
+        }
+        pb::ParameterRule::Uniform => Chosen::Rule(ParametersInput(Parametrization::Uniform)),
     };
     rule.of(parameters.values, &format!("{field}.values"))
 }
@@ -81,7 +85,7 @@ pub(crate) fn message(choice: &BasisChoice) -> pb::Basis {
         degree,
         knots,
     } = Basis::from(choice);
-    let (rule, knots) = match knots {
+    let (rule, knots) = match knots.map(|KnotsInput(knots)| knots) {
         None | Some(Knots::Usual) => (pb::KnotRule::Unspecified, Vec::new()),
         Some(Knots::Data) => (pb::KnotRule::Data, Vec::new()),
         Some(Knots::Averaged) => (pb::KnotRule::Averaged, Vec::new()),

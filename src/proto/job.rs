@@ -8,11 +8,7 @@ use super::messages::{self as pb, job_input::Geometry, stop_rules::Rule};
 use super::method;
 use super::stream;
 use super::values::{MethodTarget, check_count, chosen, count, known, some, value};
-use crate::fit::direction::DirectionChoice;
-use crate::fit::parameters::Parametrization;
-use crate::fit::points::{Grid, MAX_DIMENSION, Points};
-use crate::fit::problem::{Request, Tolerance, Weights};
-use crate::fit::scattered::{CoordinatePlane, Scattered};
+use crate::model::basis::ParametersInput;
 use crate::model::ends::{DirectionEnds, EndsInput};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::JobRequest;
@@ -25,6 +21,11 @@ use crate::model::shape::{CurveInput, SurfaceInput};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::Rational;
+use piad_fit::direction::DirectionChoice;
+use piad_fit::parameters::Parametrization;
+use piad_fit::points::{Grid, MAX_DIMENSION, Points};
+use piad_fit::problem::{Request, Tolerance, Weights};
+use piad_fit::scattered::{CoordinatePlane, Scattered};
 
 const RATIONALS: [(Rational, pb::Rational); 2] = [
     (Rational::Homogeneous, pb::Rational::Homogeneous),
@@ -137,7 +138,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
         return Ok(input);
     }
     if given {
-        let usual = || Parametrization::usual_of_surface(&points);
+        let usual = || ParametersInput(Parametrization::usual_of_surface(&points));
         let read = |parameters, field| {
             let parameters = basis::read_parameters(parameters, field)?;
             Ok::<_, Mistake>(parameters.unwrap_or_else(usual))

@@ -2,16 +2,16 @@
 
 use super::messages::{method as m, method::constraint as c};
 use super::values::{MethodTarget, check_count, chosen, count, some, value};
-use crate::fit::invalid::{Axis, Place, Side};
-use crate::fit::method::{
-    AS_MANY_AS_DATA, At, Constraint, EndPoints, LeastSquares, MOST_CONDITIONS, Variant, Wanted,
-};
-use crate::fit::points::Points;
 use crate::model::either::{AtMost, Whole};
 use crate::model::method::counts::ControlPointCount;
-use crate::model::method::{ConstraintInput, LeastSquaresInput, VariantKind};
+use crate::model::method::{ConstraintInput, EndPointsInput, LeastSquaresInput, VariantKind};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::per_direction::PerDirection;
+use piad_fit::invalid::{Axis, Place, Side};
+use piad_fit::method::{
+    AS_MANY_AS_DATA, At, Constraint, EndPoints, LeastSquares, MOST_CONDITIONS, Variant, Wanted,
+};
+use piad_fit::points::Points;
 
 const VARIANTS: [(VariantKind, m::Variant); 4] = [
     (VariantKind::Cg, m::Variant::Cg),
@@ -20,9 +20,12 @@ const VARIANTS: [(VariantKind, m::Variant); 4] = [
     (VariantKind::Direct, m::Variant::Direct),
 ];
 
-const END_POINTS: [(EndPoints, m::EndPoints); 2] = [
-    (EndPoints::Interpolated, m::EndPoints::Interpolated),
-    (EndPoints::Free, m::EndPoints::Free),
+const END_POINTS: [(EndPointsInput, m::EndPoints); 2] = [
+    (
+        EndPointsInput(EndPoints::Interpolated),
+        m::EndPoints::Interpolated,
+    ),
+    (EndPointsInput(EndPoints::Free), m::EndPoints::Free),
 ];
 
 const SIDES: [(Side, m::Side); 2] = [(Side::Start, m::Side::Start), (Side::End, m::Side::End)];
@@ -192,7 +195,7 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
             Variant::Lspia { mu } => mu,
             _ => None,
         },
-        end_points: value(&END_POINTS, Some(settings.ends)).into(),
+        end_points: value(&END_POINTS, Some(EndPointsInput(settings.ends))).into(),
         fairness: settings.fairness.map(|fairness| fairness.value),
         gap_stiffness: settings.gap_stiffness,
         fairness_order: settings

@@ -3,30 +3,31 @@
 use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{MethodTarget, check_count, chosen, some, value};
-use crate::fit::invalid::{Axis, Place, Setting};
-use crate::fit::method::{
-    Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
-    Weighted,
-};
-use crate::fit::points::Grid;
-use crate::fit::system::Forecast;
 use crate::model::either::AtMost;
 use crate::model::lists::PointNumbers;
 use crate::model::method::{
-    AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, MethodInput, WeightedInput,
+    AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, MethodInput, StartInput,
+    SweepsInput, WeightedInput,
 };
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::per_direction::PerDirection;
 use crate::model::settings::{self, Matrix, Thresholds};
+use piad_fit::invalid::{Axis, Place, Setting};
+use piad_fit::method::{
+    Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
+    Weighted,
+};
+use piad_fit::points::Grid;
+use piad_fit::system::Forecast;
 
-const STARTS: [(Start, m::Start); 2] = [
-    (Start::Transformed, m::Start::Transformed),
-    (Start::Data, m::Start::Data),
+const STARTS: [(StartInput, m::Start); 2] = [
+    (StartInput(Start::Transformed), m::Start::Transformed),
+    (StartInput(Start::Data), m::Start::Data),
 ];
 
-const SWEEPS: [(Sweeps, m::Sweeps); 2] = [
-    (Sweeps::Rows, m::Sweeps::Rows),
-    (Sweeps::Columns, m::Sweeps::Columns),
+const SWEEPS: [(SweepsInput, m::Sweeps); 2] = [
+    (SweepsInput(Sweeps::Rows), m::Sweeps::Rows),
+    (SweepsInput(Sweeps::Columns), m::Sweeps::Columns),
 ];
 
 /// The method that a message asks for.
@@ -284,7 +285,7 @@ pub(crate) fn message(method: &Method, surface: bool, forecast: Option<Forecast>
             start,
             transformed_error,
         }) => Kind::Extended(m::Extended {
-            start: value(&STARTS, Some(start)).into(),
+            start: value(&STARTS, Some(StartInput(start))).into(),
             transformed_error,
         }),
         Method::Transpose => Kind::Transpose(m::Transpose {}),
@@ -310,6 +311,6 @@ fn local_message(settings: Local, forecast: Option<Forecast>) -> m::Local {
         indices: Vec::new(),
         omega: omega_used,
         auto_omega: omega == Omega::Best && omega_used.is_none(),
-        sweeps: value(&SWEEPS, sweeps).into(),
+        sweeps: value(&SWEEPS, sweeps.map(SweepsInput)).into(),
     }
 }

@@ -1,9 +1,9 @@
 //! Numbers, lists and enumerations of messages.
 
-use crate::fit::points::Grid;
 use crate::model::lists::PointNumbers;
 use crate::model::mistakes::Mistake;
 use crate::model::settings::Index;
+use piad_fit::points::Grid;
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug)]

@@ -23,7 +23,7 @@ use petgraph::graphmap::DiGraphMap;
 use modules::{Modules, Name};
 
 /// The folders with the sources of the crates.
-const CRATES: [&str; 1] = ["src"];
+const CRATES: [&str; 2] = ["crates/piad-fit/src", "src"];
 
 /// Which modules use each other in a circle.
 fn circles(uses: &[(Name, Name)]) -> Vec<String> {

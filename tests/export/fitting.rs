@@ -6,16 +6,16 @@ use jiff::Timestamp;
 use piad::config::Config;
 use piad::export::nurbs::KnotVector;
 use piad::export::{Fitted, Nurbs};
-use piad::fit::basis::bspline;
-use piad::fit::direction::Direction;
-use piad::fit::geometry::Geometry;
-use piad::fit::iteration::Iteration;
-use piad::fit::points::Points;
-use piad::fit::problem::Problem;
-use piad::fit::samples::Uniform;
-use piad::fit::system::System;
 use piad::model::job::JobRequest;
 use piad::model::scattered::no_base;
+use piad_fit::basis::bspline;
+use piad_fit::direction::Direction;
+use piad_fit::geometry::Geometry;
+use piad_fit::iteration::Iteration;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
+use piad_fit::samples::Uniform;
+use piad_fit::system::System;
 use serde_json::{Value, json};
 
 /// The end of a fit.

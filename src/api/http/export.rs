@@ -13,15 +13,15 @@ use crate::api::problem::{Kind, Problem};
 use crate::export::MOST_MEASURED;
 use crate::export::csv::Table;
 use crate::export::{ExportError, Fitted, Format, Options, sampling_cost, write};
-use crate::fit::iteration::Iteration;
-use crate::fit::points::Grid;
-use crate::fit::problem as fit;
-use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::content::{Content, Piece, Pieces};
 use crate::job::frame::Frame;
 use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
+use piad_fit::iteration::Iteration;
+use piad_fit::points::Grid;
+use piad_fit::problem as fit;
+use piad_fit::system::System;
 
 /// The most multiplications for computing the earlier levels again, whose errors drawings show.
 const HISTORY: usize = 200_000_000;

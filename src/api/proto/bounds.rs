@@ -5,10 +5,10 @@ use prost::Message;
 use prost::encoding::{WireType, decode_key, decode_varint};
 
 use crate::api::problem::Problem;
-use crate::fit::method::{LARGEST, MOST_CONDITIONS};
-use crate::fit::points::MAX_DIMENSION;
 use crate::model::list_limits::EXTRA;
 use crate::proto::messages as pb;
+use piad_fit::method::{LARGEST, MOST_CONDITIONS};
+use piad_fit::points::MAX_DIMENSION;
 
 /// What an index takes until a job or an edit is made of it, at most: as such, as a place that a point goes to, and
 /// in a table of those that change.

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use super::fields::MessageLayout;
 use crate::api::problem::Problem;
-use crate::fit::invalid::one_for_each;
 use crate::job::outline::Outline;
 use crate::model::edit::{EditRequest, Move};
 use crate::model::iteration::IterationChoice;
@@ -17,6 +16,7 @@ use crate::proto::messages as pb;
 use crate::proto::method;
 use crate::proto::stream;
 use crate::proto::values::{MethodTarget, check_count};
+use piad_fit::invalid::one_for_each;
 
 /// The edit of a job with this outline, and where its parts are in the message.
 pub(crate) fn edit(

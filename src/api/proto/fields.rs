@@ -1,12 +1,12 @@
 //! Where in a message the parts of the model are.
 
 use crate::api::problem::{self, Problem, Words};
-use crate::fit::invalid::{Axis, Place as P, Side};
 use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
 use crate::model::stream::choices::ChoiceMistake;
 use crate::proto::ends::EndsLayout;
 use crate::proto::messages::{self as pb, job_input::Geometry};
 use crate::proto::{method, stream};
+use piad_fit::invalid::{Axis, Place as P, Side};
 
 /// How the arrays of a message are laid out.
 #[derive(Clone, Debug, Default)]

@@ -10,11 +10,6 @@ use super::names;
 use super::view::{directions, distances};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
-use crate::fit::geometry::Geometry;
-use crate::fit::iteration::Level;
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
-use crate::fit::samples::Samples;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
@@ -23,6 +18,11 @@ use crate::model::stream::form::{Form, View};
 use crate::proto::job;
 use crate::proto::messages::{self as pb, iteration};
 use crate::proto::values::count;
+use piad_fit::geometry::Geometry;
+use piad_fit::iteration::Level;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
+use piad_fit::samples::Samples;
 
 /// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets or samples, and the
 /// arrays of [`pb::ControlNet`] and [`pb::Samples`]: they are large, and written when they are sent.
@@ -238,12 +238,12 @@ fn changes(problem: &Problem, geometry: Geometry<'_>, moved: &[usize]) -> pb::Ch
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::basis::knots::Knots;
-    use crate::fit::direction::{BasisChoice, DirectionChoice};
-    use crate::fit::method::Method;
-    use crate::fit::parameters::Parametrization;
-    use crate::fit::points::Grid;
-    use crate::fit::problem::{Request, Tolerance, Weights};
+    use piad_fit::basis::knots::Knots;
+    use piad_fit::direction::{BasisChoice, DirectionChoice};
+    use piad_fit::method::Method;
+    use piad_fit::parameters::Parametrization;
+    use piad_fit::points::Grid;
+    use piad_fit::problem::{Request, Tolerance, Weights};
 
     /// Nets that are written by hand, in one piece or several, are what the contract says.
     #[test]

@@ -1,11 +1,11 @@
 //! Enumerations of the contract and what they stand for.
 
-use crate::fit::warning::Warning;
 use crate::job::outline::Outline;
 use crate::job::state::{Reason, State};
 use crate::model::mistakes::Mistake;
 use crate::proto::messages as pb;
 use crate::proto::values::known;
+use piad_fit::warning::Warning;
 
 /// Which jobs to list.
 pub(crate) fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {

@@ -10,16 +10,6 @@ use super::fields::MessageLayout;
 use super::names;
 use crate::api::problem::{self as api, Words};
 use crate::api::rates::Rates;
-use crate::fit::direction::Direction;
-use crate::fit::ends::{End, Ends};
-use crate::fit::foot::deviation::Deviation;
-use crate::fit::iteration::Level;
-use crate::fit::method::Method;
-use crate::fit::norms::FitError;
-use crate::fit::problem::Problem;
-use crate::fit::rates::BasisRate;
-use crate::fit::system::Forecast;
-use crate::fit::warning::Warning;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::outline::Outline;
@@ -28,6 +18,16 @@ use crate::model::mistakes::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
 use crate::proto::{basis, ends::rule, job, method, stream};
+use piad_fit::direction::Direction;
+use piad_fit::ends::{End, Ends};
+use piad_fit::foot::deviation::Deviation;
+use piad_fit::iteration::Level;
+use piad_fit::method::Method;
+use piad_fit::norms::FitError;
+use piad_fit::problem::Problem;
+use piad_fit::rates::BasisRate;
+use piad_fit::system::Forecast;
+use piad_fit::warning::Warning;
 
 /// The job as a resource.
 pub(crate) fn job(job: &Job) -> pb::Job {

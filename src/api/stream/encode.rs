@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use crate::api::json::view::{self, writer::Digits as ArrayDigits};
 use crate::api::proto;
-use crate::fit::samples::multiplications;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
@@ -14,6 +13,7 @@ use crate::job::state::Status;
 use crate::job::store::StoreError;
 use crate::model::stream::form::{Digits, Encoding, Form, View};
 use crate::model::stream::options::StreamOptions;
+use piad_fit::samples::multiplications;
 
 /// Contents of up to this many operations are encoded where they are needed, others on the compute pool.
 const SMALL: usize = 2000 * OPERATIONS_PER_NUMBER;

@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn small_weights_are_multiplied_by_a_power_of_two() {
-        let mut nurbs = crate::export::sampling::tests::cylinder();
+        let mut nurbs = crate::export::cylinder::cylinder();
         assert_eq!(weight_factor(&nurbs), 1.0);
         for (smallest, largest) in [
             (1e-12, 1.0),

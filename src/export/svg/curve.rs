@@ -7,10 +7,10 @@ use super::scale::{Heat, hexadecimal};
 use super::scene::{Cubic, Scene};
 use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
-use crate::export::sampling::steps_between;
 use crate::export::text::Text;
-use crate::fit::points::Grid;
-use crate::fit::problem::Problem;
+use piad_fit::nurbs::sampling::steps_between;
+use piad_fit::points::Grid;
+use piad_fit::problem::Problem;
 
 /// The most pieces of which a curve is drawn.
 const MOST_PIECES: usize = 4096;

@@ -3,9 +3,9 @@
 
 use super::scale::Heat;
 use crate::export::deviation::Deviations;
-use crate::export::sampling::SpanParameter;
-use crate::fit::direction::Direction;
-use crate::fit::problem::Problem;
+use piad_fit::direction::Direction;
+use piad_fit::nurbs::sampling::SpanParameter;
+use piad_fit::problem::Problem;
 
 /// The heat of the pieces of a curve between sites.
 pub(super) fn of_pieces(

@@ -4,11 +4,12 @@ use std::collections::HashMap;
 
 use super::view::{Canvas, Projected, Projection};
 use crate::export::deviation::stride;
-use crate::export::nurbs::{Nurbs, in_space};
+use crate::export::nurbs::Nurbs;
 use crate::export::options::Dots;
 use crate::export::text::Text;
-use crate::fit::points::Grid;
-use crate::fit::problem::Problem;
+use piad_fit::nurbs::in_space;
+use piad_fit::points::Grid;
+use piad_fit::problem::Problem;
 
 /// The most data points that are drawn, and the most control points of polygons that are.
 const MOST_POINTS: usize = 2500;

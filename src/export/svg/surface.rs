@@ -7,10 +7,11 @@ use super::scale::{Heat, hexadecimal};
 use super::scene::{Scene, SurfacePart};
 use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
-use crate::export::sampling::{SpanParameter, cross, minus, steps_between, unit};
 use crate::export::text::Text;
-use crate::fit::points::Grid;
-use crate::fit::problem::Problem;
+use crate::export::vectors::{cross, minus, unit};
+use piad_fit::nurbs::sampling::{SpanParameter, steps_between};
+use piad_fit::points::Grid;
+use piad_fit::problem::Problem;
 
 /// The most faces in each direction, unless a number of samples is asked for.
 const MOST_FACES: usize = 64;

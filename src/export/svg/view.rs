@@ -2,8 +2,8 @@
 
 use crate::export::error::ExportError;
 use crate::export::nurbs::Nurbs;
-use crate::export::sampling::{cross, dot};
 use crate::export::text::Text;
+use crate::export::vectors::{cross, dot};
 
 /// The width of the drawing.
 pub(super) const WIDTH: f64 = 800.0;

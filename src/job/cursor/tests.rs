@@ -6,15 +6,15 @@ use proptest::prelude::*;
 use tokio::time::timeout;
 
 use super::*;
-use crate::fit::iteration::Iteration;
-use crate::fit::problem::Problem;
-use crate::fit::system::System;
 use crate::job::outline::{Label, Outline};
 use crate::job::resources::Resources;
 use crate::job::run::SharedSystem;
 use crate::job::samples::sine;
 use crate::job::scheduler::Scheduler;
 use crate::job::store::Record;
+use piad_fit::iteration::Iteration;
+use piad_fit::problem::Problem;
+use piad_fit::system::System;
 
 const POINTS: u32 = 2000;
 const LAST: usize = 1500;

@@ -22,10 +22,6 @@ use tokio::sync::Notify;
 pub(crate) use shared::SharedSystem;
 pub(crate) use state::{Ending, FrameLookup};
 
-use crate::fit::interrupt;
-use crate::fit::iteration::{Iteration, Level, Outcome};
-use crate::fit::sweep::LEVELS;
-use crate::fit::system::System;
 use crate::job::checkpoints::Checkpoints;
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
@@ -35,6 +31,10 @@ use crate::job::resources::Resources;
 use crate::job::scheduler::{Turn, Work, WorkLane};
 use crate::job::state::Levels;
 use crate::job::trace::JobTrace;
+use piad_fit::interrupt;
+use piad_fit::iteration::{Iteration, Level, Outcome};
+use piad_fit::sweep::LEVELS;
+use piad_fit::system::System;
 use state::RunState;
 
 /// How many levels a run may be ahead of its readers.

@@ -8,12 +8,12 @@ use tokio::sync::Notify;
 
 use super::ring::FrameRing;
 use super::shared::SharedSystem;
-use crate::fit::iteration::{Iteration, Level, Outcome};
-use crate::fit::system::System;
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
 use crate::job::state::Levels;
+use piad_fit::iteration::{Iteration, Level, Outcome};
+use piad_fit::system::System;
 
 /// Why a run has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

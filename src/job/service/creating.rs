@@ -6,8 +6,6 @@ use tracing::info;
 
 use super::Jobs;
 use super::refused::Refused;
-use crate::fit::problem::Problem;
-use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::outline::{Label, Outline};
 use crate::job::peer::Peer;
@@ -15,6 +13,8 @@ use crate::job::run::SharedSystem;
 use crate::job::state::Status;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Insertion, Record, StoreError};
 use crate::telemetry::request::RequestTrace;
+use piad_fit::problem::Problem;
+use piad_fit::system::System;
 
 /// So often a job is made for a key whose job is gone before it is found.
 const ATTEMPTS: usize = 16;

@@ -5,8 +5,6 @@ use std::sync::Arc;
 use super::Jobs;
 use super::refused::Refused;
 use super::sessions::SessionTurn;
-use crate::fit::problem::Problem;
-use crate::fit::system::System;
 use crate::job::Job;
 use crate::job::memory::Permit;
 use crate::job::outline::{Label, Outline};
@@ -19,6 +17,8 @@ use crate::job::state::Status;
 use crate::job::store::{Record, StoreError};
 use crate::job::trace::JobTrace;
 use crate::telemetry::request::RequestTrace;
+use piad_fit::problem::Problem;
+use piad_fit::system::System;
 
 /// A fit for one answer. Whoever drops it has to ask the job to end.
 pub(crate) struct Ephemeral {

@@ -7,7 +7,6 @@ use tokio::time::sleep;
 use tracing::{debug, error, info, warn};
 
 use super::Jobs;
-use crate::fit::iteration::Outcome;
 use crate::job::frame::Frame;
 use crate::job::probation::OnProbation;
 use crate::job::result::LastGeometry;
@@ -17,6 +16,7 @@ use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::probation;
 use crate::job::{Job, STORE_AGAIN, patiently};
+use piad_fit::iteration::Outcome;
 
 /// A run that was started.
 struct StartedRun {

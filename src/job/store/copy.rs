@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::{Acknowledgement, IdempotencyKey, Record, Selection, Store, StoreError};
-use crate::fit::problem::Problem;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
+use piad_fit::problem::Problem;
 
 /// So many jobs are looked up at a time.
 const PAGE: usize = 1000;

@@ -5,8 +5,8 @@ use uuid::Uuid;
 use super::embedded::tables::{self, Header};
 use super::record::{self, Input};
 use super::{IdempotencyEntry, Record, StoreError};
-use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
+use piad_fit::problem::Problem;
 
 /// A problem as it is kept.
 pub(crate) fn kept(problem: &Problem) -> Vec<u8> {

@@ -26,8 +26,8 @@ use super::counters::Counters;
 use super::quota::Quota;
 use super::result::LastGeometry;
 use super::state::Status;
-use crate::fit::problem::Problem;
 use embedded::Embedded;
+use piad_fit::problem::Problem;
 use shared::{Settings, Shared};
 
 pub(crate) use embedded::open_error::OpenError;

@@ -12,16 +12,16 @@ use serde::{Deserialize, Serialize};
 use uuid::Uuid;
 
 use super::{IdempotencyEntry, StoreError};
-use crate::fit::aligned::Lane;
-use crate::fit::bases::Bases;
-use crate::fit::points::Points;
-use crate::fit::problem::{Problem, Request};
 use crate::job::outline::Outline;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use crate::model::job::JobRequest;
 use crate::proto::job;
 use crate::proto::messages as pb;
+use piad_fit::aligned::Lane;
+use piad_fit::bases::Bases;
+use piad_fit::points::Points;
+use piad_fit::problem::{Problem, Request};
 
 /// What a problem has besides what a client can ask for.
 #[derive(Serialize, Deserialize)]
@@ -190,8 +190,8 @@ pub(in crate::job) mod method {
     use serde::de::Error;
     use serde::{Deserialize, Deserializer, Serializer};
 
-    use crate::fit::method::Method;
     use crate::proto::{messages as pb, method};
+    use piad_fit::method::Method;
 
     pub(in crate::job) fn serialize<S: Serializer>(it: &Method, s: S) -> Result<S::Ok, S::Error> {
         s.serialize_bytes(&method::message(it, true, None).encode_to_vec())

@@ -10,15 +10,15 @@ use super::embedded::Embedded;
 use super::{
     FORGOTTEN_AT_ONCE, IdempotencyKey, Insertion, Record, Retention, Selection, Spared, Store,
 };
-use crate::fit::bases::Bases;
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
 use crate::job::tenant::Tenant;
+use piad_fit::bases::Bases;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
 
 mod kinds;
 mod obeying;

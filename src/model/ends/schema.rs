@@ -4,9 +4,9 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 
 use super::EndWord;
-use crate::fit::points::MAX_DIMENSION;
 use crate::model::named::Named;
 use crate::model::schema::schema_of;
+use piad_fit::points::MAX_DIMENSION;
 
 /// The ends of a curve: a word, or an end for each side.
 pub(crate) enum CurveEnds {}

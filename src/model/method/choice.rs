@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::fit::method::Method;
+use piad_fit::method::Method;
 
 /// A method, and the points that it selects.
 #[derive(Clone, Debug)]

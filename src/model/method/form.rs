@@ -1,7 +1,7 @@
 //! How a method is written, and where its settings stand then.
 
-use crate::fit::invalid::Place as P;
 use crate::model::per_direction::direction;
+use piad_fit::invalid::Place as P;
 
 /// How a method is written.
 #[derive(Clone, Copy, Debug, Default)]

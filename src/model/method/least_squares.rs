@@ -6,19 +6,19 @@ use serde::{Deserialize, Serialize};
 use super::constraint::ConstraintInput;
 use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
 use super::form::MethodForm;
-use crate::fit::invalid::{Place, Setting};
-use crate::fit::method::{
-    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
-    MOST_CONDITIONS, Variant,
-};
-use crate::fit::points::Grid;
 use crate::model::either::{AtMost, Whole, whole};
 use crate::model::lists::PointNumbers;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
-use crate::model::named::names;
+use crate::model::named::{names, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
 use crate::model::settings::DataWeights;
+use piad_fit::invalid::{Place, Setting};
+use piad_fit::method::{
+    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    MOST_CONDITIONS, Variant,
+};
+use piad_fit::points::Grid;
 
 /// The order of the derivative of fairness where none is given.
 const FAIRNESS_ORDER: usize = 2;
@@ -47,7 +47,7 @@ pub(crate) struct LeastSquaresInput {
     pub mu: Option<f64>,
     /// Whether it passes through its end points at every iteration.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub end_points: Option<EndPoints>,
+    pub end_points: Option<EndPointsInput>,
     /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
     /// negative, of a surface rows of them.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,7 +122,9 @@ impl LeastSquaresInput {
                 Some(VariantKind::Lspia) => Variant::Lspia { mu: self.mu },
                 Some(VariantKind::Direct) => Variant::Direct,
             },
-            ends: self.end_points.unwrap_or(EndPoints::Usual),
+            ends: self
+                .end_points
+                .map_or(EndPoints::Usual, |EndPointsInput(ends)| ends),
             constraints: constraints?.into(),
             fairness: self.fairness.map(|value| Fairness {
                 value,
@@ -192,7 +194,8 @@ impl LeastSquaresInput {
                 Variant::Lspia { mu } => mu,
                 _ => None,
             },
-            end_points: Some(settings.ends).filter(|ends| *ends != EndPoints::Usual),
+            end_points: (settings.ends != EndPoints::Usual)
+                .then_some(EndPointsInput(settings.ends)),
             data_weights: weights.map(|it| PointNumbers::new(it.to_vec(), grid, surface)),
             fairness: settings.fairness.map(|fairness| fairness.value),
             fairness_order: settings.fairness.map(|fairness| fairness.order),
@@ -220,7 +223,9 @@ names!(VariantKind, "variant of the method least_squares", [
     "cg" => Cg,
     "direct" => Direct,
 ]);
-names!(EndPoints, "choice of end points of the method least_squares", [
+setting!(
+    /// The end points as they are asked for.
+    EndPointsInput(EndPoints), "choice of end points of the method least_squares", [
     "interpolated" => Interpolated,
     "free" => Free,
 ]);
@@ -237,7 +242,7 @@ impl From<Variant> for VariantKind {
 }
 
 schema_of!(
-    EndPoints,
+    EndPointsInput,
     "LeastSquaresEnds",
     schema_of_names::<Self>(
         "Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others."

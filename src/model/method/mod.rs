@@ -22,17 +22,18 @@ use super::either::Kept;
 use super::mistakes::OrMistakes;
 use super::named::{Named, names};
 use super::per_direction::PerDirection;
-use crate::fit::method::Method;
-use crate::fit::points::Grid;
-use crate::fit::problem::Request;
+use piad_fit::method::Method;
+use piad_fit::points::Grid;
+use piad_fit::problem::Request;
 
 pub(crate) use choice::MethodChoice;
 pub(crate) use constraint::ConstraintInput;
 pub(crate) use form::{MethodForm, pointer};
-pub(crate) use least_squares::{LeastSquaresInput, VariantKind};
+pub(crate) use least_squares::{EndPointsInput, LeastSquaresInput, VariantKind};
 pub(crate) use schema::settings_of;
 pub(crate) use settings::{
-    AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, WeightedInput,
+    AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, StartInput, SweepsInput,
+    WeightedInput,
 };
 
 /// How the control points move from iteration to iteration.

@@ -10,8 +10,8 @@ use super::{
     AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LeastSquaresInput, LocalInput,
     MethodInput, MethodKind, WeightedInput,
 };
-use crate::fit::method::METHODS;
 use crate::model::schema;
+use piad_fit::method::METHODS;
 
 /// One object with the settings of all methods, each of which says to which it belongs: generated
 /// clients have one type for it.

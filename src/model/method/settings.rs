@@ -6,19 +6,19 @@ use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::choice::MethodChoice;
-use crate::fit::invalid::{Place as P, Setting};
-use crate::fit::method::{
-    self as fit, Adaptive, Convex, Custom, Extended, Local, Method, Start, Sweeps, Weighted,
-};
-use crate::fit::points::Grid;
-use crate::fit::problem::Request;
 use crate::model::either::AtMost;
 use crate::model::list_limits::for_points;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
-use crate::model::named::{Named, names};
+use crate::model::named::{Named, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
 use crate::model::settings::{Index, Matrix, Omega, Thresholds};
+use piad_fit::invalid::{Place as P, Setting};
+use piad_fit::method::{
+    self as fit, Adaptive, Convex, Custom, Extended, Local, Method, Start, Sweeps, Weighted,
+};
+use piad_fit::points::Grid;
+use piad_fit::problem::Request;
 
 /// Settings of weighted PIA.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
@@ -44,7 +44,7 @@ pub(crate) struct LocalInput {
     /// Surfaces: the lines of points that are adjusted one after the other, until all are within the
     /// tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sweeps: Option<Sweeps>,
+    pub sweeps: Option<SweepsInput>,
     /// The relaxation.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub omega: Option<Omega>,
@@ -68,7 +68,7 @@ pub(crate) struct AdaptiveInput {
 pub(crate) struct ExtendedInput {
     /// What iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub start: Option<Start>,
+    pub start: Option<StartInput>,
     /// Whether each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a
     /// control point moves in the next one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -95,29 +95,33 @@ pub(crate) struct CustomInput {
     pub transform: Option<PerDirection<Matrix>>,
 }
 
-names!(Start, "start of the method extended", [
+setting!(
+    /// A start as it is asked for.
+    StartInput(Start), "start of the method extended", [
     "transformed" => Transformed,
     "data" => Data,
 ]);
-names!(Sweeps, "kind of sweeps", [
+setting!(
+    /// Sweeps as they are asked for.
+    SweepsInput(Sweeps), "kind of sweeps", [
     "rows" => Rows,
     "columns" => Columns,
 ]);
 
 schema_of!(
-    Start,
+    StartInput,
     "ExtendedStart",
     schema_of_names::<Self>(
         "What iteration 0 of the extended method is: the transformed data, or the data themselves."
     )
 );
 schema_of!(
-    Sweeps,
+    SweepsInput,
     "Sweeps",
     json_schema!({
         "description": "The lines of points of a surface that sweeps go by.",
         "type": "string",
-        "enum": Sweeps::names(),
+        "enum": SweepsInput::names(),
         "examples": ["columns"],
     })
 );
@@ -137,14 +141,16 @@ impl WeightedInput {
 impl ExtendedInput {
     pub(super) fn settings(self) -> Extended {
         Extended {
-            start: self.start.unwrap_or_default(),
+            start: self
+                .start
+                .map_or(Start::default(), |StartInput(start)| start),
             transformed_error: self.transformed_error.unwrap_or(false),
         }
     }
 
     pub(super) fn of(extended: Extended) -> Self {
         Self {
-            start: Some(extended.start),
+            start: Some(StartInput(extended.start)),
             transformed_error: extended.transformed_error.then_some(true),
         }
     }
@@ -192,7 +198,7 @@ impl LocalInput {
                 Some(Omega(None)) => fit::Omega::Best,
                 Some(Omega(Some(omega))) => fit::Omega::Given(omega),
             },
-            sweeps: self.sweeps,
+            sweeps: self.sweeps.map(|SweepsInput(sweeps)| sweeps),
         });
         Ok(MethodChoice { method, selected })
     }
@@ -204,7 +210,7 @@ impl LocalInput {
         let selected = request.selected.as_deref();
         Self {
             indices: selected.map(|it| it.iter().map(index).collect()),
-            sweeps: local.sweeps,
+            sweeps: local.sweeps.map(SweepsInput),
             omega: local.omega.other_than_one().map(Omega::from),
         }
     }

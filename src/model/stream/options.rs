@@ -5,9 +5,9 @@ use super::form::{self, Encoding, Form, View};
 use super::{
     self as chosen, Choice, Describe, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec,
 };
-use crate::fit::problem::Problem;
 use crate::model::mistakes::Mistake;
 use crate::model::short::quoted;
+use piad_fit::problem::Problem;
 
 /// How a stream goes.
 #[derive(Clone, Debug)]

@@ -5,9 +5,9 @@ use std::fmt;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::fit::points::Grid;
 use crate::model::either::Whole;
 use crate::model::short::quoted;
+use piad_fit::points::Grid;
 
 /// The most points that are sampled.
 pub(crate) const MOST_SAMPLES: usize = 1_000_000;

@@ -1,8 +1,6 @@
 //! Where in the JSON of a request the parts of the model stand.
 
 use crate::api::problem::{self, Words};
-use crate::fit::invalid::{Axis, Place as P};
-use crate::fit::points::Grid;
 use crate::model::edit::EditRequest;
 use crate::model::ends::{EndsForm, EndsInput};
 use crate::model::job::JobRequest;
@@ -12,6 +10,8 @@ use crate::model::named::Named;
 use crate::model::per_direction::{PerDirection, direction};
 use crate::model::scattered::SurfaceParameters;
 use crate::model::shape::{CurveInput, SurfaceInput};
+use piad_fit::invalid::{Axis, Place as P};
+use piad_fit::points::Grid;
 
 const CURVE: &str = "/curve";
 const SURFACE: &str = "/surface";

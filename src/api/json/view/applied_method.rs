@@ -3,13 +3,13 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use crate::fit::method::{Adaptive, Convex, Local, Method, Start, Sweeps, Threshold, Weighted};
-use crate::fit::system::Forecast;
 use crate::job::outline::Outline;
 use crate::model::either::Whole;
 use crate::model::method::counts::{ControlPointCount, ControlPoints, MostControlPoints};
-use crate::model::method::{LeastSquaresInput, MethodKind, VariantKind};
+use crate::model::method::{LeastSquaresInput, MethodKind, StartInput, SweepsInput, VariantKind};
 use crate::model::per_direction::PerDirection;
+use piad_fit::method::{Adaptive, Convex, Local, Method, Threshold, Weighted};
+use piad_fit::system::Forecast;
 
 /// The method of a job, with numbers that were computed for it.
 #[derive(Default, Serialize, JsonSchema)]
@@ -27,8 +27,8 @@ pub(super) struct AppliedMethod {
     adjusted: Option<usize>,
     /// Local: the lines of points that are swept one after the other.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Sweeps")]
-    sweeps: Option<Sweeps>,
+    #[schemars(with = "SweepsInput")]
+    sweeps: Option<SweepsInput>,
     /// Adaptive: the distance beyond which control points move; left out if each point has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
@@ -39,8 +39,8 @@ pub(super) struct AppliedMethod {
     step_tolerance: Option<f64>,
     /// Extended: what iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Start")]
-    start: Option<Start>,
+    #[schemars(with = "StartInput")]
+    start: Option<StartInput>,
     /// Extended: whether `error.transformed` is told.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
@@ -83,7 +83,7 @@ impl AppliedMethod {
                 let used = forecast.and_then(|it| it.omega);
                 view.omega = Some(used.or(omega.given()));
                 view.adjusted = outline.adjusted;
-                view.sweeps = *sweeps;
+                view.sweeps = sweeps.map(SweepsInput);
             }
             Method::Adaptive(Adaptive { threshold, omega }) => {
                 view.threshold = match threshold {
@@ -96,7 +96,7 @@ impl AppliedMethod {
                 view.step_tolerance = Some(*step_tolerance);
             }
             Method::Extended(settings) => {
-                view.start = Some(settings.start);
+                view.start = Some(StartInput(settings.start));
                 view.transformed_error = settings.transformed_error.then_some(true);
             }
             Method::LeastSquares(settings) => {

@@ -5,9 +5,9 @@ use serde::Serialize;
 
 use super::error::index;
 use crate::api::json::plain::never_null;
-use crate::fit::foot::deviation::Deviation;
-use crate::fit::problem::Problem;
 use crate::model::settings::Index;
+use piad_fit::foot::deviation::Deviation;
+use piad_fit::problem::Problem;
 
 /// Distances of the data from the nearest points of the curve or surface. They are never larger than the
 /// `error` of the iteration, which is taken at the parameters of the data.

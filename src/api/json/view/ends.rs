@@ -3,10 +3,10 @@
 use schemars::json_schema;
 use serde::Serialize;
 
-use crate::fit::ends::{End, Ends};
-use crate::fit::problem::Problem;
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::schema_of;
+use piad_fit::ends::{End, Ends};
+use piad_fit::problem::Problem;
 
 /// The rules by which a direction ends; null where there is nothing to choose.
 #[derive(Serialize)]

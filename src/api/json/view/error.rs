@@ -7,11 +7,11 @@ use serde::Serialize;
 
 use super::examples;
 use crate::api::json::plain::never_null;
-use crate::fit::method::Method;
-use crate::fit::norms;
-use crate::fit::problem::Problem;
 use crate::job::outline::Outline;
 use crate::model::settings::Index;
+use piad_fit::method::Method;
+use piad_fit::norms;
+use piad_fit::problem::Problem;
 
 /// How the data points of a job are numbered, and whether the fit is local.
 #[derive(Clone, Copy)]

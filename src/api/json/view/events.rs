@@ -13,7 +13,7 @@ use super::arrays::{KnotArray, NumberArray};
 use super::document::{BinaryEncoding, Document};
 use super::ends::EndRules;
 use super::error::ErrorView;
-use super::job::{AppliedStop, GeometryKind, Links, Prediction, failure, path};
+use super::job::{AppliedStop, EndReason, GeometryKind, Links, Prediction, failure, path};
 use super::level::IterationEvent;
 use super::net::{each, fixed_weights, knots, parameters};
 use super::warning::WarningView;
@@ -21,7 +21,6 @@ use super::writer::Digits;
 use super::{examples, to_bytes};
 use crate::api::json::plain::never_null;
 use crate::api::problem::ProblemBody;
-use crate::fit::problem::Problem;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::state::{Levels, Reason, State, Status};
@@ -29,6 +28,7 @@ use crate::model::basis::BasisKind;
 use crate::model::per_direction::{Count, PerDirection};
 use crate::model::schema::schema_of;
 use crate::model::weights::Rational;
+use piad_fit::problem::Problem;
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
 #[derive(Serialize, JsonSchema)]
@@ -156,7 +156,7 @@ struct EndEvent {
     #[schemars(with = "State")]
     state: &'static str,
     /// Why it ended, where the state does not say it.
-    #[schemars(with = "Option<Reason>")]
+    #[schemars(with = "Option<EndReason>")]
     reason: Option<&'static str>,
     /// The reason in words, with what is left.
     detail: Option<String>,

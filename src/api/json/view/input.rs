@@ -4,9 +4,9 @@ use bytes::Bytes;
 
 use super::job::stream;
 use super::to_bytes;
-use crate::fit::problem::Problem;
 use crate::job::outline::Outline;
 use crate::model::job::JobRequest;
+use piad_fit::problem::Problem;
 
 /// The body that would ask for the same problem again.
 pub(crate) fn input(outline: &Outline, problem: &Problem) -> Bytes {

@@ -32,7 +32,7 @@ pub(crate) struct JobView<'a> {
     #[schemars(with = "State")]
     state: &'static str,
     /// Why it ended, where the state does not say it.
-    #[schemars(with = "Option<Reason>")]
+    #[schemars(with = "Option<EndReason>")]
     reason: Option<&'static str>,
     /// The reason in words, with what is left.
     detail: Option<String>,
@@ -270,8 +270,11 @@ schema_of!(
     })
 );
 
+/// Why a job ended.
+pub(crate) enum EndReason {}
+
 schema_of!(
-    Reason,
+    EndReason,
     "EndReason",
     json_schema!({
         "description": "Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.",

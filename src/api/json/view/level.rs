@@ -13,16 +13,16 @@ use super::net::{ArrayShape, BadWeight, ControlNet, knots};
 use super::rounding::Rounding;
 use super::writer::Digits;
 use crate::api::json::plain::never_null;
-use crate::fit::geometry::Geometry;
-use crate::fit::iteration::Level;
-use crate::fit::problem::Problem;
-use crate::fit::samples::{Samples, Uniform};
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::schema_of;
 use crate::model::settings::Index;
 use crate::model::stream::form::{self, Encoding, Form, View};
+use piad_fit::geometry::Geometry;
+use piad_fit::iteration::Level;
+use piad_fit::problem::Problem;
+use piad_fit::samples::{Samples, Uniform};
 
 /// An iteration: the data of an `iteration` event. Which geometry there is depends on `view` and `changed`.
 #[derive(Serialize, JsonSchema)]

@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::error::index;
-use crate::fit::limit::LocalLimit;
-use crate::fit::problem::Problem;
 use crate::model::settings::Index;
+use piad_fit::limit::LocalLimit;
+use piad_fit::problem::Problem;
 
 /// Where the difference vectors of the fixed points of a local fit end.
 #[derive(Serialize, JsonSchema)]

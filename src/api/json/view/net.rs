@@ -10,13 +10,13 @@ use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray};
 use super::document::Document;
 use super::error::index;
 use super::source::{Along, NetPoints, NetWeights};
-use crate::fit::direction::Direction;
-use crate::fit::invalid::Axis;
-use crate::fit::iteration::Level;
-use crate::fit::points::Points;
-use crate::fit::problem::Problem;
 use crate::model::per_direction::PerDirection;
 use crate::model::settings::Index;
+use piad_fit::direction::Direction;
+use piad_fit::invalid::Axis;
+use piad_fit::iteration::Level;
+use piad_fit::points::Points;
+use piad_fit::problem::Problem;
 
 /// The complete control net of a level.
 pub(super) struct ControlNet {

@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 
 use crate::api::json::request::places::Places;
 use crate::api::problem::Words;
-use crate::fit::invalid::Axis;
-use crate::fit::warning as fit;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
 use crate::model::mistakes::SpecPart;
+use piad_fit::invalid::Axis;
+use piad_fit::warning as fit;
 
 /// What is doubtful about a fit that is computed even so.
 #[derive(Serialize, JsonSchema)]

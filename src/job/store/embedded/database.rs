@@ -17,10 +17,10 @@ use super::opening;
 use super::tables::{
     self, COMMIT_FACT, FACTS, HEADERS, Header, INPUTS, KEYS, RESULTS, SECRETS, TICKETS, Values,
 };
-use crate::fit::problem::Problem;
 use crate::job::result::LastGeometry;
 use crate::job::store::record;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Secret, Selection, StoreError};
+use piad_fit::problem::Problem;
 
 /// The database of a store. It is closed by an I/O error or a panic that has made it unusable; the thread that
 /// writes opens it again.

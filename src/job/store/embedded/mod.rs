@@ -40,13 +40,13 @@ use super::{
     Acknowledgement, IdempotencyEntry, IdempotencyKey, Insertion, OpenError, Record, Retention,
     Secret, Selection, Spared, StoreError,
 };
-use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use database::JobDatabase;
 use file::Bytes;
+use piad_fit::problem::Problem;
 use writer::Writer;
 
 /// The name of the file in the data directory.

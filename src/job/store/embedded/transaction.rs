@@ -8,7 +8,6 @@ use super::ended::Ended;
 use super::envelope::{self, Kind, envelope};
 use super::tables::{self, COMMIT_FACT, FACTS, HEADERS, Header, INPUTS, KEYS, RESULTS, SLACK};
 use super::usage::Usage;
-use crate::fit::problem::Problem;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
@@ -16,6 +15,7 @@ use crate::job::store::record::{self, Input};
 use crate::job::store::{
     IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Spared, StoreError,
 };
+use piad_fit::problem::Problem;
 
 /// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
 /// frees some, which can be used two commits later. Without them no job could be deleted to make room where

@@ -39,7 +39,6 @@ use super::{
     Selection, Spared, StoreError,
     record::{self, Input},
 };
-use crate::fit::problem::Problem;
 use crate::job::counters::Counters;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
@@ -47,6 +46,7 @@ use crate::job::state::Status;
 use connection::Connections;
 use hints::Hint;
 use order::Order;
+use piad_fit::problem::Problem;
 use pieces::Table;
 
 /// The store of several replicas, as one of them has it.

@@ -3,23 +3,23 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::fit::basis::{Polynomial, knots::Knots};
-use crate::fit::direction::{BasisChoice, DirectionChoice};
-use crate::fit::ends::{End, Ends};
-use crate::fit::method::{
-    AS_MANY_AS_DATA, Adaptive, Automatic, Convex, Custom, Extended, LeastSquares, Local, Method,
-    Omega, Start, Sweeps, Threshold, Variant, Weighted,
-};
-use crate::fit::parameters::Parametrization;
-use crate::fit::points::{Grid, Points};
-use crate::fit::problem::{Problem, Request, Tolerance, Weights};
-use crate::fit::scattered::{CoordinatePlane, Scattered};
 use crate::job::outline::{Label, Outline, Parent};
 use crate::job::samples::queued;
 use crate::job::store::Record;
 use crate::model::stream::{
     Describe, Digits, Encoding, OnDisconnect, Pace, Samples, StreamSpec, View as StreamView,
 };
+use piad_fit::basis::{Polynomial, knots::Knots};
+use piad_fit::direction::{BasisChoice, DirectionChoice};
+use piad_fit::ends::{End, Ends};
+use piad_fit::method::{
+    AS_MANY_AS_DATA, Adaptive, Automatic, Convex, Custom, Extended, LeastSquares, Local, Method,
+    Omega, Start, Sweeps, Threshold, Variant, Weighted,
+};
+use piad_fit::parameters::Parametrization;
+use piad_fit::points::{Grid, Points};
+use piad_fit::problem::{Problem, Request, Tolerance, Weights};
+use piad_fit::scattered::{CoordinatePlane, Scattered};
 
 const CURVE: Grid = Grid {
     rows: 12,

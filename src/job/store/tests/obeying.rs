@@ -1,9 +1,9 @@
 //! Least squares with each setting besides numbers of control points and variants.
 
 use super::kinds::{points, size};
-use crate::fit::invalid::{Axis, Side};
-use crate::fit::method::{At, Constraint, EndPoints, Fairness, LeastSquares, Method, Wanted};
-use crate::fit::points::Grid;
+use piad_fit::invalid::{Axis, Side};
+use piad_fit::method::{At, Constraint, EndPoints, Fairness, LeastSquares, Method, Wanted};
+use piad_fit::points::Grid;
 
 /// For data with three coordinates.
 pub(super) fn methods(surface: bool) -> Vec<Method> {

@@ -4,14 +4,14 @@ use schemars::json_schema;
 use serde::de::{Deserializer, Error, Unexpected};
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::fit::invalid::{Axis, Side};
-use crate::fit::method::At;
-use crate::fit::points::Grid;
 use crate::model::either::{Object, below, read_object, some};
 use crate::model::lists::Lists;
 use crate::model::named::{Named, names};
 use crate::model::schema::schema_of;
 use crate::model::settings::Index;
+use piad_fit::invalid::{Axis, Side};
+use piad_fit::method::At;
+use piad_fit::points::Grid;
 
 /// Where a constraint holds.
 #[derive(Clone, Copy, Debug)]

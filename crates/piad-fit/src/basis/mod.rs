@@ -1,0 +1,191 @@
+//! Bases: the functions that are blended with the control points.
+//!
+//! A curve is `C(t) = Σ_j X_j B_j(t)`. All bases here are normalized, `Σ_j B_j(t) = 1`, and not
+//! negative, so that a curve lies in the convex hull of its control points. A basis is totally
+//! positive if all minors of its collocation matrices are at least zero; then PIA converges (LBW05,
+//! Theorem 2.1).
+//!
+//! | basis | functions | at one parameter | totally positive |
+//! |---|---|---|---|
+//! | Bernstein, degree m | m + 1 on [0, 1] | all | yes |
+//! | Said–Ball, degree m | m + 1 on [0, 1] | all | yes |
+//! | Wang–Ball, degree m | m + 1 on [0, 1] | all | up to degree 3 |
+//! | B-spline, degree p | knots − p − 1 | p + 1 | yes |
+
+pub(crate) mod ball;
+pub mod bernstein;
+pub(crate) mod bezier;
+pub mod bspline;
+pub(crate) mod given_knots;
+pub mod knots;
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::about::About;
+
+/// All bases, in the order in which they are listed.
+pub const BASES: [&About; 4] = [
+    &bspline::ABOUT,
+    &bernstein::ABOUT,
+    &ball::SAID_BALL,
+    &ball::WANG_BALL,
+];
+
+/// The highest degree that is accepted: up to here the evaluation is checked to full accuracy.
+pub const MAX_DEGREE: usize = 1000;
+
+/// A normalized basis (its functions sum to one) of one direction.
+///
+/// ```
+/// use piad_fit::basis::{Basis, Polynomial};
+///
+/// let cubic = Basis::Polynomial { kind: Polynomial::Bernstein, degree: 3 };
+/// let mut values = [0.0; 4];
+/// assert_eq!(cubic.evaluate(0.5, &mut values), 0);
+/// assert_eq!(values, [0.125, 0.375, 0.375, 0.125]);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub enum Basis {
+    /// Polynomials on [0, 1]: `degree + 1` functions.
+    Polynomial {
+        /// Which polynomials.
+        kind: Polynomial,
+        /// The degree m.
+        degree: usize,
+    },
+    /// B-splines: `knots.len() − degree − 1` functions on the interval from knot `degree` to knot
+    /// `knots.len() − degree − 1`.
+    BSpline {
+        /// The degree p ≥ 1.
+        degree: usize,
+        /// Non-decreasing knots. Open curves: the first and the last p + 1 are equal. Closed ones:
+        /// the knots of a period, continued periodically by p on both sides.
+        knots: Arc<Vec<f64>>,
+    },
+}
+
+/// A basis of the polynomials of some degree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Polynomial {
+    /// Bernstein polynomials: Bézier curves.
+    Bernstein,
+    /// The Said–Ball basis.
+    SaidBall,
+    /// The Wang–Ball basis.
+    WangBall,
+}
+
+impl Polynomial {
+    /// What it is called, and where it comes from.
+    pub fn about(self) -> &'static About {
+        match self {
+            Self::Bernstein => &bernstein::ABOUT,
+            Self::SaidBall => &ball::SAID_BALL,
+            Self::WangBall => &ball::WANG_BALL,
+        }
+    }
+
+    /// The name of the kind of basis.
+    pub fn name(self) -> &'static str {
+        self.about().name
+    }
+}
+
+impl Basis {
+    /// What it is called, and where it comes from.
+    pub fn about(&self) -> &'static About {
+        match self {
+            Self::Polynomial { kind, .. } => kind.about(),
+            Self::BSpline { .. } => &bspline::ABOUT,
+        }
+    }
+
+    /// The name of the kind of basis.
+    pub fn name(&self) -> &'static str {
+        self.about().name
+    }
+
+    /// The polynomial degree.
+    pub fn degree(&self) -> usize {
+        match self {
+            Self::Polynomial { degree, .. } | Self::BSpline { degree, .. } => *degree,
+        }
+    }
+
+    /// The number of basis functions, one for each control point.
+    pub fn functions(&self) -> usize {
+        match self {
+            Self::Polynomial { degree, .. } => degree + 1,
+            Self::BSpline { degree, knots } => knots.len() - degree - 1,
+        }
+    }
+
+    /// The interval on which the basis is defined, both ends included.
+    pub fn domain(&self) -> (f64, f64) {
+        match self {
+            Self::Polynomial { .. } => (0.0, 1.0),
+            Self::BSpline { degree, knots } => (knots[*degree], knots[knots.len() - degree - 1]),
+        }
+    }
+
+    /// How many consecutive functions can differ from zero at one parameter: `degree + 1`.
+    pub fn support_width(&self) -> usize {
+        self.degree() + 1
+    }
+
+    /// About how many multiplications [`evaluate`](Self::evaluate) takes.
+    pub fn multiplications(&self) -> usize {
+        let width = self.support_width();
+        match self {
+            Self::Polynomial { .. } => 2 * width,
+            Self::BSpline { .. } => 3 * width * width / 2,
+        }
+    }
+
+    /// Whether only a few functions differ from zero at a parameter.
+    pub fn is_local(&self) -> bool {
+        matches!(self, Self::BSpline { .. })
+    }
+
+    /// Writes the values at `t` of the functions that can differ from zero there into `values`
+    /// (`support_width` numbers) and returns the index of the first of them.
+    ///
+    /// `t` lies in the [domain](Self::domain); at its right end the basis is continuous from the
+    /// left. It costs O(p²) for B-splines of degree p, and O(m) for polynomials of degree m.
+    pub fn evaluate(&self, t: f64, values: &mut [f64]) -> usize {
+        match self {
+            Self::Polynomial { kind, degree } => {
+                match kind {
+                    Polynomial::Bernstein => bernstein::evaluate(*degree, t, values),
+                    Polynomial::SaidBall => ball::said_ball(*degree, t, values),
+                    Polynomial::WangBall => ball::wang_ball(*degree, t, values),
+                }
+                0
+            }
+            Self::BSpline { degree, knots } => {
+                let span = bspline::find_span(*degree, knots, t);
+                bspline::evaluate(*degree, knots, span, t, values);
+                span - degree
+            }
+        }
+    }
+
+    /// The knot vector with which a CAD kernel stores the curve, functions + degree + 1 numbers.
+    /// Bernstein polynomials are the B-splines without interior knots; the Ball bases are no
+    /// B-splines.
+    pub fn knots(&self) -> Option<Cow<'_, [f64]>> {
+        match self {
+            Self::Polynomial {
+                kind: Polynomial::Bernstein,
+                degree,
+            } => {
+                let mut knots = vec![0.0; degree + 1];
+                knots.resize(2 * (degree + 1), 1.0);
+                Some(knots.into())
+            }
+            Self::Polynomial { .. } => None,
+            Self::BSpline { knots, .. } => Some(Cow::Borrowed(knots)),
+        }
+    }
+}

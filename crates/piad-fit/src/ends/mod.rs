@@ -1,0 +1,38 @@
+//! How a curve with knots at the data ends.
+//!
+//! With knots at the data a B-spline of degree p has p − 1 control points more than there are data
+//! points ([`crate::direction`]). All control points are `c = E x + g` with the free ones x,
+//! one for each data point, so that the residual is
+//!
+//! ```text
+//! Δ = P − N c = (P − N g) − (N E) x
+//! ```
+//!
+//! and the loop runs with `B = N E` and the data `P − N g`. Where E repeats the first and the last
+//! free control point, B and all rates are those of the papers, whatever g is:
+//!
+//! | end | E | g | the curve at its end |
+//! |---|---|---|---|
+//! | repeated (LBW05 (3.2)) | copies | 0 | stands still: CAD kernels have no tangent there |
+//! | derivatives, given or estimated | copies | constant | has these derivatives at every level |
+//! | natural (cubic) | `c_1 = (1 − β) c_0 + β c_2` | 0 | has no second derivative |
+//!
+//! Estimated derivatives are those of the polynomial through the first points: as many as it takes
+//! for one degree more than derivatives are needed, three points for cubics (Bessel).
+//!
+//! - [`rules`]: what can be asked for; `chosen`: what a direction makes of it;
+//! - `estimate`: derivatives from points; `copies`: control points from derivatives; `line`: both of
+//!   a line of points;
+//! - `offsets`: g of a curve and of a surface.
+
+pub(super) mod chosen;
+mod copies;
+mod estimate;
+pub(super) mod line;
+pub(super) mod offsets;
+pub(crate) mod rules;
+
+pub use rules::{End, Ends};
+
+/// The highest degree whose ends are estimated: polynomials through more points lose all digits.
+pub(crate) const MOST_ESTIMATED: usize = 31;

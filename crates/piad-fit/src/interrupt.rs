@@ -1,0 +1,93 @@
+//! Ends a computation for which nobody waits any more.
+//!
+//! Setting up a fit can take seconds, deep inside of loops that have nothing to do with it. Such loops
+//! [`check`] now and then whether the thread's computation is still wanted. If it is not, the stack is
+//! unwound up to whoever has begun it, without any message: it is no mistake.
+
+use std::cell::RefCell;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+
+/// Whether the computation is not wanted any more.
+pub(crate) type IsOver = Arc<dyn Fn() -> bool + Send + Sync>;
+
+thread_local! {
+    static CURRENT: RefCell<Option<IsOver>> = const { RefCell::new(None) };
+}
+
+/// What unwinds the stack.
+#[derive(Debug)]
+pub struct Interrupted;
+
+/// Takes the rule away, also if the stack is unwound.
+struct Scope(Option<IsOver>);
+
+impl Drop for Scope {
+    fn drop(&mut self) {
+        CURRENT.set(self.0.take());
+    }
+}
+
+/// Computes something on this thread that is given up as soon as `is_over`. Then the stack is unwound with
+/// [`Interrupted`].
+pub fn until<T>(is_over: IsOver, compute: impl FnOnce() -> T) -> T {
+    let _scope = Scope(CURRENT.replace(Some(is_over)));
+    compute()
+}
+
+/// The rule of this thread, for threads that work for it: they stop, and this one [`check`]s.
+pub(super) fn rule() -> Option<IsOver> {
+    CURRENT.with_borrow(Clone::clone)
+}
+
+/// Gives up if the computation is not wanted any more. It takes nanoseconds, but is not for the innermost
+/// loops.
+pub fn check() {
+    // Not borrowed while it is asked: it may compute something else on this thread meanwhile.
+    if rule().is_some_and(|is_over| is_over()) {
+        resume_unwind(Box::new(Interrupted));
+    }
+}
+
+/// [`check`]s after about this many multiplications.
+const BETWEEN_CHECKS: usize = 1 << 18;
+
+/// Counts the multiplications of a loop and checks now and then, for loops of cheap passes.
+#[derive(Debug, Default)]
+pub struct Meter {
+    multiplications: usize,
+}
+
+impl Meter {
+    /// Counts the multiplications of a pass.
+    pub(crate) fn add(&mut self, multiplications: usize) {
+        self.multiplications += multiplications;
+        if self.multiplications >= BETWEEN_CHECKS {
+            self.multiplications = 0;
+            check();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn what_is_not_wanted_any_more_is_given_up() {
+        let checks = Arc::new(AtomicUsize::new(0));
+        let counter = Arc::clone(&checks);
+        let third: IsOver = Arc::new(move || counter.fetch_add(1, Ordering::Relaxed) == 2);
+        let given_up = catch_unwind(AssertUnwindSafe(|| {
+            until(third, || (0..10).for_each(|_| check()));
+        }));
+        assert!(given_up.unwrap_err().is::<Interrupted>());
+        assert_eq!(checks.load(Ordering::Relaxed), 3);
+        // Whatever comes after it is wanted.
+        check();
+        assert_eq!(until(Arc::new(|| false), || 7), 7);
+    }
+}

@@ -1,0 +1,124 @@
+//! Minima that obey and weigh more than distances, over knots that a schedule chooses: constraints,
+//! fairness, weights of data, free ends.
+//!
+//! They are those of the direct variant, as far as [`AT_ONCE`] multiplications go. Where a surface
+//! takes more, conjugate gradients lead from the surface before to near the minimum; they obey the
+//! same conditions.
+
+use std::sync::Arc;
+
+use super::constraints::independent;
+use super::settings::{LeastSquares, Variant};
+use super::steps::Steps;
+use super::{solver, start};
+use crate::equations::Equations;
+use crate::forecast::Forecast;
+use crate::operator::Operator;
+use crate::plain::Plain;
+use crate::points::Points;
+use crate::setup::Setup;
+use crate::tolerance::equations::Minimum;
+use crate::tolerance::line::KnotLine;
+use crate::tolerance::placed::{in_directions, in_lines};
+use crate::tolerance::values::Values;
+use crate::transform::Transform;
+
+/// The most multiplications of the factorization of a surface over some of the many knots that are
+/// tried.
+const AT_ONCE: usize = 100_000_000;
+
+/// The most steps of conjugate gradients.
+const STEPS: usize = 200;
+
+/// What is minimized, over any knots.
+#[derive(Clone, Debug)]
+pub(crate) struct Obeying {
+    setup: Arc<Setup>,
+    settings: LeastSquares,
+}
+
+impl Obeying {
+    /// Of a curve or a surface.
+    pub(crate) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
+        Self {
+            setup: Arc::clone(setup),
+            settings: LeastSquares {
+                variant: Variant::Direct,
+                automatic: None,
+                ..settings.clone()
+            },
+        }
+    }
+
+    /// The same weights of data, multiplied with others.
+    fn weighted(&self, weights: Option<&[f64]>) -> LeastSquares {
+        let Some(weights) = weights else {
+            return self.settings.clone();
+        };
+        let own = self.settings.data_weights.as_deref();
+        let own = |i: usize| own.map_or(1.0, |own| own[i]);
+        let product = weights.iter().enumerate().map(|(i, w)| w * own(i));
+        LeastSquares {
+            data_weights: Some(product.collect()),
+            ..self.settings.clone()
+        }
+    }
+
+    /// The minimum over the knots of each direction, in control points of these lines. A surface
+    /// that takes many steps goes on from control points near it.
+    pub(crate) fn minimum(
+        &self,
+        lines: &[KnotLine],
+        near: Option<&Points>,
+        weights: Option<&[f64]>,
+    ) -> Option<Points> {
+        let directions = lines.iter().zip(self.setup.directions());
+        let directions = directions.map(|(line, old)| line.direction(Arc::clone(&old.parameters)));
+        let mut directions = directions.collect::<Vec<_>>().into_iter();
+        let setup = Setup {
+            u: directions.next()?,
+            v: directions.next(),
+            start: None,
+            ..Setup::clone(&self.setup)
+        };
+        let mut settings = self.weighted(weights);
+        independent(&setup, &settings).ok()?;
+        // Scattered data alone can leave much of a surface open.
+        let open = setup.is_scattered() && settings.fairness().is_none();
+        if setup.v().is_some() && (open || solver::cost(&setup, &settings) > AT_ONCE) {
+            settings.variant = Variant::ConjugateGradients;
+        }
+        let setup = Arc::new(setup);
+        let equations = Equations {
+            collocation: Operator::new(&setup),
+            setup: Arc::clone(&setup),
+            transform: Transform::Scale(1.0),
+            forecast: Forecast::default(),
+        };
+        let first = match near {
+            Some(near) => in_directions(near, lines),
+            None if setup.is_scattered() => start::means(&equations),
+            None => start::start(&setup),
+        };
+        let steps = match settings.variant {
+            Variant::Direct => 1,
+            _ => STEPS,
+        };
+        let update = Box::new(Steps::new(&equations, &settings));
+        let (mut plain, mut error) = Plain::start(&equations, update, Arc::new(first), None);
+        for _ in 0..steps {
+            (_, error) = plain.step(&equations);
+            if plain.update().outcome().is_some() || !error.is_finite() {
+                break;
+            }
+        }
+        let control_points = in_lines(plain.control_points(), lines);
+        error.is_finite().then_some(control_points)
+    }
+}
+
+impl Minimum for Obeying {
+    fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points> {
+        self.minimum(std::slice::from_ref(values.line()), None, weights)
+    }
+}

@@ -1,0 +1,209 @@
+//! The methods: one file for each, in which all that is particular to it stands together.
+//!
+//! Every method is a choice of level 0 and of the transform U in `X ← X + U (P − B X)` (Deng13):
+//!
+//! | method | U | X⁰ | converges | source |
+//! |---|---|---|---|---|
+//! | `global` | I | P | by 1 − λ_min | LBW05 (2.9), DP07 (1) |
+//! | `weighted` | ω I, ω = 2/(1 + λ_min) | P | by (1 − λ_min)/(1 + λ_min) | Lu 2010; Deng13, Cor. 2.3 |
+//! | `local` | ω S, S diagonal of 0 and 1 | P | at the selected points | Lin10, sections 2–5 |
+//! | `adaptive` | such a one at every level | P | to the threshold | Lin10, section 6 |
+//! | `extended` | H Qᵀ, B = Q R | U P or P | exact after n + 1 levels | Deng13 (9) |
+//! | `transpose` | Bᵀ/ρ(B Bᵀ) | P | for any nonsingular B | Deng13, Lemma 2.1 |
+//! | `convex` | ε_k I, by bisection | P | while it keeps the turns | LWD04, Algorithm 1 |
+//! | `chebyshev` | ω_k I and momentum | P | by (1 − √λ_min)/(1 + √λ_min) | Golub, Varga 1961 |
+//! | `direct` | B⁻¹ | P | at level 1 | PT97, section 9.2.1 |
+//! | `least_squares` | D Aᵀ | sampled data | to the minimum | Deng, Lin 2014 |
+//! | `custom` | any matrix | P | if ρ(I − U B) < 1 | Deng13, Theorem 2.1 |
+//!
+//! What a method is for the rest of the crate is the trait `Scheme`: its checks, its demand of memory,
+//! its forecast, its transform, its level 0, its update, its stop rule and its warnings. Functions
+//! of it that a method does not have are those of classical PIA.
+//!
+//! # To add a method
+//!
+//! Write a file with a type that implements `Scheme`, whose documentation gives its formula and its
+//! source, and add a line to each of [`Method`], `Method::scheme` and [`METHODS`]. Nothing else in
+//! the crate tells methods apart.
+//!
+//! # What methods share
+//!
+//! - `linear`: the update with a fixed linear map U; `recurrence`: that of the Chebyshev
+//!   semi-iteration;
+//! - `selection`: updates that move only some control points;
+//! - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
+//! - `eigenvalues`: forecasts by the least eigenvalue; `stability`: whether a transform diverges;
+//! - `rehearsal`: fits in advance.
+
+mod adaptive;
+mod chebyshev;
+mod convex;
+mod custom;
+mod direct;
+mod eigenvalues;
+mod extended;
+mod global;
+mod least_squares;
+mod linear;
+mod local;
+mod omega;
+mod recurrence;
+mod rehearsal;
+pub(super) mod relaxation;
+mod scheme;
+mod selection;
+mod stability;
+mod threshold;
+mod transpose;
+pub(super) mod update;
+mod weighted;
+
+use super::about::About;
+use super::forecast::Forecast;
+use super::warning::Warning;
+
+pub use adaptive::Adaptive;
+pub use convex::Convex;
+pub use custom::{Custom, LARGEST};
+pub use extended::{Extended, Start};
+pub(super) use least_squares::automatic;
+pub(super) use least_squares::obeying::Obeying;
+pub(super) use least_squares::obeying_surface::ObeyingSurface;
+pub use least_squares::{
+    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    MOST_CONDITIONS, Variant, Wanted,
+};
+pub use local::{Local, Sweeps};
+pub use omega::Omega;
+pub(super) use scheme::{Progress, Scheme, Scope};
+pub(super) use stability::rate as spectral_radius;
+pub use threshold::Threshold;
+pub use weighted::Weighted;
+
+/// A method with its settings.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Method {
+    /// Classical PIA, U = I.
+    Global,
+    /// Weighted PIA, U = ω I.
+    Weighted(Weighted),
+    /// Only the selected control points move.
+    Local(Local),
+    /// Only control points move whose data points are further away than a threshold.
+    Adaptive(Adaptive),
+    /// Extended PIA, U = H Qᵀ of the QR decomposition of B.
+    Extended(Extended),
+    /// U = Bᵀ / ρ(B Bᵀ).
+    Transpose,
+    /// Steps as long as the control polygon keeps the turns of the data.
+    Convex(Convex),
+    /// Chebyshev semi-iteration on [λ_min, 1].
+    Chebyshev,
+    /// U = B⁻¹: level 1 is the limit.
+    Direct,
+    /// Fewer control points than data points.
+    LeastSquares(LeastSquares),
+    /// U is a given matrix.
+    Custom(Custom),
+}
+
+/// All methods, in the order in which they are listed.
+///
+/// ```
+/// use piad_fit::method::{METHODS, Method};
+///
+/// for method in METHODS {
+///     println!("{}: {} ({})", method.title, method.summary, method.source);
+/// }
+/// assert_eq!(Method::Direct.name(), "direct");
+/// ```
+pub const METHODS: [&About; 11] = [
+    &global::ABOUT,
+    &weighted::ABOUT,
+    &local::ABOUT,
+    &adaptive::ABOUT,
+    &extended::ABOUT,
+    &transpose::ABOUT,
+    &convex::ABOUT,
+    &chebyshev::ABOUT,
+    &direct::ABOUT,
+    &least_squares::ABOUT,
+    &custom::ABOUT,
+];
+
+impl Method {
+    /// What the method is for the rest of the crate: the only place that tells methods apart.
+    pub(super) fn scheme(&self) -> &dyn Scheme {
+        match self {
+            Self::Global => &global::Global,
+            Self::Weighted(method) => method,
+            Self::Local(method) => method,
+            Self::Adaptive(method) => method,
+            Self::Extended(method) => method,
+            Self::Transpose => &transpose::Transpose,
+            Self::Convex(method) => method,
+            Self::Chebyshev => &chebyshev::Chebyshev,
+            Self::Direct => &direct::Direct,
+            Self::LeastSquares(method) => method,
+            Self::Custom(method) => method,
+        }
+    }
+
+    /// The same without matrices, constraints, and thresholds and weights of points, as lists of fits show it.
+    #[must_use]
+    pub fn outline(&self) -> Self {
+        match self {
+            Self::Custom(_) => Self::Custom(Custom::new(Vec::new(), None)),
+            Self::Adaptive(method) => Self::Adaptive(method.outline()),
+            Self::LeastSquares(method) => Self::LeastSquares(method.outline()),
+            _ => self.clone(),
+        }
+    }
+
+    /// The settings of a fit that chooses its knots by itself.
+    pub(crate) fn automatic(&self) -> Option<(&LeastSquares, &Automatic)> {
+        match self {
+            Self::LeastSquares(settings) => Some((settings, settings.automatic.as_ref()?)),
+            _ => None,
+        }
+    }
+
+    /// Whether it chooses its knots by itself.
+    pub fn is_automatic(&self) -> bool {
+        self.automatic().is_some()
+    }
+
+    /// Whether there are fewer control points than data points.
+    pub fn has_fewer_control_points(&self) -> bool {
+        self.scheme().control_points().is_some()
+    }
+
+    /// What it is called, what it does, and where it comes from.
+    pub fn about(&self) -> &'static About {
+        self.scheme().about()
+    }
+
+    /// What to do where a least-squares fit is at its minimum, and further from the data than was asked for.
+    pub fn advice_at_minimum(&self) -> String {
+        match self {
+            Self::LeastSquares(method) => method.advice_at_minimum(),
+            _ => "use another method".to_owned(),
+        }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        self.about().name
+    }
+
+    /// What is doubtful about a fit by what was found out before the first step, if it will end at
+    /// level `predicted`, as far as is known at level 0, and is computed up to level `iterations`.
+    pub fn warnings(
+        &self,
+        forecast: &Forecast,
+        predicted: Option<usize>,
+        iterations: usize,
+    ) -> Vec<Warning> {
+        self.scheme().warnings(forecast, predicted, iterations)
+    }
+}

@@ -1,0 +1,62 @@
+//! How an iteration ends.
+//!
+//! Converged fits have succeeded, and so have least-squares fits at their minimum if no tolerance was
+//! asked for. Exhausted and stalled ones have a curve that is further from the data than was asked
+//! for, and can be gone on with by another method. After an overflow there is no curve.
+
+/// Why an iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The largest distance is within the tolerance.
+    Converged,
+    /// A least-squares fit is at its minimum, and no tolerance was asked for.
+    Minimum,
+    /// The last allowed level is reached, and the tolerance is not.
+    Exhausted,
+    /// The method cannot go on.
+    Stalled(Reason),
+    /// The distances are not finite numbers any more.
+    Overflow,
+}
+
+/// Why a fit goes no further although its tolerance is not reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Reason {
+    /// Least squares: no step makes the sum of squares smaller.
+    Minimum,
+    /// Convex: any step would turn the control polygon the other way.
+    Convexity,
+    /// Extended: the error is zero but for rounding, as the power of `I − U B` has vanished.
+    Nilpotent,
+    /// Direct: what is left is rounding.
+    Rounding,
+    /// Least squares and Chebyshev: the residual grows, because the steps are too long.
+    Diverging,
+    /// With control points `auto`: within the tolerance at the data, and far away from them between neighbours.
+    Between,
+}
+
+impl Reason {
+    /// All reasons.
+    pub const ALL: [Self; 6] = [
+        Self::Minimum,
+        Self::Convexity,
+        Self::Nilpotent,
+        Self::Rounding,
+        Self::Diverging,
+        Self::Between,
+    ];
+
+    /// The name on the wire.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Minimum => "minimum",
+            Self::Convexity => "convexity",
+            Self::Nilpotent => "nilpotent",
+            Self::Rounding => "rounding",
+            Self::Diverging => "diverging",
+            Self::Between => "between",
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! What is accepted but doubtful: a fit that can be computed, and that may not be what was meant.
+//!
+//! Some of it is known from the problem alone (degrees that few points do not determine, even
+//! degrees with knots at the data). Some is known once the collocation matrix has been looked at
+//! (eigenvalues, rehearsals); that is asked of the method,
+//! [`Method::warnings`](super::method::Method::warnings).
+
+use super::basis::knots::Knots;
+use super::between::Excursion;
+use super::choice::{BasisChoice, DirectionChoice};
+use super::direction::Direction;
+use super::ends::{End, Ends, MOST_ESTIMATED};
+use super::fold::Fold;
+use super::forecast::Forecast;
+use super::invalid::{Axis, Place};
+use super::no_data::no_data;
+use super::point_order::is_unordered;
+use super::points::Points;
+
+/// What is doubtful about a fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Warning {
+    /// Knots at the data and repeated ends: the degree is no less than the number of points, so that
+    /// most control points are copies of end points.
+    FewPoints {
+        /// The direction.
+        axis: Axis,
+        /// The degree of the B-spline.
+        degree: usize,
+        /// The number of data points in this direction.
+        count: usize,
+    },
+    /// Knots at the data: the degree is even, so that the influence of a point falls slowly along
+    /// the curve.
+    EvenDegree {
+        /// The direction.
+        axis: Axis,
+        /// The degree of the B-spline.
+        degree: usize,
+    },
+    /// A few points determine the bounding box, of which the tolerance is a part.
+    Outliers {
+        /// The diagonal of the bounding box.
+        diagonal: f64,
+        /// The same of the inner nine tenths of the points.
+        inner: f64,
+        /// The tolerance in data units.
+        tolerance: f64,
+    },
+    /// The points of a curve have no order along it.
+    Unordered,
+    /// A value of the points of a grid stands for missing data.
+    NoData {
+        /// The value.
+        value: f64,
+        /// How many points have it.
+        count: usize,
+    },
+    /// The fit has left neighbouring points by more than they are apart.
+    Between(Excursion),
+    /// Points of a surface with nearly the same parameters are far from each other.
+    Folded(Fold),
+    /// Extended: distances between are so much larger than the data that rounding leaves more than
+    /// the tolerance.
+    Rounding {
+        /// About how much is left, in data units.
+        left: f64,
+        /// The number of iterations after which the method has come to its end.
+        iterations: usize,
+    },
+    /// Chebyshev: with steps for [λ_min, 1] distances would rise far, so that the steps are for a
+    /// shorter interval.
+    ShorterInterval {
+        /// The least eigenvalue.
+        least: f64,
+        /// Where the interval begins instead.
+        begin: f64,
+    },
+    /// Chebyshev: all parts of the error shrink alike, and that slowly.
+    SlowSteps {
+        /// The number of iterations after which a hundredth of the error is left.
+        iterations: usize,
+    },
+    /// The slowest part of the error will hardly have changed after the last iteration, and the
+    /// tolerance may be out of reach.
+    IllConditioned {
+        /// The least eigenvalue.
+        least: f64,
+        /// The last level that is computed.
+        iterations: usize,
+    },
+    /// Least squares: control points without data in the support of their basis function stay where
+    /// they start.
+    WithoutData {
+        /// How many.
+        count: usize,
+    },
+    /// Least squares: the data run against the vector of a tangent, so that the derivative there is zero.
+    ReversedTangent {
+        /// The constraint.
+        index: usize,
+    },
+}
+
+/// A bounding box is wide if its diagonal is so many times that of the inner nine tenths.
+const WIDE: f64 = 100.0;
+
+/// At least this part of the slowest part of the error is left, if the iterations hardly change it.
+const UNCHANGED: f64 = 0.99;
+
+impl Warning {
+    /// What is doubtful about a direction as it is asked for, with a control point for each data point.
+    pub(super) fn of_direction(
+        choice: &DirectionChoice,
+        direction: &Direction,
+        axis: Axis,
+    ) -> Vec<Self> {
+        let BasisChoice::BSpline { degree, knots } = &choice.basis else {
+            return Vec::new();
+        };
+        if !matches!(knots, Knots::Usual | Knots::Data) || direction.is_closed() {
+            return Vec::new();
+        }
+        let (degree, count) = (*degree, direction.parameters.len());
+        // Other ends of few points give the polynomial through them.
+        let few = degree >= count;
+        let repeated = |ends: &Ends| [&ends.start, &ends.end].contains(&&End::Repeated);
+        let copies = few && choice.ends.as_ref().is_none_or(repeated);
+        let copies = copies.then_some(Self::FewPoints {
+            axis,
+            degree,
+            count,
+        });
+        let even = (!few && degree % 2 == 0).then_some(Self::EvenDegree { axis, degree });
+        copies.into_iter().chain(even).collect()
+    }
+
+    /// Whether the tolerance is a part of a bounding box that a few points determine.
+    pub(super) fn of_points(points: &Points, (diagonal, tolerance): (f64, f64)) -> Option<Self> {
+        let inner = points.inner_diagonal();
+        (inner > 0.0 && diagonal > WIDE * inner).then_some(Self::Outliers {
+            diagonal,
+            inner,
+            tolerance,
+        })
+    }
+
+    /// Whether the points of a curve have an order.
+    pub(super) fn of_curve(points: &Points) -> Option<Self> {
+        is_unordered(points).then_some(Self::Unordered)
+    }
+
+    /// Whether the values of a grid have one that stands for missing data.
+    pub(super) fn of_grid(points: &Points, missing: &[usize]) -> Option<Self> {
+        no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
+    }
+
+    /// Whether the slowest part of the error will hardly have changed at level `iterations`, the
+    /// last one, although the fit does not end before, at level `predicted`.
+    pub(super) fn of_rate(
+        forecast: &Forecast,
+        predicted: Option<usize>,
+        iterations: usize,
+    ) -> Option<Self> {
+        let least = forecast.lambda_min.unwrap_or(0.0);
+        let gets_there = predicted.is_some_and(|level| level <= iterations);
+        let slow = forecast
+            .rate
+            .is_some_and(|rate| rate.powf(iterations as f64) > UNCHANGED);
+        (slow && !gets_there && iterations > 0)
+            .then_some(Self::IllConditioned { least, iterations })
+    }
+
+    /// All names on the wire.
+    pub const CODES: [&str; 13] = [
+        "few_points",
+        "even_degree",
+        "rounding",
+        "shorter_interval",
+        "ill_conditioned",
+        "without_data",
+        "outliers",
+        "reversed_tangent",
+        "slow_steps",
+        "unordered",
+        "no_data_value",
+        "between_points",
+        "folded_parameters",
+    ];
+
+    /// The name on the wire.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Self::FewPoints { .. } => "few_points",
+            Self::EvenDegree { .. } => "even_degree",
+            Self::Rounding { .. } => "rounding",
+            Self::ShorterInterval { .. } => "shorter_interval",
+            Self::IllConditioned { .. } => "ill_conditioned",
+            Self::WithoutData { .. } => "without_data",
+            Self::Outliers { .. } => "outliers",
+            Self::ReversedTangent { .. } => "reversed_tangent",
+            Self::SlowSteps { .. } => "slow_steps",
+            Self::Unordered => "unordered",
+            Self::NoData { .. } => "no_data_value",
+            Self::Between(_) => "between_points",
+            Self::Folded(_) => "folded_parameters",
+        }
+    }
+
+    /// The part of the problem that is doubtful.
+    pub fn place(&self) -> Place {
+        match *self {
+            Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
+            Self::Outliers { .. } | Self::Unordered | Self::NoData { .. } => Place::Points,
+            Self::Between(excursion) => Place::Point(excursion.index),
+            Self::Folded(Fold {
+                points: [index, _], ..
+            }) => Place::Point(index),
+            Self::ReversedTangent { index } => Place::Constraint(index),
+            _ => Place::Method,
+        }
+    }
+
+    /// What is doubtful, why, and what to do about it.
+    pub fn detail(&self) -> String {
+        match *self {
+            Self::FewPoints { degree, count, .. } => {
+                let most = count - 1;
+                let other = match degree <= MOST_ESTIMATED {
+                    true => ", or ends that are \"estimated\"",
+                    false => "",
+                };
+                format!(
+                    "degree {degree} is more than {count} points determine: most control points are copies of an end \
+                     point, near which the curve hardly moves; use at most degree {most}{other}"
+                )
+            }
+            Self::EvenDegree { degree, .. } => format!(
+                "degree {degree} is even: with knots at the data a point that is moved is felt along the whole curve; \
+                 use an odd degree or averaged knots"
+            ),
+            Self::Rounding { left, iterations } => format!(
+                "rounding is expected to leave a distance of about {left:.0e} when the extended method has come to its \
+                 end after {iterations} iterations, as distances in between are much larger than the data; use direct"
+            ),
+            Self::ShorterInterval { least, begin } => format!(
+                "the least eigenvalue of the collocation matrix, {least:.2e}, says little of this matrix: with Chebyshev \
+                 steps for [{least:.2e}, 1] distances would rise far above those of the data; the steps are for \
+                 [{begin:.2e}, 1], which takes more iterations; direct gives the limit"
+            ),
+            Self::SlowSteps { iterations } => format!(
+                "chebyshev makes all parts of the error shrink alike, here to a hundredth in {iterations} iterations; \
+                 global is nearer to the data in the first ones, and direct gives the limit"
+            ),
+            Self::IllConditioned { least, iterations } => format!(
+                "the least eigenvalue of the collocation matrix is {least:.2e}: the part of the error that belongs to it \
+                 hardly changes in {iterations} iterations, and the tolerance may be out of reach; use direct, or \
+                 B-splines of a low degree"
+            ),
+            Self::Outliers {
+                diagonal,
+                inner,
+                tolerance,
+            } => format!(
+                "a few points determine the bounding box: its diagonal is {diagonal:.3e}, that of the inner 90 % of the \
+                 points {inner:.3e}, so that the relative tolerance allows distances of {tolerance:.3e}; give a tolerance \
+                 in data units, or leave such points out"
+            ),
+            Self::ReversedTangent { index } => format!(
+                "the data run against the tangent of constraint {index}: the derivative there is zero; reverse the \
+                 vector, or leave the constraint out"
+            ),
+            Self::Unordered => "fewer than a third of the points have one of their two neighbours in the list among their \
+                 three nearest points: they seem to have no order along a curve, which goes to and fro between them; put \
+                 them in order, or fit a surface to scattered points"
+                .to_owned(),
+            Self::NoData { value, count } => format!(
+                "{count} points have the value {value}, which often stands for missing data, and is fitted like all others; \
+                 give null for missing points, which least squares leaves out"
+            ),
+            Self::Between(excursion) => format!(
+                "{excursion}: its errors at the data say nothing of that; give more points there, use another \
+                 parametrization or averaged knots, or least squares with fairness"
+            ),
+            Self::Folded(Fold {
+                points: [first, second],
+                distance,
+            }) => format!(
+                "points {first} and {second} have nearly the same parameters and are {distance:.3e} apart, and so are \
+                 others: the parameters fold, and no surface is near both; project to another plane, as with \
+                 {{\"project\": \"xy\"}}, take foot points on another surface, or give parameters"
+            ),
+            Self::WithoutData { count } => format!(
+                "{count} control points have no data where their functions differ from zero: they stay where they \
+                 start; use fewer control points or other knots"
+            ),
+        }
+    }
+}
