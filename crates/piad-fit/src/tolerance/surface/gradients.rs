@@ -7,15 +7,42 @@
 //! them would leave large control points there.
 
 use super::rows::Rows;
+use crate::interrupt;
 
-/// The most steps.
-const STEPS: usize = 200;
-
-/// So many steps that lower the sum of squares by less than [`GAIN`] of it end the descent.
+/// So many steps that lower the sum of squares by less than the gain of the [`Effort`] end the descent.
 const WINDOW: usize = 10;
 
-/// See [`WINDOW`].
-const GAIN: f64 = 1e-3;
+/// The most multiplications of a descent that does not give up.
+const WORK: usize = 1_000_000_000;
+
+/// Without rounding there are as many steps as control points; with it, up to so many times as many.
+const ROUNDS: usize = 50;
+
+/// When a descent gives up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// The most steps.
+    steps: usize,
+    /// The least part of the sum of squares that a few steps lower it by.
+    gain: f64,
+}
+
+impl Effort {
+    /// As long as it is worth it: what is left are gaps of the data, mostly.
+    pub(super) const USUAL: Self = Self {
+        steps: 200,
+        gain: 1e-3,
+    };
+
+    /// As long as there may be something to gain.
+    pub(super) fn whole(rows: &Rows<'_>) -> Self {
+        let steps = WORK / rows.multiplications().max(1);
+        Self {
+            steps: steps.min(ROUNDS * rows.control_points()),
+            gain: 0.0,
+        }
+    }
+}
 
 /// The diagonal D; zero where there are no data.
 pub(super) fn diagonal(rows: &Rows<'_>) -> Vec<f64> {
@@ -26,9 +53,9 @@ pub(super) fn diagonal(rows: &Rows<'_>) -> Vec<f64> {
 }
 
 /// Moves one coordinate of the control points towards the least-squares fit of `data`, multiplied
-/// with `unit`, until the root of the mean square is at most `enough` or hardly falls any more.
+/// with `unit`, until the root of the mean square is at most `enough` or the effort is spent.
 pub(super) fn descend(
-    rows: &Rows<'_>,
+    (rows, effort): (&Rows<'_>, Effort),
     diagonal: &[f64],
     data: &[f64],
     x: &mut [f64],
@@ -44,7 +71,8 @@ pub(super) fn descend(
     let mut before = square;
     let (mut gradient, mut image) = (vec![0.0; x.len()], vec![0.0; data.len()]);
     let (mut direction, mut last) = (vec![0.0; x.len()], 0.0);
-    for step in 1..=STEPS {
+    for step in 1..=effort.steps {
+        interrupt::check();
         if square <= small {
             return;
         }
@@ -67,7 +95,7 @@ pub(super) fn descend(
         pairs.for_each(|(r, q)| *r -= alpha * q);
         square = sum_of_squares(&residual);
         if step % WINDOW == 0 {
-            if before - square <= GAIN * before {
+            if before - square <= effort.gain * before {
                 return;
             }
             before = square;

@@ -108,6 +108,15 @@ pub(crate) trait Data: Debug + Send + Sync {
     /// and what each direction leaves. They may depend on the surface that they are to follow.
     fn nearest(&self, lines: &[KnotLine; 2], from: Option<&SurfaceLevel>) -> Option<Nearest>;
 
+    /// The same, however long it takes, where as many control points as data are to lead to all of them.
+    fn nearest_of_all(
+        &self,
+        lines: &[KnotLine; 2],
+        from: Option<&SurfaceLevel>,
+    ) -> Option<Nearest> {
+        self.nearest(lines, from)
+    }
+
     /// The distances of the surface of some control points from the data.
     fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances;
 

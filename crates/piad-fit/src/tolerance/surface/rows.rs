@@ -88,6 +88,11 @@ impl<'a> Rows<'a> {
         self.u.line.control_points() * self.v.line.control_points()
     }
 
+    /// Multiplications of a product with it and with its transpose.
+    pub(super) fn multiplications(&self) -> usize {
+        2 * self.points() * self.u.width * self.v.width
+    }
+
     /// `y = A x` for one coordinate of the control points.
     pub(super) fn apply(&self, x: &[f64], y: &mut [f64]) {
         let columns = self.v.count();

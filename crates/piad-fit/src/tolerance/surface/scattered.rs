@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use super::gradients::{descend, diagonal, first_gain};
+use super::gradients::{Effort, descend, diagonal, first_gain};
 use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
 use crate::points::{Points, normalizing_scale};
@@ -96,6 +96,30 @@ impl ScatteredData {
         })
     }
 
+    /// The surface near the data that a descent with some effort leads to.
+    fn nearest_by(
+        &self,
+        effort: impl Fn(&Rows<'_>) -> Effort,
+        lines: &[KnotLine; 2],
+        from: Option<&SurfaceLevel>,
+    ) -> Nearest {
+        let rows = Rows::new(&self.sites, lines);
+        let effort = effort(&rows);
+        let diagonal = diagonal(&rows);
+        let mut control_points = match from {
+            Some(level) => level.over(lines),
+            None => self.mean(rows.control_points()),
+        };
+        let lanes = control_points.lanes_mut().iter_mut();
+        for (x, data) in lanes.zip(self.points.lanes()) {
+            descend((&rows, effort), &diagonal, data, x, self.unit, self.enough);
+        }
+        Nearest {
+            left: self.left(lines, &control_points),
+            control_points,
+        }
+    }
+
     /// All control points at the mean of the data.
     fn mean(&self, count: usize) -> Points {
         let lanes = self.points.lanes().iter();
@@ -121,20 +145,15 @@ impl Data for ScatteredData {
     }
 
     fn nearest(&self, lines: &[KnotLine; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
-        let rows = Rows::new(&self.sites, lines);
-        let diagonal = diagonal(&rows);
-        let mut control_points = match from {
-            Some(level) => level.over(lines),
-            None => self.mean(rows.control_points()),
-        };
-        let lanes = control_points.lanes_mut().iter_mut();
-        for (x, data) in lanes.zip(self.points.lanes()) {
-            descend(&rows, &diagonal, data, x, self.unit, self.enough);
-        }
-        Some(Nearest {
-            left: self.left(lines, &control_points),
-            control_points,
-        })
+        Some(self.nearest_by(|_| Effort::USUAL, lines, from))
+    }
+
+    fn nearest_of_all(
+        &self,
+        lines: &[KnotLine; 2],
+        from: Option<&SurfaceLevel>,
+    ) -> Option<Nearest> {
+        Some(self.nearest_by(Effort::whole, lines, from))
     }
 
     fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {

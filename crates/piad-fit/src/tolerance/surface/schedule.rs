@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::attempt::Attempt;
 use super::lines::refined;
 use super::search::Search;
-use super::{Data, Fit, SurfaceLevel, SurfaceOptions};
+use super::{Data, Fit, Nearest, SurfaceLevel, SurfaceOptions};
 use crate::points::Points;
 use crate::termination::Outcome;
 use crate::tolerance::growth::grown;
@@ -291,7 +291,15 @@ impl SurfaceSchedule {
     /// One redistribution.
     fn attempt(&mut self, mut search: Search, mut attempt: Box<Attempt>) -> Stage {
         let lines = attempt.lines(&*self.data);
-        let Some(fit) = lines.and_then(|lines| self.fit(lines)) else {
+        let from = self.last.as_deref();
+        let fit = lines.and_then(|lines| {
+            let nearest = match search.is_even() {
+                true => self.data.nearest_of_all(&lines, from),
+                false => self.data.nearest(&lines, from),
+            };
+            self.fit_of(lines, nearest?)
+        });
+        let Some(fit) = fit else {
             return Self::failed(search);
         };
         if attempt.take(&*self.data, &fit) {
@@ -338,6 +346,11 @@ impl SurfaceSchedule {
     /// The least-squares surface over some knots, if the data determine it.
     fn fit(&self, lines: [KnotLine; 2]) -> Option<Fit> {
         let nearest = self.data.nearest(&lines, self.last.as_deref())?;
+        self.fit_of(lines, nearest)
+    }
+
+    /// A least-squares surface with its distances, if they are finite.
+    fn fit_of(&self, lines: [KnotLine; 2], nearest: Nearest) -> Option<Fit> {
         let level = self.level(lines, nearest.control_points);
         level.distances.max.is_finite().then(|| Fit {
             level,

@@ -29,6 +29,28 @@ fn fit(
     all(SurfaceSchedule::new(Box::new(data), options))
 }
 
+/// As few points as need a control point each: the normal equations of these have a condition of 1e10, and are solved
+/// even so.
+#[test]
+fn few_points_are_met_with_as_many_control_points() {
+    let steps = [0.618_033_988_749_895, 0.754_877_666_246_693];
+    let parameters = steps.map(|step| {
+        (1..=100)
+            .map(|i| (0.5 + f64::from(i) * step).fract())
+            .collect()
+    });
+    let points = points_of(&parameters, |u, v| [u, v, franke(u, v)]);
+    let (levels, outcome) = fit(&points, &parameters, bicubic(3e-3));
+    let last = levels.last().unwrap();
+    assert_eq!(
+        outcome,
+        Some(Outcome::Converged),
+        "{:e}",
+        last.distances.max
+    );
+    assert!(last.count() <= 100);
+}
+
 /// Each level is as far from the data as it says, insertion keeps the surface, and fewer control
 /// points do than scipy needs.
 #[test]
