@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::basis::Basis;
 use crate::basis::knots::Knots;
 use crate::direction::{BasisChoice, DirectionChoice};
 use crate::geometry::Geometry;
@@ -186,6 +187,26 @@ fn no_polyline_is_left_between_its_points() {
     );
 }
 
+/// The bilinear patch of a grid of heights at parts of its length and width, and how far the points of its cell, and of
+/// the cells around it, are apart.
+fn neighbours(heights: &[f64], grid: Grid, at: [f64; 2]) -> (f64, f64) {
+    let Grid { rows, columns } = grid;
+    let cell = |part: f64, count: usize| {
+        let place = part * (count - 1) as f64;
+        let index = (place as usize).min(count - 2);
+        (index, place - index as f64)
+    };
+    let ((i, s), (j, t)) = (cell(at[0], rows), cell(at[1], columns));
+    let height = |i: usize, j: usize| heights[i * columns + j];
+    let line = |i: usize| (1.0 - t) * height(i, j) + t * height(i, j + 1);
+    let near = |index: usize, count: usize| index.saturating_sub(1)..(index + 3).min(count);
+    let around = near(i, rows).flat_map(|i| near(j, columns).map(move |j| (i, j)));
+    let around: Vec<f64> = around.map(|(i, j)| height(i, j)).collect();
+    let highest = around.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let lowest = around.iter().copied().fold(f64::INFINITY, f64::min);
+    ((1.0 - s) * line(i) + s * line(i + 1), highest - lowest)
+}
+
 #[test]
 fn no_grid_is_left_between_its_points() {
     let mut random = Random(2);
@@ -217,22 +238,26 @@ fn no_grid_is_left_between_its_points() {
                 let range = extents[0].high - extents[0].low;
                 let places =
                     |count: usize| (0..=8 * count).map(move |k| k as f64 / (8 * count) as f64);
-                let of = |basis: &crate::basis::Basis, count: usize| {
+                let of = |basis: &Basis, count: usize| {
                     let (low, high) = basis.domain();
-                    places(count)
-                        .map(|s| low + s * (high - low))
-                        .collect::<Vec<f64>>()
+                    let t = places(count).map(|s| low + s * (high - low));
+                    t.collect::<Vec<f64>>()
                 };
                 let u = of(&problem.u().basis, rows);
                 let v = of(&problem.v().unwrap().basis, columns);
                 let surface = Geometry::new(problem, fit.control_points()).evaluate(&u, &v);
-                let heights = surface.lane(0).iter();
-                let beyond = heights.map(|z| (extents[0].low - z).max(z - extents[0].high));
-                let beyond = beyond.fold(0.0, f64::max);
-                assert!(
-                    beyond <= 0.5 * range,
-                    "grid {round}, {grid:?}, {tolerance}, roughness {roughness}: {beyond} beyond {range}"
-                );
+                let data = problem.data().lane(0);
+                let all = places(rows).flat_map(|s| places(columns).map(move |t| [s, t]));
+                for (at, z) in all.zip(surface.lane(0)) {
+                    let (between, apart) = neighbours(data, grid, at);
+                    let off = (z - between).abs();
+                    assert!(
+                        off <= apart + problem.tolerance(),
+                        "grid {round}, {grid:?}, {tolerance}, roughness {roughness}: {off} from points {apart} apart"
+                    );
+                    let beyond = (extents[0].low - z).max(z - extents[0].high);
+                    assert!(beyond <= range, "grid {round}: {beyond} beyond {range}");
+                }
             }
             Outcome::Stalled(Reason::Between) => between += 1,
             _ => others += 1,
