@@ -17,10 +17,10 @@
 //! - [`config`] — one struct: flags and `PIAD_*` variables;
 //! - [`piad_fit`] — the numerics, pure and deterministic, in a crate of their own: problems, bases, the one loop;
 //! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, STL, DXF, SVG, CSV;
-//! - [`import`] — files of points: CSV, point clouds, airfoils;
+//! - `import` — files of points: CSV, point clouds, airfoils;
 //! - [`model`] — what clients ask for, typed and without a wire;
-//! - [`proto`] — the messages of the contract, in which jobs travel and are stored;
-//! - [`job`] — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
+//! - `proto` — the messages of the contract, in which jobs travel and are stored;
+//! - `job` — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
 //! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
 //! - [`access`] — who may do what: tokens, tenants, scopes;
 //! - [`server`] — binds them together: [`server::serve`];

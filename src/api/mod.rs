@@ -2,16 +2,16 @@
 //!
 //! | Room | What it knows |
 //! |---|---|
-//! | [`json`], [`proto`] | the model in JSON and in protobuf messages |
-//! | [`stream`] | event streams: what they show, and when |
-//! | [`http`], [`grpc`] | the two doors, which use the same code |
-//! | [`openapi`] | the description of the HTTP resources, and its reference for people |
+//! | `json`, `proto` | the model in JSON and in protobuf messages |
+//! | `stream` | event streams: what they show, and when |
+//! | `http`, `grpc` | the two doors, which use the same code |
+//! | `openapi` | the description of the HTTP resources, and its reference for people |
 //!
-//! - [`app`]: what the doors share; [`language`]: the languages of requests and answers;
-//! - [`order`]: new jobs and edits; [`jobs`]: finding, listing, cancelling and deleting them;
-//!   [`levels`]: inputs, iterations and results; [`rates`]: comparisons of bases;
-//! - [`resuming`]: where a stream goes on;
-//! - [`problem`]: errors (RFC 9457); [`whole`]: whole numbers in texts;
+//! - `app`: what the doors share; `language`: the languages of requests and answers;
+//! - `order`: new jobs and edits; `jobs`: finding, listing, cancelling and deleting them;
+//!   `levels`: inputs, iterations and results; `rates`: comparisons of bases;
+//! - `resuming`: where a stream goes on;
+//! - `problem`: errors (RFC 9457); `whole`: whole numbers in texts;
 //! - `fuzzing`: what fuzz targets call.
 
 pub(crate) mod app;

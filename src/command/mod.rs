@@ -3,7 +3,7 @@
 //! A fit is asked of a server as any client asks it: one inside of this process without a port, or one
 //! at a URL. So both give the same control points and refuse the same things.
 //!
-//! - [`arguments`]: what can be said; `input`: what is read;
+//! - `input`: what is read; the flags are in `config`;
 //! - `point_kind`: what is known of the points before the fit;
 //! - `options`: flags as fields of a job; `request`: the job that is posted;
 //! - `client`: the server; `events`: what it tells of the fit;

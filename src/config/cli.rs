@@ -32,8 +32,8 @@ pub enum Command {
     Config(Box<Config>),
     /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
     Health {
-        /// Where the server listens, a Unix domain socket first if there are several places; 0.0.0.0 and [::] stand
-        /// for this machine.
+        /// Where the server listens, a Unix domain socket first if there are several places; 0.0.0.0 and its like
+        /// stand for this machine.
         #[arg(
             long,
             env = "PIAD_LISTEN",

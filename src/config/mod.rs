@@ -1,9 +1,9 @@
 //! The settings of a server: flags, `PIAD_*` variables, and a file.
 //!
-//! - [`cli`]: the command line of the program, [`fit_arguments`]: that of `piad fit`;
-//! - [`values`], [`listen`], [`origin`]: how values are read;
-//! - [`file`]: a file of settings; [`sources`]: where each setting comes from;
-//! - [`machine`]: the memory that there is.
+//! - `cli`: the command line of the program, `fit_arguments`: that of `piad fit`;
+//! - `values`, [`listen`], [`origin`]: how values are read;
+//! - [`file`]: a file of settings; `sources`: where each setting comes from;
+//! - `machine`: the memory that there is.
 
 mod cli;
 mod file;
@@ -106,6 +106,7 @@ pub struct Config {
 
     /// Origins whose pages may use the API from a browser, such as https://cad.example; * stands for
     /// all of them.
+    #[allow(rustdoc::bare_urls, reason = "the text is the help of a flag")]
     #[arg(
         long,
         env = "PIAD_CORS_ORIGIN",

@@ -2,13 +2,13 @@
 //!
 //! [`write()`] is the only entry. It knows nothing of jobs or of HTTP.
 //!
-//! - `fitted`: what is written; [`options`]: what can be chosen about it;
-//! - [`format`](mod@format): the formats and their names; [`error`]: why something cannot be written;
+//! - `fitted`: what is written; `options`: what can be chosen about it;
+//! - `format`: the formats and their names; `error`: why something cannot be written;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly;
 //! - `mesh`: its triangles, for `gltf` and `stl`;
 //! - `deviation`: how far it is from each data point, for `svg`;
-//! - [`csv`]: samples as numbers;
+//! - `csv`: samples as numbers;
 //! - `text`: numbers and names as text.
 //!
 //! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits

@@ -99,7 +99,7 @@ impl JobRequest {
     }
 
     /// Checks the job against the limits and the mathematics. `base` is the surface of
-    /// [`Self::base`], or why there is none.
+    /// `Self::base`, or why there is none.
     pub fn validate(self, limits: Limits, base: Result<&Nurbs, Mistake>) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
         let (name, stream) = (self.name.clone(), self.stream.clone());

@@ -1,15 +1,15 @@
 //! What clients ask for: its JSON is what serde makes of these types, and protobuf messages are read into
 //! them.
 //!
-//! - [`job`]: a job, with its [`shape`] ([`points`], [`basis`], [`ends`], [`scattered`] points), its [`weights`], its
-//!   [`method`] with [`settings`], and when it ends ([`stop`]); [`edit`]: changes of one, from an [`iteration`];
-//! - [`stream`]: what the event streams of a job are like;
-//! - [`mistakes`]: all that is wrong with a request, each at a part of the model; `mathematics`: what is
+//! - [`job`]: a job, with its `shape` (`points`, `basis`, `ends`, [`scattered`] points), its `weights`, its
+//!   `method` with `settings`, and when it ends (`stop`); `edit`: changes of one, from an `iteration`;
+//! - `stream`: what the event streams of a job are like;
+//! - `mistakes`: all that is wrong with a request, each at a part of the model; `mathematics`: what is
 //!   wrong with the fitting problem;
-//! - [`either`]: readers of what has several forms; [`per_direction`]: one value for both directions of a surface, or
-//!   one for each; [`lists`]: numbers in lists, and [`list_limits`]: how long they get; [`named`]: enumerations whose
-//!   values have names; [`short`]: texts of clients, cut;
-//! - [`schema`], [`numbers`]: schemas that are not derived.
+//! - `either`: readers of what has several forms; `per_direction`: one value for both directions of a surface, or
+//!   one for each; `lists`: numbers in lists, and `list_limits`: how long they get; `named`: enumerations whose
+//!   values have names; `short`: texts of clients, cut;
+//! - `schema`, `numbers`: schemas that are not derived.
 
 pub(crate) mod basis;
 pub(crate) mod edit;

@@ -1,11 +1,11 @@
 //! A running server: binds configuration, jobs and API together.
 //!
-//! - [`local`]: the same without a port, for programs that answer themselves;
-//! - [`listen`]: the addresses and sockets of the server; [`listener`]: what comes there; [`tls`]: how it is encrypted;
-//! - [`accept`]: takes in connections; [`connection`]: serves one;
-//! - [`activity`]: what happens on a connection, and how long it may stay; [`write_timeout`]: bytes that the client does not take;
-//! - [`limits`]: how many connections there may be; [`proxy`]: clients behind trusted proxies;
-//! - [`request_body`]: the bodies of its requests; [`response_body`]: those of its answers; [`stream_timeout`]: those of HTTP/2 that the client does not take;
+//! - `local`: the same without a port, for programs that answer themselves;
+//! - [`listen`]: the addresses and sockets of the server; [`listener`]: what comes there; `tls`: how it is encrypted;
+//! - `accept`: takes in connections; `connection`: serves one;
+//! - `activity`: what happens on a connection, and how long it may stay; `write_timeout`: bytes that the client does not take;
+//! - `limits`: how many connections there may be; [`proxy`]: clients behind trusted proxies;
+//! - `request_body`: the bodies of its requests; `response_body`: those of its answers; `stream_timeout`: those of HTTP/2 that the client does not take;
 //! - [`probe`]: asks a server whether it is ready;
 
 mod accept;

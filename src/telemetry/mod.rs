@@ -1,9 +1,9 @@
 //! Traces of requests and jobs, for a collector that speaks OTLP (OpenTelemetry) over gRPC.
 //!
-//! - [`endpoint`]: where the collector is; [`exports`]: how many spans it has got;
-//! - [`request`]: the span of a request, and what clients are told about it; those of jobs are in `job::trace`.
+//! - [`endpoint`]: where the collector is; `exports`: how many spans it has got;
+//! - `request`: the span of a request, and what clients are told about it; those of jobs are in `job::trace`.
 //!
-//! Spans are those of `tracing` with the target [`TARGET`], which the log never shows. Each is made with its
+//! Spans are those of `tracing` with the target `TARGET`, which the log never shows. Each is made with its
 //! parent, as work moves between tasks and threads. Without a collector they are disabled, which costs a
 //! comparison.
 

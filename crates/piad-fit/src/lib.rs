@@ -100,16 +100,16 @@
 //! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline, with [`basis::knots`];
 //! - [`direction`]: a basis at the parameters, closed or with weights if asked for;
 //! - [`ends`]: how it ends, with knots at the data;
-//! - [`missing`]: grids with holes;
-//! - [`collocation`] and [`tensor`]: `B` as banded or dense operator, and tensor products, over
-//!   [`linear`];
+//! - `missing`: grids with holes;
+//! - `collocation` and [`tensor`]: `B` as banded or dense operator, and tensor products, over
+//!   `linear`;
 //! - [`spectrum`]: eigenvalues and rates;
 //! - [`method`]: the methods, each with its settings, level 0, transform U, stop rule and forecast;
 //! - [`admission`]: what a fit may take; [`interrupt`]: ends what nobody waits for;
-//! - [`problem`]: a validated fitting problem, a [`setup`] with a method; [`invalid`]: everything
+//! - [`problem`]: a validated fitting problem, a `setup` with a method; [`invalid`]: everything
 //!   that can be wrong with one;
 //! - [`system`]: a problem with its collocation matrix and its transform, ready to be iterated;
-//! - [`blocks`], [`norms`], [`iteration`]: the loop, its errors and its stop rules;
+//! - `blocks`, [`norms`], [`iteration`]: the loop, its errors and its stop rules;
 //!   `forecast`, `convergence`, `decay`: when it will end;
 //! - `plain`, [`sweep`]: the loop as it is written down, and at the speed of the memory;
 //! - `between`: what it does between its data;
@@ -117,7 +117,7 @@
 //! - [`nurbs`]: the same as CAD kernels store it, whatever its basis;
 //! - [`foot`]: the points of a surface that are nearest to others;
 //! - [`limit`]: where local fits end, in closed form;
-//! - [`tolerance`]: as few control points as a tolerance needs;
+//! - `tolerance`: as few control points as a tolerance needs;
 //! - [`warning`]: what is doubtful about a fit.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The largest one is the fitting error of the papers; Lin10 has the sum. They are computed
-//! [block](super::blocks) by block: after a local update only the blocks that it has touched are
+//! block by block (`blocks`): after a local update only the blocks that it has touched are
 //! measured again, and blocks can be measured anywhere and in any order, with the same errors to
 //! the last bit. Residuals are scaled by a power of two before they are squared, so that data of
 //! any magnitude have the same errors in their own units.

@@ -33,7 +33,7 @@ use checks::{check_finite, check_points, check_scattered, check_start, resolve_t
 
 pub use super::request::{Request, Tolerance, Weights};
 
-/// A validated fitting problem: a [`Setup`] with a method. It can be iterated, and every error left
+/// A validated fitting problem: a `Setup` with a method. It can be iterated, and every error left
 /// is one of arithmetic.
 #[derive(Clone, Debug)]
 pub struct Problem {

@@ -20,7 +20,7 @@
 //! Estimated derivatives are those of the polynomial through the first points: as many as it takes
 //! for one degree more than derivatives are needed, three points for cubics (Bessel).
 //!
-//! - [`rules`]: what can be asked for; `chosen`: what a direction makes of it;
+//! - `rules`: what can be asked for; `chosen`: what a direction makes of it;
 //! - `estimate`: derivatives from points; `copies`: control points from derivatives; `line`: both of
 //!   a line of points;
 //! - `offsets`: g of a curve and of a surface.

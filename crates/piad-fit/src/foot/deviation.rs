@@ -25,7 +25,7 @@ pub struct Deviation {
     pub rms: f64,
     /// The data point with the largest distance, the first of several.
     pub at: usize,
-    /// The distances below which [`PERCENTILES`] per cent of the data are, between neighbours in
+    /// The distances below which `PERCENTILES` per cent of the data are, between neighbours in
     /// the order of distances interpolated.
     pub percentiles: [f64; PERCENTILES.len()],
     /// The distance of each point, row by row; NaN where a point is missing.

@@ -76,7 +76,7 @@ pub struct Plan {
     pub parts: usize,
     /// How many levels are computed in one pass: 1 to [`LEVELS`], of surfaces always 1.
     pub levels: usize,
-    /// The number of points of a tile of `tiles`, a multiple of [`BLOCK`].
+    /// The number of points of a tile of `tiles`, a multiple of `BLOCK`.
     pub tile: usize,
 }
 

@@ -33,13 +33,13 @@ pub struct LeastSquares {
     /// How smooth it is to be, at the cost of its distances.
     pub fairness: Option<Fairness>,
     /// The multiple g of the membrane energy over the spans of a surface that have no data, free of units like that of
-    /// fairness: see [`super::gaps`]. Without it there is some with fairness.
+    /// fairness: see `super::gaps`. Without it there is some with fairness.
     pub gap_stiffness: Option<f64>,
     /// How much each data point counts; all of them 1 without it.
     pub data_weights: Option<Arc<[f64]>>,
 }
 
-/// A fit that chooses its knots by itself ([`crate::tolerance`]).
+/// A fit that chooses its knots by itself (`crate::tolerance`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Automatic {
     /// Whether parameters move to the foot points of their data.
@@ -190,7 +190,7 @@ pub enum EndPoints {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fairness {
     /// The multiple f, free of units, of the integral over parameters scaled to [0, 1], beside the mean of the squared
-    /// distances: see [`super::fairness`].
+    /// distances: see `super::fairness`.
     pub value: f64,
     /// The order r of the derivative, 2 or 3.
     pub order: usize,
