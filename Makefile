@@ -215,9 +215,12 @@ fuzz-%:
 	  $(if $(wildcard fuzz/seeds/$*),-dict=fuzz/json.dict) -max_total_time=$(FUZZ_SECONDS) \
 	  -max_len=4096 -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=64 -print_final_stats=1
 
+# Also that the documentation of the crates has no broken links, and that they can be packaged.
 lint: tools
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --lib --no-deps
+	cargo package --locked --workspace --no-verify --quiet
 
 fmt:
 	cargo fmt --all

@@ -44,54 +44,21 @@
 //! A cubic B-spline through points of a sine, by classical PIA:
 //!
 //! ```
-//! use std::sync::Arc;
+//! use piad_fit::{Fit, Method};
 //!
-//! use piad_fit::basis::knots::Knots;
-//! use piad_fit::direction::{BasisChoice, DirectionChoice};
-//! use piad_fit::iteration::{Iteration, Outcome};
-//! use piad_fit::method::Method;
-//! use piad_fit::parameters::Parametrization;
-//! use piad_fit::points::{Grid, Points};
-//! use piad_fit::problem::{Problem, Request, Tolerance, Weights};
-//! use piad_fit::system::System;
-//!
-//! let mut points = Points::new(2);
-//! for i in 0..20 {
-//!     let x = 0.3 * f64::from(i);
-//!     points.push(&[x, x.sin()]);
-//! }
-//! let problem = Problem::new(Request {
-//!     points: Arc::new(points),
-//!     grid: Grid { rows: 20, columns: 1 },
-//!     missing: Vec::new(),
-//!     u: DirectionChoice {
-//!         basis: BasisChoice::BSpline { degree: 3, knots: Knots::Data },
-//!         parameters: Parametrization::ChordLength,
-//!         closed: false,
-//!         control_points: None,
-//!         ends: None,
-//!         weights: None,
-//!     },
-//!     v: None,
-//!     weights: Weights::None,
-//!     method: Method::Global,
-//!     selected: None,
-//!     start: None,
-//!     start_breaks: None,
-//!     lambda_min: None,
-//!     scattered: None,
-//!     tolerance: Some(Tolerance::Absolute(1e-9)),
-//!     max_iterations: 100,
-//! })?;
-//! let mut fit = Iteration::start(Arc::new(System::new(Arc::new(problem))));
-//! while fit.outcome().is_none() {
-//!     let level = fit.step();
+//! let points: Vec<[f64; 2]> = (0..20).map(|i| 0.3 * f64::from(i)).map(|x| [x, x.sin()]).collect();
+//! let fit = Fit::curve(&points).method(Method::Global).tolerance(1e-9).prepare()?;
+//! for level in fit.levels() {
 //!     println!("{}: {:e}", level.iteration, level.error.max);
 //! }
-//! assert_eq!(fit.outcome(), Some(Outcome::Converged));
-//! assert_eq!(fit.control_points().len(), 20);
-//! # Ok::<(), piad_fit::invalid::Invalid>(())
+//! let curve = fit.solve()?;
+//! let t = fit.parameters()[7];
+//! assert!((curve.eval(t)[1] - points[7][1]).abs() <= 1e-9);
+//! println!("{:?} {:?}", curve.eval(t), curve.derivative(t));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! More of them: [`programs`].
 //!
 //! # Vocabulary, in the order in which a fit is made
 //!
@@ -155,15 +122,16 @@ mod convergence;
 mod decay;
 pub mod direction;
 mod divergence;
-#[doc(hidden)]
 pub mod ends;
 mod equations;
+pub mod fit;
 mod fold;
 #[doc(hidden)]
 pub mod foot;
 mod forecast;
 mod functional;
 pub mod geometry;
+pub mod input;
 #[doc(hidden)]
 pub mod interrupt;
 pub mod invalid;
@@ -175,9 +143,7 @@ pub mod method;
 pub(crate) mod missing;
 mod monotonic;
 mod no_data;
-#[doc(hidden)]
 pub mod norms;
-#[doc(hidden)]
 pub mod nurbs;
 pub(crate) mod operator;
 pub mod parameters;
@@ -186,6 +152,7 @@ mod plain;
 pub mod point_order;
 pub mod points;
 pub mod problem;
+pub mod programs;
 #[cfg(test)]
 mod properties;
 mod quadrature;
@@ -194,9 +161,9 @@ mod quantiles;
 pub mod rates;
 mod request;
 pub mod samples;
-#[doc(hidden)]
 pub mod scattered;
 pub(crate) mod setup;
+pub mod shape;
 mod sparse;
 pub mod spectrum;
 pub mod sweep;
@@ -209,3 +176,11 @@ mod transform;
 #[doc(hidden)]
 pub mod warning;
 mod weights;
+
+pub use fit::{Fit, Level, Levels, NotConverged, Prepared};
+pub use invalid::Invalid;
+pub use method::Method;
+pub use norms::FitError;
+pub use nurbs::{KnotVector, Nurbs};
+pub use points::{Grid, Points};
+pub use shape::{Curve, Surface};

@@ -1,0 +1,384 @@
+//! What is asked for, [`Fit`], and what can be iterated, [`Prepared`].
+
+use std::fmt;
+use std::iter::FusedIterator;
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use super::basis::knots::Knots;
+use super::choice::{BasisChoice, DirectionChoice};
+use super::ends::Ends;
+use super::input::{IntoGrid, IntoPoints};
+use super::invalid::Invalid;
+use super::iteration::Iteration;
+use super::method::{AS_MANY_AS_DATA, LeastSquares, Method};
+use super::norms::FitError;
+use super::parameters::Parametrization;
+use super::points::{Grid, Points};
+use super::problem::{Problem, Request, Tolerance, Weights};
+use super::scattered::Scattered;
+use super::shape::{Curve, Shape, Surface};
+use super::system::System;
+use super::termination::Outcome;
+
+/// The degree of B-splines where none is given.
+const DEGREE: usize = 3;
+
+/// The most iterations where no number is given.
+const ITERATIONS: usize = 1000;
+
+/// A fit as it is asked for: a cubic B-spline through the data by classical PIA, within a millionth of their size, where
+/// nothing else is said. Nothing is checked before [`prepare`](Self::prepare).
+#[derive(Clone, Debug)]
+#[must_use = "a fit is computed once it is prepared"]
+pub struct Fit<S> {
+    request: Result<Request, Invalid>,
+    shape: PhantomData<fn() -> S>,
+}
+
+/// A direction of which nothing is said.
+fn usual(parameters: Parametrization) -> DirectionChoice {
+    DirectionChoice {
+        basis: BasisChoice::BSpline {
+            degree: DEGREE,
+            knots: Knots::Usual,
+        },
+        parameters,
+        closed: false,
+        control_points: None,
+        ends: None,
+        weights: None,
+    }
+}
+
+/// A request of which nothing is said but the points and their arrangement.
+fn request(points: Points, grid: Grid, is_surface: bool) -> Request {
+    let parameters = match is_surface {
+        true => Parametrization::usual_of_surface(&points),
+        false => Parametrization::ChordLength,
+    };
+    Request {
+        points: Arc::new(points),
+        grid,
+        missing: Vec::new(),
+        scattered: None,
+        u: usual(parameters.clone()),
+        v: is_surface.then(|| usual(parameters)),
+        weights: Weights::None,
+        method: Method::Global,
+        selected: None,
+        start: None,
+        start_breaks: None,
+        lambda_min: None,
+        tolerance: None,
+        max_iterations: ITERATIONS,
+    }
+}
+
+impl Fit<Curve> {
+    /// A curve through points, or near them, in their order.
+    pub fn curve(points: impl IntoPoints) -> Self {
+        Self::of(points.into_points().map(|points| {
+            let rows = points.len();
+            request(points, Grid { rows, columns: 1 }, false)
+        }))
+    }
+
+    /// The last point is followed by the first.
+    pub fn closed(self) -> Self {
+        self.with(|request| request.u.closed = true)
+    }
+
+    /// The basis and its knots, instead of B-splines with [usual](Knots::Usual) ones.
+    pub fn basis(self, basis: BasisChoice) -> Self {
+        self.with(|request| request.u.basis = basis)
+    }
+
+    /// How the data points get their parameters, instead of chord length.
+    pub fn parameters(self, parameters: Parametrization) -> Self {
+        self.with(|request| request.u.parameters = parameters)
+    }
+
+    /// How an open curve ends that has its knots at the data.
+    pub fn ends(self, ends: Ends) -> Self {
+        self.with(|request| request.u.ends = Some(ends))
+    }
+
+    /// Least squares with this number of control points.
+    pub fn control_points(self, count: usize) -> Self {
+        self.method(Method::LeastSquares(LeastSquares::new(count, count)))
+    }
+}
+
+impl Fit<Surface> {
+    /// A surface through a grid of points, or near them: rows along u, columns along v.
+    pub fn surface(rows: impl IntoGrid) -> Self {
+        Self::of(
+            rows.into_grid()
+                .map(|(points, grid)| request(points, grid, true)),
+        )
+    }
+
+    /// A surface near points without an order, with as few control points as the tolerance needs.
+    pub fn scattered(points: impl IntoPoints, parameters: Scattered) -> Self {
+        let request = points.into_points().map(|points| {
+            let rows = points.len();
+            let mut request = request(points, Grid { rows, columns: 1 }, true);
+            request.scattered = Some(parameters);
+            request
+        });
+        Self::of(request).fewest_control_points()
+    }
+
+    /// In which directions the surface is closed.
+    pub fn closed(self, u: bool, v: bool) -> Self {
+        self.with(|request| {
+            request.u.closed = u;
+            request.v.iter_mut().for_each(|it| it.closed = v);
+        })
+    }
+
+    /// The bases of u and of v with their knots, instead of B-splines with [usual](Knots::Usual) ones.
+    pub fn bases(self, u: BasisChoice, v: BasisChoice) -> Self {
+        self.with(|request| {
+            request.u.basis = u;
+            request.v.iter_mut().for_each(|it| it.basis = v.clone());
+        })
+    }
+
+    /// How rows and columns get their parameters, instead of mean chord length.
+    pub fn parameters(self, u: Parametrization, v: Parametrization) -> Self {
+        self.with(|request| {
+            request.u.parameters = u;
+            request
+                .v
+                .iter_mut()
+                .for_each(|it| it.parameters = v.clone());
+        })
+    }
+
+    /// Least squares with these numbers of control points.
+    pub fn control_points(self, u: usize, v: usize) -> Self {
+        self.method(Method::LeastSquares(LeastSquares::new(u, v)))
+    }
+}
+
+impl<S: Shape> Fit<S> {
+    fn of(request: Result<Request, Invalid>) -> Self {
+        let shape = PhantomData;
+        Self { request, shape }
+    }
+
+    fn with(mut self, change: impl FnOnce(&mut Request)) -> Self {
+        if let Ok(request) = &mut self.request {
+            change(request);
+        }
+        self
+    }
+
+    /// The degree of B-splines, instead of 3.
+    pub fn degree(self, degree: usize) -> Self {
+        let basis = || BasisChoice::BSpline {
+            degree,
+            knots: Knots::Usual,
+        };
+        self.with(|request| {
+            request.u.basis = basis();
+            request.v.iter_mut().for_each(|it| it.basis = basis());
+        })
+    }
+
+    /// The method, instead of classical PIA.
+    pub fn method(self, method: Method) -> Self {
+        self.with(|request| request.method = method)
+    }
+
+    /// Least squares with as few control points as the tolerance needs.
+    pub fn fewest_control_points(self) -> Self {
+        let settings = LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA);
+        self.method(Method::LeastSquares(settings))
+    }
+
+    /// Positive weights, one for each data point: the fit is rational, in homogeneous coordinates (Lin 2010, 2.1).
+    pub fn weights(self, weights: Vec<f64>) -> Self {
+        self.with(|request| request.weights = Weights::Homogeneous(weights))
+    }
+
+    /// The largest distance from a data point that is allowed, in the unit of the data.
+    pub fn tolerance(self, tolerance: f64) -> Self {
+        self.with(|request| request.tolerance = Some(Tolerance::Absolute(tolerance)))
+    }
+
+    /// The most iterations, instead of 1000.
+    pub fn max_iterations(self, count: usize) -> Self {
+        self.with(|request| request.max_iterations = count)
+    }
+
+    /// Checks all of it, and makes the collocation matrix and the transform of the method.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong, where, and why.
+    pub fn prepare(self) -> Result<Prepared<S>, Invalid> {
+        let problem = Problem::new(self.request?)?;
+        Ok(Prepared {
+            system: Arc::new(System::new(Arc::new(problem))),
+            shape: PhantomData,
+        })
+    }
+}
+
+/// A fit that is ready to be iterated. Iterations share it.
+#[derive(Clone, Debug)]
+pub struct Prepared<S> {
+    system: Arc<System>,
+    shape: PhantomData<fn() -> S>,
+}
+
+impl<S: Shape> Prepared<S> {
+    /// The parameters of the data points of a curve, or of the rows of a surface.
+    pub fn parameters(&self) -> &[f64] {
+        &self.system.problem().u().parameters
+    }
+
+    /// The levels of the fit, from level 0 to the last one. Each is computed when it is asked for.
+    pub fn levels(&self) -> Levels<S> {
+        Levels {
+            iteration: None,
+            system: Arc::clone(&self.system),
+            shape: PhantomData,
+        }
+    }
+
+    /// The last level, if it is within the tolerance; of least squares without one also the minimum.
+    ///
+    /// # Errors
+    ///
+    /// The nearest level, where the fit ends before.
+    pub fn solve(&self) -> Result<S, NotConverged<S>> {
+        let mut iteration = Iteration::start(Arc::clone(&self.system));
+        let mut nearest: Level<S> = Level::of(&iteration);
+        loop {
+            let outcome = iteration.outcome();
+            if has_converged(outcome) {
+                return Ok(Level::of(&iteration).shape());
+            }
+            if iteration.level().error.max < nearest.error.max {
+                nearest = Level::of(&iteration);
+            }
+            if outcome.is_some() {
+                return Err(NotConverged {
+                    best: nearest.shape(),
+                    error: nearest.error,
+                    iterations: iteration.level().iteration,
+                });
+            }
+            iteration.step();
+        }
+    }
+}
+
+fn has_converged(outcome: Option<Outcome>) -> bool {
+    matches!(outcome, Some(Outcome::Converged | Outcome::Minimum))
+}
+
+/// The levels of a fit.
+#[derive(Debug)]
+pub struct Levels<S> {
+    system: Arc<System>,
+    /// None before level 0.
+    iteration: Option<Iteration>,
+    shape: PhantomData<fn() -> S>,
+}
+
+impl<S: Shape> Iterator for Levels<S> {
+    type Item = Level<S>;
+
+    fn next(&mut self) -> Option<Level<S>> {
+        let iteration = match &mut self.iteration {
+            Some(iteration) => {
+                if iteration.outcome().is_some() {
+                    return None;
+                }
+                iteration.step();
+                iteration
+            }
+            none => none.insert(Iteration::start(Arc::clone(&self.system))),
+        };
+        Some(Level::of(iteration))
+    }
+}
+
+impl<S: Shape> FusedIterator for Levels<S> {}
+
+/// A level of a fit: a curve or surface after some updates.
+#[derive(Clone, Debug)]
+pub struct Level<S> {
+    /// The number of updates.
+    pub iteration: usize,
+    /// The distances from the data, in their unit.
+    pub error: FitError,
+    /// The fit ends here.
+    pub is_last: bool,
+    /// It ends within its tolerance; of least squares without one also at the minimum.
+    pub has_converged: bool,
+    problem: Arc<Problem>,
+    control_points: Arc<Points>,
+    shape: PhantomData<fn() -> S>,
+}
+
+impl<S: Shape> Level<S> {
+    fn of(iteration: &Iteration) -> Self {
+        let (level, outcome) = (iteration.level(), iteration.outcome());
+        Self {
+            iteration: level.iteration,
+            error: level.error,
+            is_last: outcome.is_some(),
+            has_converged: has_converged(outcome),
+            problem: Arc::clone(iteration.problem()),
+            control_points: iteration.shared_control_points(),
+            shape: PhantomData,
+        }
+    }
+
+    fn shape(&self) -> S {
+        S::of(&self.problem, &self.control_points, self.error)
+    }
+}
+
+impl Level<Curve> {
+    /// The curve of this level.
+    pub fn curve(&self) -> Curve {
+        self.shape()
+    }
+}
+
+impl Level<Surface> {
+    /// The surface of this level.
+    pub fn surface(&self) -> Surface {
+        self.shape()
+    }
+}
+
+/// A fit has ended before it was within its tolerance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotConverged<S> {
+    /// The nearest curve or surface.
+    pub best: S,
+    /// Its distances from the data, in their unit.
+    pub error: FitError,
+    /// The number of iterations that were computed.
+    pub iterations: usize,
+}
+
+impl<S> fmt::Display for NotConverged<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (iterations, left) = (self.iterations, self.error.max);
+        write!(
+            f,
+            "after {iterations} iterations a distance of {left:.3e} is left, which is more than the tolerance"
+        )
+    }
+}
+
+impl<S: fmt::Debug> std::error::Error for NotConverged<S> {}

@@ -1,0 +1,125 @@
+//! Fitted curves and surfaces: evaluation and derivatives.
+
+use super::norms::FitError;
+use super::nurbs::Nurbs;
+use super::nurbs::sampling::Jet;
+use super::points::Points;
+use super::problem::Problem;
+
+/// What is fitted: a [`Curve`] or a [`Surface`].
+pub trait Shape: Sized + sealed::Sealed {
+    /// That of some level of a problem.
+    #[doc(hidden)]
+    fn of(problem: &Problem, control_points: &Points, error: FitError) -> Self;
+}
+
+mod sealed {
+    /// Nothing else is fitted.
+    pub trait Sealed {}
+
+    impl Sealed for super::Curve {}
+    impl Sealed for super::Surface {}
+}
+
+/// A fitted curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    nurbs: Nurbs,
+    error: FitError,
+}
+
+/// A fitted surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    nurbs: Nurbs,
+    error: FitError,
+}
+
+/// As many of three coordinates as points have.
+fn cut(place: [f64; 3], dimension: usize) -> Vec<f64> {
+    place.into_iter().take(dimension).collect()
+}
+
+impl Curve {
+    /// The interval of its parameters.
+    pub fn domain(&self) -> (f64, f64) {
+        self.nurbs.u.domain()
+    }
+
+    /// The point at a parameter, with as many coordinates as the data. Parameters outside of the
+    /// [domain](Self::domain) are those of its ends.
+    pub fn eval(&self, t: f64) -> Vec<f64> {
+        cut(self.jet(t).point, self.nurbs.points.dimension())
+    }
+
+    /// The derivative by the parameter (PT97 (4.8)); at a knot that from the right.
+    pub fn derivative(&self, t: f64) -> Vec<f64> {
+        cut(self.jet(t).du, self.nurbs.points.dimension())
+    }
+
+    fn jet(&self, t: f64) -> Jet {
+        let jets = self.nurbs.evaluate(&[self.nurbs.u.site_at(t)], &[]);
+        jets.into_iter().next().unwrap_or_default()
+    }
+
+    /// Its distances from the data, in their unit.
+    pub fn error(&self) -> FitError {
+        self.error
+    }
+
+    /// Its degree, knots, control points and weights.
+    pub fn nurbs(&self) -> &Nurbs {
+        &self.nurbs
+    }
+}
+
+impl Surface {
+    /// The intervals of its parameters u and v.
+    pub fn domain(&self) -> [(f64, f64); 2] {
+        let u = self.nurbs.u.domain();
+        [u, self.nurbs.v.as_ref().map_or(u, |v| v.domain())]
+    }
+
+    /// The point at (u, v), with as many coordinates as the data. Parameters outside of the
+    /// [domain](Self::domain) are those of its boundary.
+    pub fn eval(&self, u: f64, v: f64) -> Vec<f64> {
+        cut(self.jet(u, v).point, self.nurbs.points.dimension())
+    }
+
+    /// The derivatives by u and by v (PT97 (4.20)).
+    pub fn derivatives(&self, u: f64, v: f64) -> [Vec<f64>; 2] {
+        let jet = self.jet(u, v);
+        [jet.du, jet.dv].map(|derivative| cut(derivative, self.nurbs.points.dimension()))
+    }
+
+    fn jet(&self, u: f64, v: f64) -> Jet {
+        let along = self.nurbs.u.site_at(u);
+        let across = self.nurbs.v.iter().map(|knots| knots.site_at(v));
+        let jets = self.nurbs.evaluate(&[along], &across.collect::<Vec<_>>());
+        jets.into_iter().next().unwrap_or_default()
+    }
+
+    /// Its distances from the data, in their unit.
+    pub fn error(&self) -> FitError {
+        self.error
+    }
+
+    /// Its degrees, knots, control points and weights.
+    pub fn nurbs(&self) -> &Nurbs {
+        &self.nurbs
+    }
+}
+
+impl Shape for Curve {
+    fn of(problem: &Problem, control_points: &Points, error: FitError) -> Self {
+        let nurbs = Nurbs::of(problem, control_points);
+        Self { nurbs, error }
+    }
+}
+
+impl Shape for Surface {
+    fn of(problem: &Problem, control_points: &Points, error: FitError) -> Self {
+        let nurbs = Nurbs::of(problem, control_points);
+        Self { nurbs, error }
+    }
+}
