@@ -15,10 +15,10 @@ use serde::de::{Deserialize, Deserializer, Error};
 #[cfg(feature = "serde")]
 use serde::ser::{Serialize, Serializer};
 
-/// Lanes of at least so many numbers start at different places of a memory page.
+/// The least length of a lane, in numbers, that starts at different places of a memory page.
 const LONG: usize = 1024;
 
-/// Lanes of at least so many numbers are made by several threads.
+/// The least length of a lane, in numbers, that is made by several threads.
 const PARALLEL: usize = 100_000;
 
 /// How many numbers, whole cache lines, a third of a memory page is: long lanes start at the

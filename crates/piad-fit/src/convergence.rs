@@ -3,11 +3,11 @@
 //! Methods say what they know by eigenvalues and rehearsals ([`Forecast`](super::forecast::Forecast)); clients see it
 //! before they wait. That alone is far too pessimistic, as data has little of the slowest eigenvectors. So a
 //! millisecond or two are spent on the first levels: short fits end within it, and the [decay](super::decay) of errors
-//! tells the end of others.
+//! predicts the end of the others.
 
 use std::sync::Arc;
 
-use super::forecast::Foreseen;
+use super::forecast::Prediction;
 use super::iteration::Iteration;
 use super::system::System;
 use super::termination::Outcome;
@@ -24,39 +24,39 @@ impl Iteration {
     pub fn start(system: Arc<System>) -> Self {
         // Fits that choose their knots end where nobody knows before.
         if !system.problem().is_automatic() {
-            system.foresee(end);
+            system.predict(end);
         }
-        Self::start_unforeseen(system)
+        Self::start_unpredicted(system)
     }
 }
 
 /// Where a fit will end: short fits are tried, of longer ones the beginning. `None` if that does
 /// not say it.
-fn end(system: &Arc<System>) -> Option<Foreseen> {
+fn end(system: &Arc<System>) -> Option<Prediction> {
     let problem = system.problem();
     let method = problem.method().scheme();
     let exact = system.forecast().exact_after;
     if method.ends_when_exact() {
-        return exact.map(Foreseen::End);
+        return exact.map(Prediction::End);
     }
     // Of the other exact methods nothing better is known on the way.
-    let exact = exact.map(|end| Foreseen::About { end, seen: end });
+    let exact = exact.map(|end| Prediction::About { end, seen: end });
     let steps = LOOK / problem.step_cost().max(1);
     // Errors do not fall to zero: fits without a tolerance go on as long as they may.
     let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
     if endless || steps < LEAST_STEPS {
         return exact;
     }
-    let mut iteration = Iteration::start_unforeseen(Arc::clone(system));
+    let mut iteration = Iteration::start_unpredicted(Arc::clone(system));
     for _ in 0..steps {
         match iteration.outcome() {
             None => iteration.step(),
             Some(Outcome::Exhausted) => break,
             Some(Outcome::Overflow) => return None,
-            Some(_) => return Some(Foreseen::End(iteration.level().iteration)),
+            Some(_) => return Some(Prediction::End(iteration.level().iteration)),
         };
     }
     let seen = iteration.level().iteration;
     let end = iteration.end_of_decay();
-    exact.or(end.map(|end| Foreseen::About { end, seen }))
+    exact.or(end.map(|end| Prediction::About { end, seen }))
 }

@@ -19,7 +19,7 @@ const MOST: usize = 256;
 /// The least number of levels that say something.
 const LEAST: usize = 4;
 
-/// A forecast reaches at most so many times as far as the levels that are known.
+/// The greatest ratio of a forecast's last level to the last level that is known.
 const HORIZON: f64 = 8.0;
 
 /// The errors of the levels so far.

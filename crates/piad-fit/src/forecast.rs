@@ -41,7 +41,7 @@ impl Forecast {
 
 /// Where a fit will end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Foreseen {
+pub(super) enum Prediction {
     /// It was tried: at this level, but for rounding.
     End(usize),
     /// The beginning was tried: at about this level, as long as no more is known.

@@ -25,7 +25,7 @@ use super::automatic::Automatic;
 use super::between::Excursion;
 use super::decay::Decay;
 use super::fold::Fold;
-use super::forecast::Foreseen;
+use super::forecast::Prediction;
 use super::geometry::Geometry;
 use super::method::update::Update;
 use super::norms::FitError;
@@ -85,7 +85,7 @@ enum Engine {
 impl Iteration {
     /// Level 0, without a look at where the fit will end. It takes a sweep if the problem and its
     /// method have one.
-    pub(super) fn start_unforeseen(system: Arc<System>) -> Self {
+    pub(super) fn start_unpredicted(system: Arc<System>) -> Self {
         if let Some(automatic) = Automatic::start(system.problem()) {
             let error = automatic.error();
             return Self::begin(
@@ -105,7 +105,7 @@ impl Iteration {
     /// Level 0 of the plain loop, which sweeps are measured by, for tests and benches.
     pub fn start_plain(system: Arc<System>) -> Self {
         if system.problem().is_automatic() {
-            return Self::start_unforeseen(system);
+            return Self::start_unpredicted(system);
         }
         let control_points = system.start();
         Self::with_plain(system, control_points)
@@ -376,9 +376,9 @@ impl Iteration {
         if self.is_within() {
             return Some(iteration);
         }
-        match self.system.foreseen() {
-            Some(Foreseen::End(level)) => Some(level).filter(|level| *level > iteration),
-            Some(Foreseen::About { end, seen }) if iteration <= seen => Some(end),
+        match self.system.prediction() {
+            Some(Prediction::End(level)) => Some(level).filter(|level| *level > iteration),
+            Some(Prediction::About { end, seen }) if iteration <= seen => Some(end),
             _ => self.end_of_decay().or_else(|| {
                 let forecast = self.system.forecast();
                 let left = forecast.iterations_of_block(error.max, problem.tolerance())?;

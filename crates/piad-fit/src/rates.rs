@@ -111,7 +111,7 @@ pub fn compare(
     Ok(rates)
 }
 
-/// A curve of so many points with this basis.
+/// A curve of `count` points with this basis.
 fn direction(
     count: usize,
     parameters: Option<&[f64]>,

@@ -29,7 +29,7 @@ fn effort(matrix: &Collocation) -> (f64, usize) {
     (accuracy, most_steps(matrix.entries()))
 }
 
-/// The most steps for a matrix with so many entries.
+/// The most steps for a matrix with this number of entries.
 fn most_steps(entries: usize) -> usize {
     /// The most multiplications.
     const WORK: usize = 200_000_000;

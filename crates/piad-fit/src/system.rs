@@ -7,7 +7,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::equations::Equations;
-use super::forecast::Foreseen;
+use super::forecast::Prediction;
 use super::operator::Operator;
 use super::points::Points;
 use super::problem::Problem;
@@ -22,7 +22,7 @@ pub struct System {
     problem: Arc<Problem>,
     equations: Equations,
     /// Where the fit will end, once that has been looked for.
-    foreseen: OnceLock<Option<Foreseen>>,
+    prediction: OnceLock<Option<Prediction>>,
 }
 
 impl System {
@@ -65,7 +65,7 @@ impl System {
         Self {
             problem,
             equations,
-            foreseen: OnceLock::new(),
+            prediction: OnceLock::new(),
         }
     }
 
@@ -95,12 +95,12 @@ impl System {
     }
 
     /// Finds out where the fit will end, unless that is known.
-    pub(super) fn foresee(self: &Arc<Self>, look: impl FnOnce(&Arc<Self>) -> Option<Foreseen>) {
-        self.foreseen.get_or_init(|| look(self));
+    pub(super) fn predict(self: &Arc<Self>, look: impl FnOnce(&Arc<Self>) -> Option<Prediction>) {
+        self.prediction.get_or_init(|| look(self));
     }
 
     /// Where the fit will end, if that was found out.
-    pub(super) fn foreseen(&self) -> Option<Foreseen> {
-        self.foreseen.get().copied().flatten()
+    pub(super) fn prediction(&self) -> Option<Prediction> {
+        self.prediction.get().copied().flatten()
     }
 }

@@ -57,7 +57,7 @@ impl Tensor {
         products.collect()
     }
 
-    /// The most entries of a row: multiplications for a point.
+    /// The most entries of a row of each direction: multiplications for a point.
     pub(super) fn widths(&self) -> impl Iterator<Item = usize> {
         self.directions().map(|it| it.entries() / it.rows().max(1))
     }

@@ -103,7 +103,7 @@ pub enum Warning {
     },
 }
 
-/// A bounding box is wide if its diagonal is so many times that of the inner nine tenths.
+/// A bounding box is wide if its diagonal is more than this multiple of that of the inner nine tenths.
 const WIDE: f64 = 100.0;
 
 /// At least this part of the slowest part of the error is left, if the iterations hardly change it.

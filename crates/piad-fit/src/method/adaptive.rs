@@ -117,7 +117,7 @@ struct Far {
 impl Choice for Far {
     const VARIES: bool = true;
 
-    /// With one threshold for all points the largest distance tells the end.
+    /// With one threshold for all points the fit ends when the largest distance is below it.
     fn decides_the_end(&self) -> bool {
         self.threshold.is_each()
     }

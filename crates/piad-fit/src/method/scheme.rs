@@ -177,7 +177,7 @@ pub(crate) trait Scheme: Debug {
         None
     }
 
-    /// Whether errors fall towards zero, so that their decay tells the end.
+    /// Returns true if errors fall towards zero, so that their decay predicts the end.
     fn decays(&self) -> bool {
         true
     }

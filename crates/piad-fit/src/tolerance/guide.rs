@@ -24,7 +24,7 @@ const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
 /// How many more control points than data there are at most.
 const MOST_MORE: usize = 1000;
 
-/// A derivative is at most so many times the chord of either side.
+/// The greatest ratio of a derivative to the chord of either side.
 const LONGEST: f64 = 1.5;
 
 /// A point counts at least as much as this part of a datum, so that it determines the fit where there is nothing else.

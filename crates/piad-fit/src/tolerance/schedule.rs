@@ -42,7 +42,7 @@ const GAIN: f64 = 1e-6;
 /// How far knots go towards equal distances in a redistribution.
 const DAMPING: f64 = 0.7;
 
-/// Attempts whose largest distance is below so many tolerances are worth weights.
+/// Attempts are worth weights if their largest distance is below this number of tolerances.
 const NEAR: f64 = 1.5;
 
 /// Steps of the weights.

@@ -9,13 +9,14 @@
 use super::rows::Rows;
 use crate::interrupt;
 
-/// So many steps that lower the sum of squares by less than the gain of the [`Effort`] end the descent.
+/// The number of steps, each lowering the sum of squares by less than the gain of the [`Effort`], that ends
+/// the descent.
 const WINDOW: usize = 10;
 
 /// The most multiplications of a descent that does not give up.
 const WORK: usize = 1_000_000_000;
 
-/// Without rounding there are as many steps as control points; with it, up to so many times as many.
+/// Without rounding there are as many steps as control points; with it, up to this number of times as many.
 const ROUNDS: usize = 50;
 
 /// When a descent gives up.
