@@ -26,10 +26,11 @@ test:
 check:
 	@tests/steps tools lint library api
 
-# Unit tests, and the examples of the documentation.
+# Unit tests, the examples of the documentation, and a program that uses the crates.
 library: tools postgres
 	tests/postgres cargo nextest run --locked --workspace --lib --bins
 	cargo test --locked --workspace --doc
+	tests/outside
 
 # A server, by its API; what concerns jobs themselves with them in a database, too.
 OF_JOBS := jobs|streams|durable|deleting|edits|ephemeral|milestones|views|peers|quotas|crashes
@@ -99,9 +100,10 @@ image:
 openapi:
 	PIAD_WRITE_OPENAPI=1 cargo test --locked --test api the_file_is_what_a_server_says
 
-# The Python client against real servers.
+# The Python client against real servers, and what files of the clients and of the page import.
 python: $(VENV)/installed
 	@command -v openssl >/dev/null || $(INSTALL) openssl
+	$(PYTHON) tests/python/imports.py
 	$(PYTHON) -m mypy --cache-dir target/mypy --config-file clients/python/pyproject.toml clients/python/src
 	cd clients/python && PIAD_PROGRAM=$(CURDIR)/target/debug/piad $(CURDIR)/$(PYTHON) -m pytest -q -p no:cacheprovider
 

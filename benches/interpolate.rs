@@ -16,15 +16,14 @@ use std::time::Instant;
 use std::{fs, io};
 
 use clap::Parser;
-use piad_fit::basis::knots::Knots;
-use piad_fit::direction::{BasisChoice, DirectionChoice};
+use piad_fit::basis::{BasisChoice, Knots};
+use piad_fit::data::{Grid, Points};
+use piad_fit::engine::{
+    DirectionChoice, Iteration, Problem, Request, System, Tolerance, Weights, parameters,
+};
 use piad_fit::invalid::Axis;
-use piad_fit::iteration::Iteration;
 use piad_fit::method::Method;
-use piad_fit::parameters::{Parametrization, parameters};
-use piad_fit::points::{Grid, Points};
-use piad_fit::problem::{Problem, Request, Tolerance, Weights};
-use piad_fit::system::System;
+use piad_fit::parameters::Parametrization;
 
 /// As in the program.
 #[global_allocator]

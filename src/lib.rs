@@ -16,8 +16,7 @@
 //!
 //! - [`config`] — one struct: flags and `PIAD_*` variables;
 //! - [`piad_fit`] — the numerics, pure and deterministic, in a crate of their own: problems, bases, the one loop;
-//! - [`export`] — a fitted curve or surface as a file: STEP, IGES, OBJ, glTF, STL, DXF, SVG, CSV;
-//! - `import` — files of points: CSV, point clouds, airfoils;
+//! - [`piad_files`] — files of points in, files of geometry out, likewise;
 //! - [`model`] — what clients ask for, typed and without a wire;
 //! - `proto` — the messages of the contract, in which jobs travel and are stored;
 //! - `job` — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
@@ -36,9 +35,7 @@ pub mod access;
 pub mod api;
 pub mod command;
 pub mod config;
-pub mod export;
 pub(crate) mod files;
-pub(crate) mod import;
 pub(crate) mod job;
 pub(crate) mod log_throttle;
 pub mod model;

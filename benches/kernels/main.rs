@@ -24,10 +24,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Parser;
-use piad_fit::iteration::Iteration;
+use piad_fit::engine::sweep::{LEVELS, Plan, Sweep};
+use piad_fit::engine::{Iteration, System};
 use piad_fit::method::Method;
-use piad_fit::sweep::{LEVELS, Plan, Sweep};
-use piad_fit::system::System;
 use timing::{Candidate, medians};
 use traffic::Traffic;
 

@@ -3,13 +3,11 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use piad_fit::basis::knots::Knots;
-use piad_fit::direction::{BasisChoice, DirectionChoice};
+use piad_fit::basis::{BasisChoice, Knots};
+use piad_fit::data::{Grid, Points};
+use piad_fit::engine::{DirectionChoice, Problem, Request, System, Tolerance, Weights};
 use piad_fit::method::Method;
 use piad_fit::parameters::Parametrization;
-use piad_fit::points::{Grid, Points};
-use piad_fit::problem::{Problem, Request, Tolerance, Weights};
-use piad_fit::system::System;
 
 /// A rippled spiral in space.
 pub(crate) fn spiral(count: usize) -> Points {

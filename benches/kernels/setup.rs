@@ -4,12 +4,9 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Duration;
 
-use piad_fit::iteration::Iteration;
+use piad_fit::data::Grid;
+use piad_fit::engine::{Iteration, Problem, least_eigenvalue};
 use piad_fit::method::Method;
-use piad_fit::points::Grid;
-use piad_fit::problem::Problem;
-use piad_fit::spectrum;
-use piad_fit::tensor::Tensor;
 
 use super::problems;
 use super::timing::{Candidate, medians};
@@ -43,14 +40,14 @@ fn line(count: usize, time: Duration) {
         (
             "collocation",
             Box::new(|| {
-                black_box(Tensor::new(&problem));
+                black_box(problem.tensor());
             }),
         ),
         (
             "spectrum",
             Box::new(|| {
                 let tensor = system.collocation().tensor();
-                black_box(tensor.map(|tensor| spectrum::least_eigenvalue(&tensor.u)));
+                black_box(tensor.map(|tensor| least_eigenvalue(&tensor.u)));
             }),
         ),
         (

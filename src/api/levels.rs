@@ -19,8 +19,8 @@ use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
 use crate::job::state::{Levels, Status};
 use crate::model::stream::form::{Form, View};
-use piad_fit::foot;
-use piad_fit::foot::deviation::Deviation;
+use piad_fit::engine::foot;
+use piad_fit::engine::foot::Deviation;
 
 /// Bytes of memory for each data point while an input is written.
 const BYTES_PER_POINT: usize = 160;

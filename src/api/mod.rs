@@ -12,10 +12,11 @@
 //!   `levels`: inputs, iterations and results; `rates`: comparisons of bases;
 //! - `resuming`: where a stream goes on;
 //! - `problem`: errors (RFC 9457); `whole`: whole numbers in texts;
-//! - `fuzzing`: what fuzz targets call.
+//! - `fuzzing`: what fuzz targets call, in `fuzz/decoders`.
 
 pub(crate) mod app;
 #[cfg(any(test, fuzzing))]
+#[path = "../../fuzz/decoders/mod.rs"]
 pub mod fuzzing;
 mod grpc;
 pub(crate) mod http;

@@ -12,7 +12,6 @@ use crate::api::jobs;
 use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem, Words};
 use crate::config::Config;
-use crate::export::{self, ExportError, Format};
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
@@ -28,14 +27,14 @@ use crate::model::iteration::IterationChoice;
 use crate::model::job::{JobRequest, Limits};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::scattered::{FootPoints, no_base};
-use crate::model::short::quoted;
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
-use piad_fit::foot;
-use piad_fit::nurbs::Nurbs;
-use piad_fit::problem as fit;
-use piad_fit::system::System;
+use piad_files::export::{self, ExportError, Format};
+use piad_files::short::quoted;
+use piad_fit::engine as fit;
+use piad_fit::engine::{System, foot};
+use piad_fit::geometry::Nurbs;
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub(super) const PARSED_AT_ONCE: usize = 16 * 1024;

@@ -3,8 +3,8 @@
 use super::app::App;
 use super::order;
 use super::problem::Problem;
+use piad_fit::engine::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 use piad_fit::invalid::{Invalid, Place, one_for_each};
-use piad_fit::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 
 /// The part of an error that is left, if nothing else is asked for.
 pub(super) const USUAL_TOLERANCE: f64 = 1e-6;

@@ -9,8 +9,8 @@ use std::fmt;
 use super::whole::plain_number;
 use crate::job::Job;
 use crate::job::state::{Failure, State};
-use crate::model::short::quoted;
-use piad_fit::KERNEL;
+use piad_files::short::quoted;
+use piad_fit::engine::KERNEL;
 
 /// The id of the last event.
 pub(crate) const END: &str = "end";

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use crate::files;
-use crate::model::short::without_mark;
+use piad_files::short::without_mark;
 
 /// What an input is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,9 +10,9 @@ use crate::api::json::request::file::{self, FileHints};
 use crate::api::json::request::path::{insert, insert_value};
 use crate::config::fit_arguments::FitArguments;
 use crate::files;
-use crate::import::Hints;
 use crate::model::stream::Samples;
-use piad_fit::points::Grid;
+use piad_files::import::Hints;
+use piad_fit::data::Grid;
 
 /// The field of a request with a file of points that says how many rows and columns there are.
 pub(super) const SIZE: &str = "surface.size";

@@ -13,7 +13,7 @@ use tempfile::NamedTempFile;
 use super::failure::Failure;
 use super::point_kind::PointKind;
 use crate::config::fit_arguments::FitArguments;
-use crate::export::{Format, check_shape};
+use piad_files::export::{Format, check_shape};
 
 /// The format of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

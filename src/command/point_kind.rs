@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::input::{Content, Input};
 use super::pointer;
-use crate::import::{self, Hints, Kind};
+use piad_files::import::{self, Hints, Kind};
 
 /// What points are of, and how many coordinates they have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

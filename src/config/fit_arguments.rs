@@ -6,9 +6,9 @@ use bytesize::ByteSize;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueHint};
 
-use crate::export::Unit;
 use crate::model::named::Named;
 use crate::model::stream::Samples;
+use piad_files::export::Unit;
 
 /// What is told below the flags.
 const MORE: &str = "\

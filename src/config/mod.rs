@@ -32,7 +32,7 @@ use values::{duration, host_name, seconds, some_seconds};
 use crate::job::store::StorePlace;
 use crate::job::store::shared::Settings;
 use crate::model::job::Limits;
-use piad_fit::admission::Admission;
+use piad_fit::engine::Admission;
 
 /// The settings of a server.
 #[derive(Args, Clone, Debug)]

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 
 use super::memory::{Cache, Charge};
-use piad_fit::iteration::Iteration;
+use piad_fit::engine::Iteration;
 
 /// The most that are kept of an iteration.
 const MOST: usize = 8;

@@ -6,10 +6,8 @@ use super::content::Content;
 use super::encoding_cache::EncodingCache;
 use super::memory::{Cache, Charge};
 use super::store::StoreError;
-use piad_fit::geometry::Geometry;
-use piad_fit::iteration::{Iteration, Level};
-use piad_fit::points::Points;
-use piad_fit::problem::Problem;
+use piad_fit::data::Points;
+use piad_fit::engine::{Geometry, Iteration, Level, Problem};
 
 /// One level of a fit.
 #[derive(Debug)]

@@ -11,11 +11,9 @@ use crate::job::quota::Amount;
 use crate::job::state::Levels;
 use crate::job::tenant::Tenant;
 use crate::model::stream::StreamSpec;
-use piad_fit::KERNEL;
+use piad_fit::data::Grid;
+use piad_fit::engine::{KERNEL, Problem, Warning};
 use piad_fit::method::Method;
-use piad_fit::points::Grid;
-use piad_fit::problem::Problem;
-use piad_fit::warning::Warning;
 
 /// A job without its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

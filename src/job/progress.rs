@@ -2,8 +2,7 @@
 
 use super::outline::Outline;
 use super::state::{Levels, State, Status};
-use piad_fit::termination::Reason;
-use piad_fit::warning::Warning;
+use piad_fit::engine::{Reason, Warning};
 
 impl Status {
     /// Why it ended, in words, where the state does not say it.

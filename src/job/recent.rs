@@ -11,7 +11,7 @@ use uuid::Uuid;
 use super::Job;
 use super::memory::{Cache, Charge};
 use super::run::{Run, SharedSystem};
-use piad_fit::system::System;
+use piad_fit::engine::System;
 
 /// The last jobs to end, up to so many bytes.
 #[derive(Debug)]

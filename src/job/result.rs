@@ -3,10 +3,8 @@
 use std::sync::Arc;
 
 use super::frame::Frame;
-use piad_fit::bases::Bases;
-use piad_fit::iteration::Level;
-use piad_fit::points::Points;
-use piad_fit::problem::Problem;
+use piad_fit::data::Points;
+use piad_fit::engine::{Bases, Level, Problem};
 
 /// The geometry of the last level of a job.
 #[derive(Clone, Debug)]

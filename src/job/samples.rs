@@ -5,13 +5,11 @@ use std::sync::Arc;
 use crate::job::outline::{Label, Outline};
 use crate::job::state::Status;
 use crate::job::store::Record;
-use piad_fit::basis::knots::Knots;
-use piad_fit::direction::{BasisChoice, DirectionChoice};
-use piad_fit::ends::{End, Ends};
+use piad_fit::basis::{BasisChoice, End, Ends, Knots};
+use piad_fit::data::{Grid, Points};
+use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance, Weights};
 use piad_fit::method::Method;
 use piad_fit::parameters::Parametrization;
-use piad_fit::points::{Grid, Points};
-use piad_fit::problem::{Problem, Request, Tolerance, Weights};
 
 /// A curve through 20 points of a sine.
 pub(crate) fn problem() -> Problem {

@@ -28,7 +28,7 @@ use tracing::error;
 use super::peer::Peer;
 use super::turns::{PeerQueue, Turns};
 use crate::trim;
-use piad_fit::interrupt::{self, Interrupted};
+use piad_fit::engine::interrupt::{self, Interrupted};
 
 /// How long a piece of work may run before the next one gets its turn.
 const SLICE: Duration = Duration::from_millis(2);

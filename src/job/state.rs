@@ -6,9 +6,8 @@ use std::str::FromStr;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use piad_fit::iteration::Level;
-use piad_fit::system::Forecast;
-pub(crate) use piad_fit::termination::Reason;
+pub(crate) use piad_fit::engine::Reason;
+use piad_fit::engine::{Forecast, Level};
 
 /// Where a job is in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -7,8 +7,7 @@ use super::either::{object, whole};
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::named::{Named, Rule, names, rules};
 use super::schema::{self, schema_of};
-use piad_fit::basis::{MAX_DEGREE, Polynomial, knots::Knots};
-use piad_fit::direction::BasisChoice;
+use piad_fit::basis::{BasisChoice, Knots, MAX_DEGREE, Polynomial};
 use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::parameters::Parametrization;
 

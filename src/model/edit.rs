@@ -15,16 +15,15 @@ use super::method::MethodInput;
 use super::mistakes::{ChangePart, Mistake, Mistakes, OrMistakes, SpecPart};
 use super::numbers::{NewWeights, Point};
 use super::per_direction::PerDirection;
-use super::points::Coordinates;
 use super::schema;
 use super::settings::Index;
 use super::stop::StopRules;
 use super::stream::StreamSpec;
 use super::weights::{Rational, Resolved, check_unused};
-use piad_fit::direction::DirectionChoice;
+use piad_files::json::Coordinates;
+use piad_fit::data::Points;
+use piad_fit::engine::{DirectionChoice, Problem, Request, Weights};
 use piad_fit::invalid::{self as fit, Invalid};
-use piad_fit::points::Points;
-use piad_fit::problem::{Problem, Request, Weights};
 
 /// The most characters of the name of a drag.
 pub(crate) const LONGEST_SESSION: usize = 100;

@@ -8,18 +8,17 @@ use serde::{Deserialize, Serialize};
 use super::either::object;
 use super::method::MethodInput;
 use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
-use super::points::check_count;
 use super::scattered::{FootPoints, no_base, on_surface};
 use super::schema;
 use super::shape::{CurveInput, SurfaceInput};
 use super::stop::StopRules;
 use super::stream::StreamSpec;
 use super::weights::Rational;
-use piad_fit::admission::Admission;
+use piad_files::json::check_count;
+use piad_fit::data::Grid;
+use piad_fit::engine::{Admission, Problem, Request};
+use piad_fit::geometry::Nurbs;
 use piad_fit::invalid as fit;
-use piad_fit::nurbs::Nurbs;
-use piad_fit::points::Grid;
-use piad_fit::problem::{Problem, Request};
 
 /// The most characters of a name.
 pub const LONGEST_NAME: usize = 200;

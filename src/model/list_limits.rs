@@ -9,26 +9,15 @@ use std::marker::PhantomData;
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 
 use super::either::below;
+use piad_files::json::ListLimits;
 use piad_fit::basis::MAX_DEGREE;
 
 /// Knot vectors, and weights of control points, are longer than lists with a number for each data point by at
 /// most as many numbers as this.
 pub(crate) const EXTRA: usize = 2 * (MAX_DEGREE + 1);
 
-/// Shorter lists grow as they like.
-pub(super) const LONG: usize = 1024;
-
 thread_local! {
     static CURRENT: Cell<ListLimits> = const { Cell::new(ListLimits::NONE) };
-}
-
-/// The limits of the lists in a text.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ListLimits {
-    /// The most data points.
-    pub(super) points: usize,
-    /// As many elements as the lists in the text can have together; 0 if that is not known.
-    pub(super) elements: usize,
 }
 
 /// Brings the limits before back, also if the stack is unwound.
@@ -40,46 +29,20 @@ impl Drop for Scope {
     }
 }
 
-impl ListLimits {
-    const NONE: Self = Self {
-        points: usize::MAX,
-        elements: 0,
-    };
+/// Reads something within these limits.
+pub(crate) fn within<T>(limits: ListLimits, read: impl FnOnce() -> T) -> T {
+    let _scope = Scope(CURRENT.replace(limits));
+    read()
+}
 
-    /// The limits of lists in this JSON, which is about at most as many points as `points`.
-    pub(crate) fn new(text: &[u8], points: usize) -> Self {
-        let commas = memchr::memchr_iter(b',', text).count();
-        Self {
-            points,
-            elements: commas + 1,
-        }
-    }
+/// The limits of this thread.
+pub(super) fn current() -> ListLimits {
+    CURRENT.get()
+}
 
-    /// Reads something within these limits.
-    pub(crate) fn within<T>(self, read: impl FnOnce() -> T) -> T {
-        let _scope = Scope(CURRENT.replace(self));
-        read()
-    }
-
-    /// Those that hold for this thread.
-    pub(super) fn current() -> Self {
-        CURRENT.get()
-    }
-
-    /// The most numbers of a list that has `each` of them for a data point.
-    pub(super) fn numbers(self, each: usize) -> usize {
-        self.points.saturating_mul(each).saturating_add(EXTRA)
-    }
-
-    /// Makes room for all that can follow in a list that has become long. If it doubled instead, it would be
-    /// in memory three times while it is moved; memory that is not written to costs nothing.
-    pub(super) fn make_room<T>(self, list: &mut Vec<T>, most: usize) {
-        if list.len() == list.capacity() && list.len() >= LONG {
-            let more = most.min(self.elements).saturating_sub(list.len());
-            // Without so much memory it doubles.
-            let _ = list.try_reserve_exact(more);
-        }
-    }
+/// The most numbers of a list that has `each` of them for a data point.
+pub(super) fn most_numbers(limits: ListLimits, each: usize) -> usize {
+    limits.points.saturating_mul(each).saturating_add(EXTRA)
 }
 
 /// Says that a list is too long.
@@ -95,7 +58,7 @@ pub(super) fn for_points<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 
     impl<'de, T: Deserialize<'de>> Deserialize<'de> for ForPoints<T> {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            read(deserializer, ListLimits::current().points).map(Self)
+            read(deserializer, current().points).map(Self)
         }
     }
 
@@ -105,7 +68,7 @@ pub(super) fn for_points<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 
 /// Reads a list with a number for each data point, and maybe some more, as knots are.
 pub(super) fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
-    read(deserializer, ListLimits::current().numbers(1))
+    read(deserializer, most_numbers(current(), 1))
 }
 
 /// Reads a list of at most so many elements.
@@ -123,7 +86,7 @@ fn read<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
         }
 
         fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Vec<T>, A::Error> {
-            let (limits, most) = (ListLimits::current(), self.0);
+            let (limits, most) = (current(), self.0);
             let mut elements = Vec::new();
             while let Some(element) = list.next_element()? {
                 if elements.len() == most {
@@ -142,6 +105,7 @@ fn read<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 
 #[cfg(test)]
 mod tests {
+    use piad_files::json::LONG;
     use serde_json::Deserializer as Json;
 
     use super::*;
@@ -149,7 +113,7 @@ mod tests {
     fn read_numbers(text: &str, points: usize) -> Result<Vec<f64>, String> {
         let limits = ListLimits::new(text.as_bytes(), points);
         let read = || numbers(&mut Json::from_str(text)).map_err(|error| error.to_string());
-        limits.within(read)
+        within(limits, read)
     }
 
     #[test]
@@ -159,11 +123,11 @@ mod tests {
         assert_eq!((numbers.len(), numbers.capacity()), (10_000, 10_000));
         let limits = ListLimits::new(text.as_bytes(), 10_000);
         let mut list = vec![0.0; LONG];
-        limits.make_room(&mut list, limits.numbers(1));
+        limits.make_room(&mut list, most_numbers(limits, 1));
         assert_eq!(list.capacity(), 10_000);
         // Without limits it grows as it likes.
-        ListLimits::current().make_room(&mut list, usize::MAX);
-        assert_eq!(ListLimits::current().points, usize::MAX);
+        current().make_room(&mut list, usize::MAX);
+        assert_eq!(current().points, usize::MAX);
     }
 
     #[test]

@@ -7,8 +7,9 @@ use std::sync::Arc;
 use serde::de::{DeserializeSeed, Deserializer, Error, SeqAccess, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::list_limits::{ListLimits, too_many};
-use piad_fit::points::{Grid, MAX_DIMENSION, Points};
+use super::list_limits::{current, most_numbers, too_many};
+use piad_files::json::ListLimits;
+use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 
 /// A number, or numbers in lists within lists, all of a level of the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,14 +36,14 @@ impl Lists {
         each: usize,
     ) -> Result<Self, D::Error> {
         let mut lists = Self::default();
-        let limits = ListLimits::current();
+        let limits = current();
         deserializer.deserialize_any(Level {
             lists: &mut lists,
             level: 0,
             expected,
             may_be_number,
             limits,
-            most: limits.numbers(each),
+            most: most_numbers(limits, each),
         })?;
         lists.values.shrink_to_fit();
         Ok(lists)

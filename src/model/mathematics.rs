@@ -1,13 +1,11 @@
 //! What is wrong with a fitting problem, as far as one mistake does not follow from another.
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
-use piad_fit::admission::Admission;
-use piad_fit::basis::knots::Knots;
-use piad_fit::direction::{BasisChoice, DirectionChoice};
+use piad_fit::basis::{BasisChoice, Knots};
+use piad_fit::engine::{Admission, DirectionChoice, Problem, Request, Weights};
 use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::method::{LeastSquares, Method};
 use piad_fit::parameters::Parametrization;
-use piad_fit::problem::{Problem, Request, Weights};
 
 /// Of problems with so many points more than one mistake is looked for, which takes a copy.
 const MOST_COPIED: usize = 10_000;

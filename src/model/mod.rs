@@ -8,13 +8,14 @@
 //!   wrong with the fitting problem;
 //! - `either`: readers of what has several forms; `per_direction`: one value for both directions of a surface, or
 //!   one for each; `lists`: numbers in lists, and `list_limits`: how long they get; `named`: enumerations whose
-//!   values have names; `short`: texts of clients, cut;
+//!   values have names; `files`: those of choices about files;
 //! - `schema`, `numbers`: schemas that are not derived.
 
 pub(crate) mod basis;
 pub(crate) mod edit;
 pub(crate) mod either;
 pub(crate) mod ends;
+mod files;
 pub(crate) mod iteration;
 pub mod job;
 pub(crate) mod list_limits;
@@ -30,7 +31,6 @@ pub mod scattered;
 pub(crate) mod schema;
 pub(crate) mod settings;
 pub(crate) mod shape;
-pub(crate) mod short;
 pub(crate) mod stop;
 pub(crate) mod stream;
 pub(crate) mod weights;

@@ -5,7 +5,7 @@ use schemars::json_schema;
 use super::per_direction::Pair;
 use super::points::{PointGrid, PointList};
 use super::schema::schema_of;
-use piad_fit::points::MAX_DIMENSION;
+use piad_fit::data::MAX_DIMENSION;
 
 /// A data point.
 pub(crate) enum Point {}

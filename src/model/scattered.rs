@@ -17,11 +17,9 @@ use super::mistakes::{Mistake, SpecPart};
 use super::named::{Named, Rule, names};
 use super::per_direction::PerDirection;
 use super::schema::schema_of;
-use piad_fit::foot::foot_points;
-use piad_fit::nurbs::Nurbs;
-use piad_fit::parameters::Parametrization;
-use piad_fit::points::Points;
-use piad_fit::scattered::{CoordinatePlane, Scattered};
+use piad_fit::data::Points;
+use piad_fit::geometry::{Nurbs, foot_points};
+use piad_fit::parameters::{CoordinatePlane, Parametrization, Scattered};
 
 /// The parameters of the data points of a surface.
 #[derive(Clone, Debug)]

@@ -7,8 +7,8 @@ use schemars::{Schema, json_schema};
 use serde_json::{Value, json};
 
 use super::named::Named;
-use piad_fit::about::About;
 use piad_fit::basis::BASES;
+use piad_fit::engine::About;
 
 /// Gives a type, or a name that stands for a schema, the schema that is written down.
 macro_rules! schema_of {

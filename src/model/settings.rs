@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::either::{AtMost, Whole, number_or_word};
 use super::lists::{Lists, PointNumbers};
 use super::schema::schema_of;
+use piad_fit::data::Grid;
 use piad_fit::method::{self as fit, LARGEST, Threshold};
-use piad_fit::points::Grid;
 
 number_or_word!(
     /// A relaxation: a number, or `"auto"` without one.

@@ -17,13 +17,11 @@ use super::scattered::{FootPoints, SurfaceParameters};
 use super::schema;
 use super::weights::{self, Rational, Resolved, check_unused};
 use piad_fit::basis::MAX_DEGREE;
-use piad_fit::direction::DirectionChoice;
+use piad_fit::data::{Grid, Points};
+use piad_fit::engine::{DirectionChoice, Request, Weights};
 use piad_fit::invalid::Axis;
 use piad_fit::method::Method;
-use piad_fit::parameters::Parametrization;
-use piad_fit::points::{Grid, Points};
-use piad_fit::problem::{Request, Weights};
-use piad_fit::scattered::Scattered;
+use piad_fit::parameters::{Parametrization, Scattered};
 
 /// A curve through data points.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]

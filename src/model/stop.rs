@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::either::{object, whole};
 use super::mistakes::{Mistake, Mistakes, SpecPart};
 use super::schema;
+use piad_fit::engine::{Request, Tolerance};
 use piad_fit::invalid as fit;
-use piad_fit::problem::{Request, Tolerance};
 
 /// The last iteration that is computed if nobody says it, and the server computes as many.
 pub(crate) const DEFAULT_ITERATIONS: usize = 1000;

@@ -6,10 +6,9 @@ use super::lists::PointNumbers;
 use super::mistakes::{Mistake, OrMistakes, SpecPart};
 use super::named::names;
 use super::per_direction::PerDirection;
-use piad_fit::direction::DirectionChoice;
+use piad_fit::data::Grid;
+use piad_fit::engine::{DirectionChoice, Request, Weights};
 use piad_fit::invalid::{self as fit, Axis, Invalid};
-use piad_fit::points::Grid;
-use piad_fit::problem::{Request, Weights};
 
 /// How weights are used: in homogeneous coordinates, so that the weights of the control points
 /// evolve with them, or as a part of the basis, so that they stay.

@@ -7,8 +7,7 @@ use super::values::{chosen, count, known, value};
 use crate::model::basis::{Basis, BasisKind, KnotsInput, ParametersInput};
 use crate::model::mistakes::Mistake;
 use crate::model::named::{Named, Rule};
-use piad_fit::basis::knots::Knots;
-use piad_fit::direction::BasisChoice;
+use piad_fit::basis::{BasisChoice, Knots};
 use piad_fit::parameters::Parametrization;
 
 const KINDS: [(BasisKind, pb::BasisKind); 4] = [

@@ -6,9 +6,9 @@ use super::messages as pb;
 use super::values::known;
 use crate::model::ends::check_orders;
 use crate::model::mistakes::Mistake;
-use piad_fit::ends::{End, Ends};
+use piad_fit::basis::{End, Ends};
+use piad_fit::data::Points;
 use piad_fit::invalid::Side;
-use piad_fit::points::Points;
 
 /// The ends that a message asks for; `boundary` is the number of data points on a boundary and that of
 /// their coordinates.

@@ -21,11 +21,9 @@ use crate::model::shape::{CurveInput, SurfaceInput};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::Rational;
-use piad_fit::direction::DirectionChoice;
-use piad_fit::parameters::Parametrization;
-use piad_fit::points::{Grid, MAX_DIMENSION, Points};
-use piad_fit::problem::{Request, Tolerance, Weights};
-use piad_fit::scattered::{CoordinatePlane, Scattered};
+use piad_fit::data::{Grid, MAX_DIMENSION, Points};
+use piad_fit::engine::{DirectionChoice, Request, Tolerance, Weights};
+use piad_fit::parameters::{CoordinatePlane, Parametrization, Scattered};
 
 const RATIONALS: [(Rational, pb::Rational); 2] = [
     (Rational::Homogeneous, pb::Rational::Homogeneous),

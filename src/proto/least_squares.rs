@@ -7,11 +7,11 @@ use crate::model::method::counts::ControlPointCount;
 use crate::model::method::{ConstraintInput, EndPointsInput, LeastSquaresInput, VariantKind};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::per_direction::PerDirection;
+use piad_fit::data::Points;
 use piad_fit::invalid::{Axis, Place, Side};
 use piad_fit::method::{
     AS_MANY_AS_DATA, At, Constraint, EndPoints, LeastSquares, MOST_CONDITIONS, Variant, Wanted,
 };
-use piad_fit::points::Points;
 
 const VARIANTS: [(VariantKind, m::Variant); 4] = [
     (VariantKind::Cg, m::Variant::Cg),

@@ -12,13 +12,13 @@ use crate::model::method::{
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::per_direction::PerDirection;
 use crate::model::settings::{self, Matrix, Thresholds};
+use piad_fit::data::Grid;
+use piad_fit::engine::Forecast;
 use piad_fit::invalid::{Axis, Place, Setting};
 use piad_fit::method::{
     Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
     Weighted,
 };
-use piad_fit::points::Grid;
-use piad_fit::system::Forecast;
 
 const STARTS: [(StartInput, m::Start); 2] = [
     (StartInput(Start::Transformed), m::Start::Transformed),

@@ -3,7 +3,7 @@
 use crate::model::lists::PointNumbers;
 use crate::model::mistakes::Mistake;
 use crate::model::settings::Index;
-use piad_fit::points::Grid;
+use piad_fit::data::Grid;
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,7 @@
 //! Results and iterations as files, over HTTP. What stands in them is checked with the export itself,
 //! and by other people's software.
 
-use piad::export::Format;
+use piad_files::export::Format;
 use serde_json::{Value, json};
 
 use crate::data;

@@ -248,7 +248,7 @@ async fn boundaries_have_a_number_of_control_points() {
             "constraints": [{"at": {"boundary": "u_start"}, "control_points": row}],
         },
     });
-    let reason = "with control_points \"auto\" the knots along a boundary change";
+    let reason = "changes the knots along a boundary from level to level";
     server
         .assert_refused(&job, "/method/constraints/0", reason)
         .await;

@@ -4,18 +4,13 @@ use std::sync::Arc;
 
 use jiff::Timestamp;
 use piad::config::Config;
-use piad::export::nurbs::KnotVector;
-use piad::export::{Fitted, Nurbs};
 use piad::model::job::JobRequest;
 use piad::model::scattered::no_base;
-use piad_fit::basis::bspline;
-use piad_fit::direction::Direction;
-use piad_fit::geometry::Geometry;
-use piad_fit::iteration::Iteration;
-use piad_fit::points::Points;
-use piad_fit::problem::Problem;
-use piad_fit::samples::Uniform;
-use piad_fit::system::System;
+use piad_files::export::nurbs::KnotVector;
+use piad_files::export::{Fitted, Nurbs};
+use piad_fit::data::Points;
+use piad_fit::engine::samples::Uniform;
+use piad_fit::engine::{Direction, Geometry, Iteration, Problem, System, bspline};
 use serde_json::{Value, json};
 
 /// The end of a fit.

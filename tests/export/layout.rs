@@ -1,6 +1,6 @@
 //! What every file of a format must be like, by its standard.
 
-use piad::export::Format;
+use piad_files::export::Format;
 use serde_json::Value;
 
 pub fn check(format: Format, file: &[u8]) {

@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use fitting::Fit;
-use piad::export::{self, ExportError, Format};
+use piad_files::export::{self, ExportError, Format};
 use serde_json::{Value, json};
 
 fn folder() -> PathBuf {
@@ -64,7 +64,7 @@ fn every_kind_of_fit_is_written_in_every_format() {
 fn the_exported_spline_is_the_fit() {
     for case in cases::all() {
         let fit = Fit::new(&case.job);
-        let nurbs = piad::export::nurbs::checked(&fit.problem, &fit.control_points).unwrap();
+        let nurbs = piad_files::export::nurbs::checked(&fit.problem, &fit.control_points).unwrap();
         let worst = fit.largest_difference(&nurbs);
         assert!(worst < 1e-13, "{}: {worst:e}", case.file);
     }
@@ -149,7 +149,7 @@ fn samples_are_as_many_as_asked_for() {
             .job,
     );
     let mut fitted = fit.fitted();
-    fitted.options.samples = Some(piad_fit::points::Grid {
+    fitted.options.samples = Some(piad_fit::data::Grid {
         rows: 3,
         columns: 5,
     });

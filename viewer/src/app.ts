@@ -2,7 +2,7 @@
 
 import type { Client, Job, api } from "piad";
 
-import type { Fit } from "./fit/fit.js";
+import type { Fits } from "./fit/fits.js";
 import type { View } from "./state.js";
 import type { Store } from "./store.js";
 
@@ -25,14 +25,6 @@ export interface App {
   say(sentence: string, kind?: "info" | "error"): void;
   /** Takes the error off the screen that was said last: its cause is gone. */
   forget(): void;
-}
-
-/** The jobs on the screen. */
-export interface Fits {
-  readonly shown: readonly Fit[];
-  of(id: string): Fit | undefined;
-  /** Calls when jobs come, go on or go, at most once a frame. */
-  subscribe(listener: () => void): () => void;
 }
 
 /** A part of the page. It takes the element over that it is given. */

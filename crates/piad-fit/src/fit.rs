@@ -6,20 +6,21 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::basis::knots::Knots;
-use super::choice::{BasisChoice, DirectionChoice};
-use super::ends::Ends;
-use super::input::{IntoGrid, IntoPoints};
 use super::invalid::Invalid;
 use super::iteration::Iteration;
 use super::method::{AS_MANY_AS_DATA, LeastSquares, Method};
-use super::norms::FitError;
 use super::parameters::Parametrization;
-use super::points::{Grid, Points};
-use super::problem::{Problem, Request, Tolerance, Weights};
-use super::scattered::Scattered;
+use super::problem::Problem;
 use super::shape::{Curve, Shape, Surface};
-use super::system::System;
 use super::termination::Outcome;
+use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::basis::end_conditions::Ends;
+use crate::data::points::{Grid, Points};
+use crate::data::{IntoGrid, IntoPoints};
+use crate::geometry::norms::FitError;
+use crate::iteration::system::System;
+use crate::parameters::scattered::Scattered;
+use crate::problem::request::{Request, Tolerance, Weights};
 
 /// The degree of B-splines where none is given.
 const DEGREE: usize = 3;
@@ -343,6 +344,20 @@ impl<S: Shape> Level<S> {
 
     fn shape(&self) -> S {
         S::of(&self.problem, &self.control_points, self.error)
+    }
+}
+
+impl<S> Level<S> {
+    /// The problem that is fitted, as piad-files needs it.
+    #[doc(hidden)]
+    pub fn problem(&self) -> &Arc<Problem> {
+        &self.problem
+    }
+
+    /// The control points that move, likewise; in homogeneous coordinates if the fit is.
+    #[doc(hidden)]
+    pub fn control_points(&self) -> &Arc<Points> {
+        &self.control_points
     }
 }
 

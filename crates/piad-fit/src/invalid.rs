@@ -115,11 +115,11 @@ impl Invalid {
         Self::at(Place::ControlPoints(axis), detail)
     }
 
-    /// A fit within a tolerance is to have a basis or knots of the client's choice.
+    /// The basis or the knots are given of a fit that chooses its knots.
     pub(super) fn automatic_knots(axis: Axis) -> Self {
         Self::at(
             Place::Basis(axis),
-            "with control_points \"auto\" the fit chooses the knots of a B-spline by itself: the basis is bspline, and knots are left out",
+            "a fit that chooses the number of its control points chooses the knots of a B-spline, too: no other basis and no knots can be given",
         )
     }
 

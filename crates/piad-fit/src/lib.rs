@@ -15,7 +15,7 @@
 //! loop with `B = B_u ⊗ B_v`, which is never formed: `Δ = P − B_u X B_vᵀ`. A homogeneous fit is the
 //! same loop with one coordinate more, the weight.
 //!
-//! # Words
+//! # Terms
 //!
 //! - *Data points* P, n of a curve and n × m of a surface; *control points* X: those of the curve.
 //!   *Free* control points move; end copies repeat them.
@@ -60,32 +60,22 @@
 //!
 //! More of them: [`programs`].
 //!
-//! # Vocabulary, in the order in which a fit is made
+//! # Map, in the order in which a fit is made
 //!
-//! - [`points`]: ordered data points and control points, coordinate by coordinate;
+//! - [`Fit`]: what is requested; [`Prepared`]: what can be iterated; [`Curve`], [`Surface`]: what comes out;
+//! - [`data`]: points, grids of points, missing ones, weights;
 //! - [`parameters`]: where on the curve each data point lies;
-//! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline, with [`basis::knots`];
-//! - [`direction`]: a basis at the parameters, closed or with weights if asked for;
-//! - [`ends`]: how it ends, with knots at the data;
-//! - `missing`: grids with holes;
-//! - `collocation` and [`tensor`]: `B` as banded or dense operator, and tensor products, over
-//!   `linear`;
-//! - [`spectrum`]: eigenvalues and rates;
-//! - [`method`]: the methods, each with its settings, level 0, transform U, stop rule and forecast;
-//! - [`admission`]: what a fit may take; [`interrupt`]: ends what nobody waits for;
-//! - [`problem`]: a validated fitting problem, a `setup` with a method; [`invalid`]: everything
-//!   that can be wrong with one;
-//! - [`system`]: a problem with its collocation matrix and its transform, ready to be iterated;
-//! - `blocks`, [`norms`], [`iteration`]: the loop, its errors and its stop rules;
-//!   `forecast`, `convergence`, `decay`: when it will end;
-//! - `plain`, [`sweep`]: the loop as it is written down, and at the speed of the memory;
-//! - `between`: what it does between its data;
-//! - [`geometry`]: the curve or surface of some control points; [`samples`]: points of it;
-//! - [`nurbs`]: the same as CAD kernels store it, whatever its basis;
-//! - [`foot`]: the points of a surface that are nearest to others;
-//! - [`limit`]: where local fits end, in closed form;
-//! - `tolerance`: as few control points as a tolerance needs;
-//! - [`warning`]: what is doubtful about a fit.
+//! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline; knots and end conditions;
+//! - `linear`: banded, dense and sparse matrices and their factorizations;
+//! - `matrix`: the collocation matrix B as an operator, its eigenvalues and the rates that follow;
+//! - `ends`: control points that the end conditions determine;
+//! - `setup`: what is fitted, whatever the method; [`geometry`]: evaluation, NURBS form, samples, distances;
+//! - [`method`]: a file for each method: its settings, level 0, transform U, stop rule and forecast;
+//! - `knot_selection`: as few control points as a tolerance needs;
+//! - `problem`: validation, sizes and admission; [`invalid`]: what is wrong with a request; `warning`: what is doubtful;
+//! - `iteration`: the loop, sweeps over memory, termination and predictions.
+//!
+//! Folders use those above them in this list, and not those below.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,
 //! Comput. Math. Appl. 50 (2005) — **LBW05**; Lin, Wang, Dong, *Constructing iterative non-uniform
@@ -96,91 +86,34 @@
 //! of a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl,
 //! Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
-/// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
-/// after which any level of any problem has other bits.
-#[doc(hidden)]
-pub const KERNEL: u32 = 2;
-
-#[doc(hidden)]
-pub mod about;
-#[doc(hidden)]
-pub mod admission;
-#[doc(hidden)]
-pub mod aligned;
-mod automatic;
-mod bands;
-#[doc(hidden)]
-pub mod bases;
+pub(crate) mod about;
 pub mod basis;
-mod between;
-mod blocks;
-mod bounds;
-mod choice;
-pub(crate) mod collocation;
-mod construction;
-mod convergence;
-mod decay;
-pub mod direction;
-mod divergence;
-pub mod ends;
-mod equations;
-pub mod fit;
-mod fold;
+pub mod data;
+pub(crate) mod ends;
 #[doc(hidden)]
-pub mod foot;
-mod forecast;
-mod functional;
+pub mod engine;
+mod fit;
 pub mod geometry;
-pub mod input;
-#[doc(hidden)]
-pub mod interrupt;
+pub(crate) mod interrupt;
 pub mod invalid;
-pub mod iteration;
-#[doc(hidden)]
-pub mod limit;
+pub(crate) mod iteration;
+pub(crate) mod knot_selection;
 pub(crate) mod linear;
+pub(crate) mod matrix;
 pub mod method;
-pub(crate) mod missing;
-mod monotonic;
-mod no_data;
-pub mod norms;
-pub mod nurbs;
-pub(crate) mod operator;
 pub mod parameters;
-mod plain;
-#[doc(hidden)]
-pub mod point_order;
-pub mod points;
-pub mod problem;
+pub(crate) mod problem;
 pub mod programs;
 #[cfg(test)]
 mod properties;
-mod quadrature;
-mod quantiles;
-#[doc(hidden)]
-pub mod rates;
-mod request;
-pub mod samples;
-pub mod scattered;
 pub(crate) mod setup;
-pub mod shape;
-mod sparse;
-pub mod spectrum;
-pub mod sweep;
-pub mod system;
-pub mod tensor;
-#[doc(hidden)]
-pub mod termination;
-pub(crate) mod tolerance;
-mod transform;
-#[doc(hidden)]
-pub mod warning;
-mod weights;
+mod shape;
+pub(crate) mod termination;
+pub(crate) mod warning;
 
+pub use data::{Grid, Points};
 pub use fit::{Fit, Level, Levels, NotConverged, Prepared};
+pub use geometry::{FitError, KnotVector, Nurbs};
 pub use invalid::Invalid;
 pub use method::Method;
-pub use norms::FitError;
-pub use nurbs::{KnotVector, Nurbs};
-pub use points::{Grid, Points};
-pub use shape::{Curve, Surface};
+pub use shape::{Curve, Shape, Surface};

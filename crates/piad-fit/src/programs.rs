@@ -116,7 +116,7 @@
 //!
 //! ```
 //! use piad_fit::Fit;
-//! use piad_fit::scattered::{CoordinatePlane, Scattered};
+//! use piad_fit::parameters::{CoordinatePlane, Scattered};
 //!
 //! let part = |i: u32, step: f64| (f64::from(i) * step).fract();
 //! let place = |i: u32| [part(i, 0.7549), part(i, 0.5698)];

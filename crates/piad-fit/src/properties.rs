@@ -6,14 +6,16 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::basis::{Polynomial, knots::Knots};
-use super::direction::{BasisChoice, DirectionChoice};
-use super::geometry::Geometry;
-use super::iteration::{Iteration, Outcome};
+use super::iteration::Iteration;
 use super::method::Method;
 use super::parameters::Parametrization;
-use super::points::{Grid, Points};
-use super::problem::{Problem, Request, Tolerance, Weights};
-use super::system::System;
+use super::problem::Problem;
+use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::data::points::{Grid, Points};
+use crate::geometry::evaluation::Geometry;
+use crate::iteration::system::System;
+use crate::problem::request::{Request, Tolerance, Weights};
+use crate::termination::Outcome;
 
 /// A basis of one direction that PIA converges quickly with.
 fn basis() -> impl Strategy<Value = BasisChoice> {

@@ -2,11 +2,14 @@
 
 use std::sync::Arc;
 
-use super::bounds::Extent;
-use super::direction::Direction;
 use super::ends::offsets::Offsets;
-use super::missing::Missing;
-use super::points::{self, Grid, Points};
+use crate::basis::direction::Direction;
+use crate::data::bounds::Extent;
+use crate::data::missing::Missing;
+use crate::data::points::{self, Grid, Points};
+use crate::matrix::operator::Operator;
+use crate::matrix::sparse::Sparse;
+use crate::matrix::tensor::Tensor;
 
 /// How many eliminations are counted for the preparation of a fit: λ_min takes some, and the method
 /// one more.
@@ -56,6 +59,19 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// The collocation matrix.
+    pub(super) fn collocation(&self) -> Operator {
+        match &self.v {
+            Some(v) if self.scattered => Operator::Sparse(Arc::new(Sparse::new(&self.u, v))),
+            _ => Operator::Tensor(Arc::new(self.tensor())),
+        }
+    }
+
+    /// The collocation matrices of the directions of a curve or a grid.
+    pub fn tensor(&self) -> Tensor {
+        Tensor::new(self.grid, &self.u, self.v.as_ref())
+    }
+
     /// The points that the curve approaches; of a surface row by row. In homogeneous fits they
     /// are `(w_i P_i, w_i)`, with one coordinate more than the data.
     pub fn data(&self) -> &Arc<Points> {

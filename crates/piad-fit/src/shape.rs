@@ -1,10 +1,10 @@
 //! Fitted curves and surfaces: evaluation and derivatives.
 
-use super::norms::FitError;
-use super::nurbs::Nurbs;
-use super::nurbs::sampling::Jet;
-use super::points::Points;
 use super::problem::Problem;
+use crate::data::points::Points;
+use crate::geometry::norms::FitError;
+use crate::geometry::nurbs::Nurbs;
+use crate::geometry::nurbs::sampling::Jet;
 
 /// What is fitted: a [`Curve`] or a [`Surface`].
 pub trait Shape: Sized + sealed::Sealed {

@@ -6,16 +6,16 @@
 //! [`Method::warnings`](super::method::Method::warnings).
 
 use super::basis::knots::Knots;
-use super::between::Excursion;
-use super::choice::{BasisChoice, DirectionChoice};
-use super::direction::Direction;
-use super::ends::{End, Ends, MOST_ESTIMATED};
-use super::fold::Fold;
-use super::forecast::Forecast;
 use super::invalid::{Axis, Place};
-use super::no_data::no_data;
-use super::point_order::is_unordered;
-use super::points::Points;
+use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::basis::direction::Direction;
+use crate::basis::end_conditions::{End, Ends, MOST_ESTIMATED};
+use crate::data::no_data::no_data;
+use crate::data::point_order::is_unordered;
+use crate::data::points::Points;
+use crate::geometry::between::Excursion;
+use crate::geometry::fold::Fold;
+use crate::matrix::forecast::Forecast;
 
 /// What is doubtful about a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,7 +13,7 @@ use flate2::read::GzDecoder;
 
 use super::coding::{self, Coding};
 use crate::api::problem::{Kind, Problem};
-use crate::model::short::quoted;
+use piad_files::short::quoted;
 
 /// A file, as `build.rs` lists it.
 pub(crate) struct Asset {

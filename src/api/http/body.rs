@@ -9,7 +9,7 @@ use crate::api::app::App;
 use crate::api::language::{Language, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::bounds::{self, Bounded};
-use crate::model::short::quoted;
+use piad_files::short::quoted;
 
 /// Receives the body of a request, which is JSON or such a protobuf message.
 pub(super) async fn read<M: Bounded>(

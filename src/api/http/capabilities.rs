@@ -12,14 +12,14 @@ use crate::api::grpc::service::Service;
 use crate::api::json::plain::never_null;
 use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::config::Config;
-use crate::export::Format;
 use crate::model::basis::BasisKind;
 use crate::model::method::{MethodKind, settings_of};
 use crate::model::named::Named;
 use crate::model::stream::{Choice, Digits, Encoding, MOST_MILESTONES, MOST_SAMPLES, Pace, View};
 use crate::proto::messages::fitting_service_server::FittingServiceServer;
+use piad_files::export::Format;
 use piad_fit::basis::MAX_DEGREE;
-use piad_fit::points::MAX_DIMENSION;
+use piad_fit::data::MAX_DIMENSION;
 
 /// A list of names that is fixed in the program.
 type Names = &'static [&'static str];

@@ -7,7 +7,7 @@
 use axum::http::{HeaderMap, header};
 
 use crate::api::problem::{Kind, Problem};
-use crate::model::short::quoted;
+use piad_files::short::quoted;
 
 /// A coding of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,18 +10,18 @@ use super::answer::answer;
 use super::negotiate;
 use crate::api::language::{JSON, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
-use crate::export::MOST_MEASURED;
-use crate::export::csv::Table;
-use crate::export::{ExportError, Fitted, Format, Options, sampling_cost, write};
 use crate::job::Job;
 use crate::job::content::{Content, Piece, Pieces};
 use crate::job::frame::Frame;
 use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
-use piad_fit::iteration::Iteration;
-use piad_fit::points::Grid;
-use piad_fit::problem as fit;
-use piad_fit::system::System;
+use piad_files::export::csv::Table;
+use piad_files::export::{
+    ExportError, Fitted, Format, MOST_MEASURED, Options, sampling_cost, write,
+};
+use piad_fit::data::Grid;
+use piad_fit::engine as fit;
+use piad_fit::engine::{Iteration, System};
 
 /// The most multiplications for computing the earlier levels again, whose errors drawings show.
 const HISTORY: usize = 200_000_000;

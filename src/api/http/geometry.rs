@@ -22,15 +22,15 @@ use crate::api::levels;
 use crate::api::problem::{Kind, Problem};
 use crate::api::stream::encode;
 use crate::api::whole::plain_number;
-use crate::export::{Format, Options, UnknownFormat};
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::scheduler::WorkLane;
-use crate::model::short::quoted;
 use crate::model::stream::form::{Digits, Encoding, Form};
 use crate::model::stream::options;
-use piad_fit::iteration::Iteration;
-use piad_fit::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
+use piad_files::export::{Format, Options, UnknownFormat};
+use piad_files::short::quoted;
+use piad_fit::engine::Iteration;
+use piad_fit::engine::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
 
 /// `GET /v1/jobs/{id}/iterations/{k}`
 pub(super) async fn iteration(

@@ -20,8 +20,8 @@ use crate::access::scope::Scope;
 use crate::api::app::App;
 use crate::api::order;
 use crate::api::problem::{Kind, Problem};
-use crate::model::short::quoted;
 use crate::telemetry;
+use piad_files::short::quoted;
 
 /// What the server is.
 #[derive(Serialize, JsonSchema)]

@@ -19,7 +19,7 @@ use crate::api::whole::plain_number;
 use crate::api::{jobs, proto};
 use crate::job::Job;
 use crate::job::state::State as JobState;
-use crate::model::short::quoted;
+use piad_files::short::quoted;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

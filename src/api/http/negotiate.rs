@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 
 use crate::api::language::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
 use crate::api::problem::{Kind, Problem};
-use crate::model::short::quoted;
+use piad_files::short::quoted;
 
 /// The longest time that `Prefer: wait` may ask for, in seconds.
 pub(crate) const LONGEST_WAIT: u64 = 300;

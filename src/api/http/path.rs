@@ -5,7 +5,7 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
 use crate::api::problem::{Kind, Problem};
-use crate::model::short;
+use piad_files::short;
 
 /// The parameters in a path. Those that are not UTF-8, such as `%FF`, name nothing and give 404.
 #[derive(Debug)]

@@ -27,12 +27,12 @@ use crate::api::order::{self, ReadJob};
 use crate::api::problem::Problem;
 use crate::api::stream::sending::ENOUGH;
 use crate::config::Config;
-use crate::import::{self, Hints, Imported};
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
-use crate::model::short::quoted;
 use crate::model::stream::Samples;
-use piad_fit::points::Grid;
+use piad_files::import::{self, Hints, Imported};
+use piad_files::short::quoted;
+use piad_fit::data::Grid;
 
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 const SIZE: &str = "surface.size";

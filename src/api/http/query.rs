@@ -4,12 +4,12 @@ use serde::Deserialize;
 
 use crate::api::problem::Problem;
 use crate::api::whole::plain_number;
-use crate::export::{ExportError, Format, Options};
 use crate::model::named::Named;
-use crate::model::short::quoted;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec, not_samples};
+use piad_files::export::{ExportError, Format, Options};
+use piad_files::short::quoted;
 
 /// The parameters of a single iteration or a result.
 pub(super) const OF_RESULTS: [&str; 6] = ["view", "samples", "encoding", "digits", "dots", "units"];

@@ -11,8 +11,8 @@ use crate::api::json::view::rates::RatesView;
 use crate::api::problem::Problem;
 use crate::api::rates::{RatesRequest, WrongPart, rates};
 use crate::api::whole::plain_number;
-use crate::model::short::quoted;
-use piad_fit::rates::MOST_POINTS;
+use piad_files::short::quoted;
+use piad_fit::engine::rates::MOST_POINTS;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -31,9 +31,9 @@ use crate::api::openapi::resources::Resources;
 use crate::api::openapi::{self, Description};
 use crate::api::problem::{Kind, Problem};
 use crate::log_throttle::LogThrottle;
-use crate::model::short;
 use crate::telemetry;
 use crate::telemetry::request::RequestTrace;
+use piad_files::short;
 
 /// The router of all resources and gRPC services, with their middleware.
 pub(crate) fn router(app: App, hosts: Hosts) -> Router {

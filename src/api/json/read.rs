@@ -8,8 +8,9 @@ use serde_path_to_error::{Deserializer, Track};
 use super::long_strings;
 use crate::api::problem::{Kind, Problem};
 use crate::model::either::{MARK, pointer};
-use crate::model::list_limits::ListLimits;
-use crate::model::short::{cut, plain, quoted, without_mark};
+use crate::model::list_limits::within;
+use piad_files::json::ListLimits;
+use piad_files::short::{cut, plain, quoted, without_mark};
 
 /// Reads a body, which is about at most so many points. Only if that fails it is read once more, for the place
 /// of the error.
@@ -22,15 +23,13 @@ pub(crate) fn parse<T: DeserializeOwned>(body: &[u8], most_points: usize) -> Res
     let cut = long_strings::cut(body);
     let body = &*cut;
     let limits = ListLimits::new(body, most_points);
-    limits
-        .within(|| serde_json::from_slice(body))
-        .map_err(|error| {
-            let mut track = Track::new();
-            let mut json = Json::from_slice(body);
-            let again = || T::deserialize(Deserializer::new(&mut json, &mut track));
-            let _ = limits.within(again);
-            problem(body, &error, pointer(&track.path()))
-        })
+    within(limits, || serde_json::from_slice(body)).map_err(|error| {
+        let mut track = Track::new();
+        let mut json = Json::from_slice(body);
+        let again = || T::deserialize(Deserializer::new(&mut json, &mut track));
+        let _ = within(limits, again);
+        problem(body, &error, pointer(&track.path()))
+    })
 }
 
 /// What is wrong, at a place that the error says more about.

@@ -164,10 +164,10 @@ mod tests {
     use crate::api::order::LONGEST_KEY;
     use crate::api::rates::{USUAL_DEGREE, USUAL_POINTS};
     use crate::api::whole::LARGEST;
-    use crate::export::{Dots, Format, Unit};
     use crate::model::named::Named;
     use crate::model::stream::MOST_MILESTONES;
-    use piad_fit::rates::{MOST_DEGREE, MOST_POINTS};
+    use piad_files::export::{Dots, Format, Unit};
+    use piad_fit::engine::rates::{MOST_DEGREE, MOST_POINTS};
 
     /// What is served is described, and what is described is served.
     #[test]

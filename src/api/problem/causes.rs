@@ -2,7 +2,6 @@
 
 use super::{Kind, Problem};
 use crate::api::json::request::places::Places;
-use crate::import;
 use crate::job::quota::Exceeded;
 use crate::job::scheduler::Broken;
 use crate::job::service::refused::Refused;
@@ -12,6 +11,7 @@ use crate::job::store::crash_recovery::MOST_CRASHES;
 use crate::model::mistakes::Mistake;
 use crate::model::named::Named;
 use crate::model::stream::choices::ChoiceMistake;
+use piad_files::import::FileErrors;
 
 /// Of an HTTP request, whose own choices are query parameters; those of the job are in its JSON.
 impl From<ChoiceMistake> for Problem {
@@ -23,11 +23,11 @@ impl From<ChoiceMistake> for Problem {
     }
 }
 
-impl From<Vec<import::Mistake>> for Problem {
-    fn from(mistakes: Vec<import::Mistake>) -> Self {
-        let problems = mistakes.into_iter().map(|mistake| match mistake.line {
-            Some(line) => Self::at_line(line, &mistake.detail),
-            None => Self::new(Kind::InvalidFit, mistake.detail),
+impl From<FileErrors> for Problem {
+    fn from(FileErrors(errors): FileErrors) -> Self {
+        let problems = errors.into_iter().map(|error| match error.line {
+            Some(line) => Self::at_line(line, &error.detail),
+            None => Self::new(Kind::InvalidFit, error.detail),
         });
         let unsaid = || Self::new(Kind::InvalidFit, "the file is not understood");
         Self::of_all(problems).unwrap_or_else(unsaid)

@@ -4,7 +4,7 @@ use schemars::json_schema;
 use serde::Serialize;
 
 use crate::model::schema::schema_of;
-use crate::model::short;
+use piad_files::short;
 
 /// The most characters of a detail. What clients have written is repeated in part already; this is
 /// for what nobody has thought of.

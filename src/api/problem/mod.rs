@@ -14,10 +14,10 @@ use serde::Serialize;
 use super::json::view::examples;
 use crate::api::json::plain::never_null;
 use crate::model::mistakes::{self as model, Mistakes, Site};
-use crate::model::short;
 use field_error::LONGEST_DETAIL;
 pub(super) use field_error::{FieldError, Location};
 pub(super) use kind::Kind;
+use piad_files::short;
 
 /// How a language says where the parts of a request stand.
 pub trait Words {

@@ -7,8 +7,8 @@ use prost::encoding::{WireType, decode_key, decode_varint};
 use crate::api::problem::Problem;
 use crate::model::list_limits::EXTRA;
 use crate::proto::messages as pb;
+use piad_fit::data::MAX_DIMENSION;
 use piad_fit::method::{LARGEST, MOST_CONDITIONS};
-use piad_fit::points::MAX_DIMENSION;
 
 /// What an index takes until a job or an edit is made of it, at most: as such, as a place that a point goes to, and
 /// in a table of those that change.

@@ -10,12 +10,12 @@ use crate::model::iteration::IterationChoice;
 use crate::model::lists::PointNumbers;
 use crate::model::mistakes::{Mistake, Mistakes, OrMistakes};
 use crate::model::per_direction::PerDirection;
-use crate::model::points::Coordinates;
 use crate::proto::job::{rational, stop, surface_weights};
 use crate::proto::messages as pb;
 use crate::proto::method;
 use crate::proto::stream;
 use crate::proto::values::{MethodTarget, check_count};
+use piad_files::json::Coordinates;
 use piad_fit::invalid::one_for_each;
 
 /// The edit of a job with this outline, and where its parts are in the message.

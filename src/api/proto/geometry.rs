@@ -18,11 +18,9 @@ use crate::model::stream::form::{Form, View};
 use crate::proto::job;
 use crate::proto::messages::{self as pb, iteration};
 use crate::proto::values::count;
-use piad_fit::geometry::Geometry;
-use piad_fit::iteration::Level;
-use piad_fit::points::Points;
-use piad_fit::problem::Problem;
-use piad_fit::samples::Samples;
+use piad_fit::data::Points;
+use piad_fit::engine::samples::Samples;
+use piad_fit::engine::{Geometry, Level, Problem};
 
 /// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets or samples, and the
 /// arrays of [`pb::ControlNet`] and [`pb::Samples`]: they are large, and written when they are sent.
@@ -48,7 +46,7 @@ pub(crate) fn iteration(frame: &Frame, form: &Form) -> Content {
         View::Errors => (None, None),
         View::ControlPoints => (None, Some((NET_OF_ITERATION, Large::Net(problem, points)))),
         View::Samples(grid) => {
-            let samples = Samples::new(Arc::clone(problem), Arc::clone(points), grid);
+            let samples = Samples::new(Arc::clone(problem.setup()), Arc::clone(points), grid);
             (None, Some((SAMPLES_OF_ITERATION, Large::Samples(samples))))
         }
         View::Changed => {
@@ -82,7 +80,7 @@ pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> C
     let large = match view {
         View::Errors => None,
         View::Samples(grid) => {
-            let samples = Samples::new(Arc::clone(problem), Arc::clone(points), grid);
+            let samples = Samples::new(Arc::clone(problem.setup()), Arc::clone(points), grid);
             Some((SAMPLES_OF_RESULT, Large::Samples(samples)))
         }
         View::ControlPoints | View::Changed => Some((NET_OF_RESULT, Large::Net(problem, points))),
@@ -238,12 +236,13 @@ fn changes(problem: &Problem, geometry: Geometry<'_>, moved: &[usize]) -> pb::Ch
 #[cfg(test)]
 mod tests {
     use super::*;
-    use piad_fit::basis::knots::Knots;
-    use piad_fit::direction::{BasisChoice, DirectionChoice};
+    use piad_fit::basis::BasisChoice;
+    use piad_fit::basis::Knots;
+    use piad_fit::data::Grid;
+    use piad_fit::engine::DirectionChoice;
+    use piad_fit::engine::{Request, Tolerance, Weights};
     use piad_fit::method::Method;
     use piad_fit::parameters::Parametrization;
-    use piad_fit::points::Grid;
-    use piad_fit::problem::{Request, Tolerance, Weights};
 
     /// Nets that are written by hand, in one piece or several, are what the contract says.
     #[test]

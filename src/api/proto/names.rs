@@ -5,7 +5,7 @@ use crate::job::state::{Reason, State};
 use crate::model::mistakes::Mistake;
 use crate::proto::messages as pb;
 use crate::proto::values::known;
-use piad_fit::warning::Warning;
+use piad_fit::engine::Warning;
 
 /// Which jobs to list.
 pub(crate) fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {

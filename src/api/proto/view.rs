@@ -18,16 +18,12 @@ use crate::model::mistakes::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
 use crate::proto::{basis, ends::rule, job, method, stream};
-use piad_fit::direction::Direction;
-use piad_fit::ends::{End, Ends};
-use piad_fit::foot::deviation::Deviation;
-use piad_fit::iteration::Level;
+use piad_fit::basis::{End, Ends};
+use piad_fit::engine::foot::Deviation;
+use piad_fit::engine::rates::BasisRate;
+use piad_fit::engine::{Direction, Forecast, Level, Problem, Warning};
+use piad_fit::geometry::FitError;
 use piad_fit::method::Method;
-use piad_fit::norms::FitError;
-use piad_fit::problem::Problem;
-use piad_fit::rates::BasisRate;
-use piad_fit::system::Forecast;
-use piad_fit::warning::Warning;
 
 /// The job as a resource.
 pub(crate) fn job(job: &Job) -> pb::Job {

@@ -13,7 +13,7 @@ use crate::job::state::Status;
 use crate::job::store::StoreError;
 use crate::model::stream::form::{Digits, Encoding, Form, View};
 use crate::model::stream::options::StreamOptions;
-use piad_fit::samples::multiplications;
+use piad_fit::engine::samples::multiplications;
 
 /// Contents of up to this many operations are encoded where they are needed, others on the compute pool.
 const SMALL: usize = 2000 * OPERATIONS_PER_NUMBER;

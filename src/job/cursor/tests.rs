@@ -12,9 +12,7 @@ use crate::job::run::SharedSystem;
 use crate::job::samples::sine;
 use crate::job::scheduler::Scheduler;
 use crate::job::store::Record;
-use piad_fit::iteration::Iteration;
-use piad_fit::problem::Problem;
-use piad_fit::system::System;
+use piad_fit::engine::{Iteration, Problem, System};
 
 const POINTS: u32 = 2000;
 const LAST: usize = 1500;

@@ -31,10 +31,8 @@ use crate::job::resources::Resources;
 use crate::job::scheduler::{Turn, Work, WorkLane};
 use crate::job::state::Levels;
 use crate::job::trace::JobTrace;
-use piad_fit::interrupt;
-use piad_fit::iteration::{Iteration, Level, Outcome};
-use piad_fit::sweep::LEVELS;
-use piad_fit::system::System;
+use piad_fit::engine::sweep::LEVELS;
+use piad_fit::engine::{Iteration, Level, Outcome, System, interrupt};
 use state::RunState;
 
 /// How many levels a run may be ahead of its readers.

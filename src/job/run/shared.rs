@@ -6,8 +6,7 @@ use parking_lot::Mutex;
 
 use crate::job::checkpoints::Checkpoints;
 use crate::job::reader_budget::ReaderBudget;
-use piad_fit::problem::Problem;
-use piad_fit::system::System;
+use piad_fit::engine::{Problem, System};
 
 /// The system of a problem: built when it is first needed, shared by all runs that need it at the
 /// same time, and dropped with the last of them.

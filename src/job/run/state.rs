@@ -12,8 +12,7 @@ use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
 use crate::job::state::Levels;
-use piad_fit::iteration::{Iteration, Level, Outcome};
-use piad_fit::system::System;
+use piad_fit::engine::{Iteration, Level, Outcome, System};
 
 /// Why a run has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

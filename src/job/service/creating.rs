@@ -13,8 +13,7 @@ use crate::job::run::SharedSystem;
 use crate::job::state::Status;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Insertion, Record, StoreError};
 use crate::telemetry::request::RequestTrace;
-use piad_fit::problem::Problem;
-use piad_fit::system::System;
+use piad_fit::engine::{Problem, System};
 
 /// So often a job is made for a key whose job is gone before it is found.
 const ATTEMPTS: usize = 16;

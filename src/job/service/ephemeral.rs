@@ -17,8 +17,7 @@ use crate::job::state::Status;
 use crate::job::store::{Record, StoreError};
 use crate::job::trace::JobTrace;
 use crate::telemetry::request::RequestTrace;
-use piad_fit::problem::Problem;
-use piad_fit::system::System;
+use piad_fit::engine::{Problem, System};
 
 /// A fit for one answer. Whoever drops it has to ask the job to end.
 pub(crate) struct Ephemeral {

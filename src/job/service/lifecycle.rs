@@ -16,7 +16,7 @@ use crate::job::state::{Failure, Reason, State, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::probation;
 use crate::job::{Job, STORE_AGAIN, patiently};
-use piad_fit::iteration::Outcome;
+use piad_fit::engine::Outcome;
 
 /// A run that was started.
 struct StartedRun {

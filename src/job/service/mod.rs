@@ -33,7 +33,7 @@ use super::resources::Resources;
 use super::scheduler::{QUICK, WorkLane};
 use super::slots::{PerPeer, Slots};
 use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Spared, Store, StoreError};
-use piad_fit::admission::Admission;
+use piad_fit::engine::Admission;
 use sessions::Sessions;
 
 /// The longest time between two searches for jobs that have become too old.

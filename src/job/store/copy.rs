@@ -6,7 +6,7 @@ use super::{Acknowledgement, IdempotencyKey, Record, Selection, Store, StoreErro
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 
 /// So many jobs are looked up at a time.
 const PAGE: usize = 1000;

@@ -6,7 +6,7 @@ use super::embedded::tables::{self, Header};
 use super::record::{self, Input};
 use super::{IdempotencyEntry, Record, StoreError};
 use crate::job::result::LastGeometry;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 
 /// A problem as it is kept.
 pub(crate) fn kept(problem: &Problem) -> Vec<u8> {

@@ -27,7 +27,7 @@ use super::quota::Quota;
 use super::result::LastGeometry;
 use super::state::Status;
 use embedded::Embedded;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 use shared::{Settings, Shared};
 
 pub(crate) use embedded::open_error::OpenError;

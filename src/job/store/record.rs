@@ -18,10 +18,8 @@ use crate::job::state::Status;
 use crate::model::job::JobRequest;
 use crate::proto::job;
 use crate::proto::messages as pb;
-use piad_fit::aligned::Lane;
-use piad_fit::bases::Bases;
-use piad_fit::points::Points;
-use piad_fit::problem::{Problem, Request};
+use piad_fit::data::Points;
+use piad_fit::engine::{Bases, Lane, Problem, Request};
 
 /// What a problem has besides what a client can ask for.
 #[derive(Serialize, Deserialize)]

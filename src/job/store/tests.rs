@@ -16,9 +16,8 @@ use crate::job::result::LastGeometry;
 use crate::job::samples::{problem, queued};
 use crate::job::state::{State, Status};
 use crate::job::tenant::Tenant;
-use piad_fit::bases::Bases;
-use piad_fit::points::Points;
-use piad_fit::problem::Problem;
+use piad_fit::data::Points;
+use piad_fit::engine::{Bases, Problem};
 
 mod kinds;
 mod obeying;

@@ -10,8 +10,7 @@ use super::either::{Object, read_object, some};
 use super::lists::Vectors;
 use super::mistakes::{Mistake, SpecPart};
 use super::named::{Named, names};
-use piad_fit::basis::MAX_DEGREE;
-use piad_fit::ends::{End, Ends};
+use piad_fit::basis::{End, Ends, MAX_DEGREE};
 use piad_fit::invalid::{Axis, Place, Side};
 
 pub(super) use schema::{CurveEnds, SurfaceEnds};

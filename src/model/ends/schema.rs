@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use super::EndWord;
 use crate::model::named::Named;
 use crate::model::schema::schema_of;
-use piad_fit::points::MAX_DIMENSION;
+use piad_fit::data::MAX_DIMENSION;
 
 /// The ends of a curve: a word, or an end for each side.
 pub(crate) enum CurveEnds {}

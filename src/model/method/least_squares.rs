@@ -13,12 +13,12 @@ use crate::model::named::{names, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
 use crate::model::settings::DataWeights;
+use piad_fit::data::Grid;
 use piad_fit::invalid::{Place, Setting};
 use piad_fit::method::{
     AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
     MOST_CONDITIONS, Variant,
 };
-use piad_fit::points::Grid;
 
 /// The order of the derivative of fairness where none is given.
 const FAIRNESS_ORDER: usize = 2;

@@ -22,9 +22,9 @@ use super::either::Kept;
 use super::mistakes::OrMistakes;
 use super::named::{Named, names};
 use super::per_direction::PerDirection;
+use piad_fit::data::Grid;
+use piad_fit::engine::Request;
 use piad_fit::method::Method;
-use piad_fit::points::Grid;
-use piad_fit::problem::Request;
 
 pub(crate) use choice::MethodChoice;
 pub(crate) use constraint::ConstraintInput;

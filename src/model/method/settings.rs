@@ -13,12 +13,12 @@ use crate::model::named::{Named, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
 use crate::model::settings::{Index, Matrix, Omega, Thresholds};
+use piad_fit::data::Grid;
+use piad_fit::engine::Request;
 use piad_fit::invalid::{Place as P, Setting};
 use piad_fit::method::{
     self as fit, Adaptive, Convex, Custom, Extended, Local, Method, Start, Sweeps, Weighted,
 };
-use piad_fit::points::Grid;
-use piad_fit::problem::Request;
 
 /// Settings of weighted PIA.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]

@@ -4,7 +4,7 @@
 use super::{Choice, StreamSpec};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::named::Named;
-use crate::model::short::plain;
+use piad_files::short::plain;
 
 /// Where a choice was made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::choices::{ChoiceMistake, Choices, Conflict};
 use super::samples::not_samples;
 use super::words::{self as chosen, Choice};
-use piad_fit::points::Grid;
-use piad_fit::problem::Problem;
+use piad_fit::data::Grid;
+use piad_fit::engine::Problem;
 
 pub(crate) use super::words::Digits;
 

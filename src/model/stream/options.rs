@@ -6,8 +6,8 @@ use super::{
     self as chosen, Choice, Describe, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec,
 };
 use crate::model::mistakes::Mistake;
-use crate::model::short::quoted;
-use piad_fit::problem::Problem;
+use piad_files::short::quoted;
+use piad_fit::engine::Problem;
 
 /// How a stream goes.
 #[derive(Clone, Debug)]

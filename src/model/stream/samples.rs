@@ -6,8 +6,8 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::model::either::Whole;
-use crate::model::short::quoted;
-use piad_fit::points::Grid;
+use piad_files::short::quoted;
+use piad_fit::data::Grid;
 
 /// The most points that are sampled.
 pub(crate) const MOST_SAMPLES: usize = 1_000_000;

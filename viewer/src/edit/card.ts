@@ -5,7 +5,7 @@ import { indexOf } from "../fit/data.js";
 import { el } from "../html.js";
 import type { Hall } from "../scene/hall.js";
 import { icon } from "../ui/icons.js";
-import { short } from "../ui/numbers.js";
+import { short } from "../text/numbers.js";
 import type { Drag } from "./drag.js";
 import type { Preview } from "./preview.js";
 

@@ -9,7 +9,7 @@ import type { Exhibit, Held } from "../scene/exhibit.js";
 import type { Hall } from "../scene/hall.js";
 import type { Place } from "../state.js";
 import { type Found, NEAR, find } from "../ui/pointer.js";
-import { sentence } from "../ui/sentence.js";
+import { sentence } from "../text/errors.js";
 import type { History } from "./history.js";
 import { type Move, Preview, editOf } from "./preview.js";
 

@@ -2,10 +2,17 @@
 
 import type { Client, Job } from "piad";
 
-import type { Fits } from "../app.js";
 import type { View } from "../state.js";
 import type { Store } from "../store.js";
 import { Fit } from "./fit.js";
+
+/** The jobs on the screen. */
+export interface Fits {
+  readonly shown: readonly Fit[];
+  of(id: string): Fit | undefined;
+  /** Calls when jobs come, go on or go, at most once a frame. */
+  subscribe(listener: () => void): () => void;
+}
 
 export class OpenFits implements Fits {
   shown: readonly Fit[] = [];

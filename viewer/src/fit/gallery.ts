@@ -1,8 +1,7 @@
 /** The geometry of iterations, as far as it was asked for. */
 
-import type { api } from "piad";
+import type { Job, api } from "piad";
 
-import type { Fit } from "./fit.js";
 import { type Points, type Samples, pointsOf, thinned } from "./geometry.js";
 import type { Axes } from "./axes.js";
 import { Recent } from "./lru.js";
@@ -14,13 +13,21 @@ const MOST_NET = 15_000;
 // Coordinates beyond this are read with 64 bits.
 const LARGE = 1e35;
 
+/** What is read of the fit whose geometry is kept. */
+interface Source {
+  readonly signal: AbortSignal;
+  readonly levels: readonly { readonly error: { readonly max: number } }[];
+  known(): Promise<Job>;
+  data(): Promise<{ readonly axes: Axes }>;
+}
+
 /** Samples and control points of the iterations of a job. Each is asked for once while it is kept. */
 export class Gallery {
-  readonly #fit: Fit;
+  readonly #fit: Source;
   readonly #kept = new Recent<Points>(MOST);
   readonly #coming = new Map<string, Promise<Points>>();
 
-  constructor(fit: Fit) {
+  constructor(fit: Source) {
     this.#fit = fit;
   }
 

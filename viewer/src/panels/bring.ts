@@ -6,7 +6,7 @@ import type { App, How, Panel } from "../app.js";
 import { byId, el } from "../html.js";
 import { Store } from "../store.js";
 import { whenReleased } from "../ui/press.js";
-import { sentence } from "../ui/sentence.js";
+import { sentence } from "../text/errors.js";
 import { Complaints } from "./complaints.js";
 import { Description } from "./description.js";
 import { dataOf, editable, words } from "./draft.js";

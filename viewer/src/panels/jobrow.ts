@@ -5,7 +5,7 @@ import { ApiError, type Job } from "piad";
 import type { App } from "../app.js";
 import { el } from "../html.js";
 import { MOST_JOBS } from "../state.js";
-import { count, short } from "../ui/numbers.js";
+import { count, short } from "../text/numbers.js";
 import { sentence, spoken } from "./description.js";
 
 export class Row {

@@ -5,7 +5,7 @@ import type { Job, api } from "piad";
 import type { App, Panel } from "../app.js";
 import { el } from "../html.js";
 import { whenReleased } from "../ui/press.js";
-import { sentence } from "../ui/sentence.js";
+import { sentence } from "../text/errors.js";
 import { Description, spoken } from "./description.js";
 import { Row } from "./jobrow.js";
 

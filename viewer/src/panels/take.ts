@@ -7,7 +7,7 @@ import { ask } from "../ask.js";
 import type { Fit } from "../fit/fit.js";
 import { el } from "../html.js";
 import { linkTo } from "../state.js";
-import { count } from "../ui/numbers.js";
+import { count } from "../text/numbers.js";
 import { copy, save } from "./copy.js";
 import { Description, spoken } from "./description.js";
 import { Field, type Slot, fieldOf } from "./field.js";

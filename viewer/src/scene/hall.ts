@@ -7,8 +7,8 @@ import type { Axes } from "../fit/axes.js";
 import { drawnOf, shareOf } from "../fit/data.js";
 import type { Fit } from "../fit/fit.js";
 import { Exhibit, type Listener } from "./exhibit.js";
-import { count } from "../ui/numbers.js";
-import { sentence } from "../ui/sentence.js";
+import { count } from "../text/numbers.js";
+import { sentence } from "../text/errors.js";
 import { onPalette, palette } from "./palette.js";
 import { Stage } from "./stage.js";
 

@@ -11,7 +11,7 @@ import { FatLine } from "./fatline.js";
 import type { Figure } from "./figure.js";
 import { Net } from "./net.js";
 import { Raster, type View } from "./raster.js";
-import type { Cell } from "./stage.js";
+import type { Cell } from "./cell.js";
 import { Surface } from "./surface.js";
 
 // What lies on a surface is this much nearer than it; of the depth that a canvas has.

@@ -2,6 +2,7 @@
 
 import { ColorManagement } from "three";
 
+import type { Cell } from "./cell.js";
 import type { Figure } from "./figure.js";
 import { Plain } from "./plain.js";
 import { type Palette, palette } from "./palette.js";
@@ -10,14 +11,6 @@ import type { WebGL } from "./webgl.js";
 
 // Finer screens are not worth their pixels.
 const FINEST = 2;
-
-/** A part of the canvas, in pixels of the page from its upper left corner. */
-export interface Cell {
-  readonly x: number;
-  readonly y: number;
-  readonly width: number;
-  readonly height: number;
-}
 
 // Pictures that follow each other within so many milliseconds, from the end of one on, are a movement.
 const REST = 160;

@@ -3,7 +3,7 @@
 import { LinearSRGBColorSpace, type PerspectiveCamera, WebGLRenderer } from "three";
 
 import type { Figure } from "./figure.js";
-import type { Cell } from "./stage.js";
+import type { Cell } from "./cell.js";
 
 // A picture that takes longer is no frame of a movement; in milliseconds.
 const SLOW = 26;

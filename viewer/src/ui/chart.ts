@@ -7,7 +7,7 @@ import type { Fit } from "../fit/fit.js";
 import { byId, el } from "../html.js";
 import { onPalette, palette, seriesColor } from "../scene/palette.js";
 import { MOST_JOBS } from "../state.js";
-import { count, short, superscript } from "./numbers.js";
+import { count, short, superscript } from "../text/numbers.js";
 
 // Iterations that are predicted but far away would make those that are there small.
 const FURTHEST = 4;

@@ -5,7 +5,7 @@ import type { Job, api } from "piad";
 import type { App } from "../app.js";
 import { byId, el } from "../html.js";
 import { client, open, view } from "../session.js";
-import { sentence } from "./sentence.js";
+import { sentence } from "../text/errors.js";
 
 export interface Example {
   readonly name: string;

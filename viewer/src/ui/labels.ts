@@ -10,7 +10,7 @@ import type { Exhibit } from "../scene/exhibit.js";
 import type { Hall } from "../scene/hall.js";
 import { range } from "../scene/picture.js";
 import { icon } from "./icons.js";
-import { count, short } from "./numbers.js";
+import { count, short } from "../text/numbers.js";
 
 const STATES: Readonly<Record<api.JobState, string>> = {
   queued: "waits",

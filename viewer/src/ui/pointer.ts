@@ -6,7 +6,7 @@ import { el } from "../html.js";
 import type { Exhibit } from "../scene/exhibit.js";
 import type { Hall } from "../scene/hall.js";
 import type { Place } from "../state.js";
-import { short } from "./numbers.js";
+import { short } from "../text/numbers.js";
 
 // How near the pointer has to come, in pixels.
 export const NEAR = 13;

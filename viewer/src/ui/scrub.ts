@@ -3,7 +3,7 @@
 import type { App } from "../app.js";
 import { byId, el } from "../html.js";
 import { icon } from "./icons.js";
-import { count, short } from "./numbers.js";
+import { count, short } from "../text/numbers.js";
 import { stepBy, togglePlay } from "./player.js";
 
 export function scrub(app: App): void {

@@ -4,7 +4,7 @@ import { ConnectionLost } from "piad";
 
 import type { App } from "../app.js";
 import { isGone } from "../fit/fit.js";
-import { sentence } from "./sentence.js";
+import { sentence } from "../text/errors.js";
 
 export function trouble(app: App): void {
   let said = "";

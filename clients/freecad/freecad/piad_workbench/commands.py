@@ -32,11 +32,12 @@ class FitCommand:
     def Activated(self) -> None:
         """Opens the panel, or tells what to select."""
         from .panel import FitPanel
+        from .view import FitView
 
         # A link to a whole object has an empty name: without any it would be dropped.
         links = [(it.Object, it.SubElementNames or ("",)) for it in FreeCADGui.Selection.getSelectionEx()]
         try:
-            panel = FitPanel(feature.read(self._kind, links), links)
+            panel = FitPanel.of_points(feature.read(self._kind, links), links, FitView)
         except PointsError as error:
             tell(str(error))
             return

@@ -78,17 +78,13 @@ class FitFeature:
 
 
 def create(document: Any, given: Points, links: Any, settings: Settings, update: Update | None) -> Any:
-    """A new object, with the shape of a fit that has ended if there is one."""
+    """A new object without a view provider, with the shape of a fit that has ended if there is one."""
     name = "FittedCurve" if given.kind == CURVE else "FittedSurface"
     obj = document.addObject("Part::FeaturePython", name)
     FitFeature(obj, given, links)
     set_settings(obj, settings)
     if update is not None:
         store(obj, given, settings, update)
-    if FreeCAD.GuiUp:
-        from .view import FitView
-
-        FitView(obj.ViewObject)
     return obj
 
 

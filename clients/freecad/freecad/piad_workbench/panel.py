@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import FreeCAD
@@ -31,10 +32,16 @@ class FitPanel:
         """The panel of a shape that is there."""
         return cls(feature.points_of(obj), obj.Source, obj)
 
-    def __init__(self, points: Points, links: Any, obj: Any = None):
+    @classmethod
+    def of_points(cls, points: Points, links: Any, attach_view: Callable[[Any], Any]) -> FitPanel:
+        """The panel of a new shape, whose view gets its provider from `attach_view`."""
+        return cls(points, links, attach_view=attach_view)
+
+    def __init__(self, points: Points, links: Any, obj: Any = None, attach_view: Callable[[Any], Any] | None = None):
         self.points = points
         self._links = links
         self._object = obj
+        self._attach_view = attach_view
         self._document = FreeCAD.ActiveDocument
         self._preview: Preview | None = None
         self._last: Update | None = None
@@ -162,6 +169,8 @@ class FitPanel:
         self._document.openTransaction(self.form.windowTitle())
         if self._object is None:
             obj = feature.create(self._document, self.points, self._links, settings, self._ended)
+            if self._attach_view is not None:
+                self._attach_view(obj.ViewObject)
         else:
             obj = self._object
             feature.set_settings(obj, settings)

@@ -10,6 +10,7 @@ from PySide.QtCore import QT_TRANSLATE_NOOP
 
 from . import feature
 from .drawing import PointCloud
+from .panel import FitPanel
 
 
 class FitView:
@@ -53,8 +54,6 @@ class FitView:
 
     def doubleClicked(self, view: Any) -> bool:
         """Opens the panel with the settings."""
-        from .panel import FitPanel
-
         FreeCADGui.Control.closeDialog()
         FreeCADGui.Control.showDialog(FitPanel.of_object(view.Object))
         return True

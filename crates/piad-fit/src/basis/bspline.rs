@@ -54,7 +54,7 @@ pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut 
 }
 
 /// The same, with the values of degree `degree − 1`, of which derivatives are made, in `lower`.
-pub fn evaluate_with_lower(
+pub(crate) fn evaluate_with_lower(
     degree: usize,
     knots: &[f64],
     span: usize,

@@ -1,8 +1,8 @@
 //! Which given knots are refused.
 
-use super::knots::LARGEST;
+use crate::data::monotonic;
 use crate::invalid::{Axis, Invalid, Place};
-use crate::monotonic;
+use crate::parameters::LARGEST;
 
 /// Refuses explicit knots that are not the clamped knot vector of a continuous B-spline with
 /// `count` control points.

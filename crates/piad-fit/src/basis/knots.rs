@@ -26,10 +26,7 @@
 
 use std::sync::Arc;
 
-use crate::quantiles::Position;
-
-/// The largest absolute value of a knot or parameter: sums of a few larger ones could overflow.
-pub(crate) const LARGEST: f64 = 1e300;
+use crate::data::quantiles::Position;
 
 /// How the knots of a B-spline direction are chosen.
 #[derive(Clone, Debug, PartialEq)]

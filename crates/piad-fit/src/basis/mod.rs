@@ -11,18 +11,33 @@
 //! | Said–Ball, degree m | m + 1 on [0, 1] | all | yes |
 //! | Wang–Ball, degree m | m + 1 on [0, 1] | all | up to degree 3 |
 //! | B-spline, degree p | knots − p − 1 | p + 1 | yes |
+//!
+//! - `bernstein`, `ball` and `bspline`: the bases, one file for each family; `bezier`: Ball bases as Bernstein's;
+//! - `knots`: where knots are placed, and `given_knots`: which are refused;
+//! - `choice` and `end_conditions`: what is requested of a direction; `direction`: a basis at the parameters of the
+//!   data;
+//! - `functional` and `quadrature`: values, derivatives and integrals of the functions.
 
 pub(crate) mod ball;
-pub mod bernstein;
+pub(crate) mod bernstein;
 pub(crate) mod bezier;
-pub mod bspline;
+pub(crate) mod bspline;
+pub(crate) mod choice;
+pub(crate) mod direction;
+pub(crate) mod end_conditions;
+pub(crate) mod functional;
 pub(crate) mod given_knots;
-pub mod knots;
+pub(crate) mod knots;
+pub(crate) mod quadrature;
 
 use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::about::About;
+
+pub use choice::BasisChoice;
+pub use end_conditions::{End, Ends};
+pub use knots::Knots;
 
 /// All bases, in the order in which they are listed.
 pub const BASES: [&About; 4] = [

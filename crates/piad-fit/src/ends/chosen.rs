@@ -1,10 +1,10 @@
 //! The ends of a direction, as they are asked for, made a part of it.
 
 use super::copies::Copies;
-use super::rules::{End, Ends, natural_degree};
+use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::basis::direction::{CopyRule, Direction};
+use crate::basis::end_conditions::{End, Ends, natural_degree};
 use crate::basis::knots::Knots;
-use crate::choice::{BasisChoice, DirectionChoice};
-use crate::direction::{CopyRule, Direction};
 use crate::invalid::{Axis, Invalid, Place, Side};
 
 /// The ends that were chosen of a direction, if they can be: those of an open B-spline with knots at

@@ -15,7 +15,7 @@
 //! Lengths s are relative to the furthest parameter that is used, so that nothing leaves the range
 //! of numbers whatever the unit of the parameters.
 
-use crate::direction::Direction;
+use crate::basis::direction::Direction;
 use crate::invalid::Side;
 
 /// The copies of the outermost control point on one side of a direction.

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::copies::Copies;
 use super::estimate::taylor;
-use super::rules::{End, Ends};
-use crate::collocation::Collocation;
-use crate::direction::Direction;
+use crate::basis::direction::Direction;
+use crate::basis::end_conditions::{End, Ends};
+use crate::data::points::{Grid, Points, normalizing_scale};
 use crate::invalid::Side;
 use crate::linear::LineMap as _;
-use crate::points::{Grid, Points, normalizing_scale};
+use crate::matrix::collocation::Collocation;
 
 /// The points that are fitted, in the coordinates of the loop.
 #[derive(Clone, Copy, Debug)]

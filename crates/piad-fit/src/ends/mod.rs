@@ -1,7 +1,7 @@
 //! How a curve with knots at the data ends.
 //!
 //! With knots at the data a B-spline of degree p has p − 1 control points more than there are data
-//! points ([`crate::direction`]). All control points are `c = E x + g` with the free ones x,
+//! points ([`crate::basis::direction`]). All control points are `c = E x + g` with the free ones x,
 //! one for each data point, so that the residual is
 //!
 //! ```text
@@ -20,7 +20,7 @@
 //! Estimated derivatives are those of the polynomial through the first points: as many as it takes
 //! for one degree more than derivatives are needed, three points for cubics (Bessel).
 //!
-//! - `rules`: what can be asked for; `chosen`: what a direction makes of it;
+//! What can be requested stands in [`crate::basis::end_conditions`]. `chosen`: what a direction makes of it;
 //! - `estimate`: derivatives from points; `copies`: control points from derivatives; `line`: both of
 //!   a line of points;
 //! - `offsets`: g of a curve and of a surface.
@@ -30,9 +30,3 @@ mod copies;
 mod estimate;
 pub(super) mod line;
 pub(super) mod offsets;
-pub(crate) mod rules;
-
-pub use rules::{End, Ends};
-
-/// The highest degree whose ends are estimated: polynomials through more points lose all digits.
-pub(crate) const MOST_ESTIMATED: usize = 31;

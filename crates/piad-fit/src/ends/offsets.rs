@@ -16,10 +16,10 @@
 use std::cell::OnceCell;
 
 use super::line::{Along, Constants, Fitted, Line, values_of};
-use super::rules::Ends;
-use crate::direction::Direction;
+use crate::basis::direction::Direction;
+use crate::basis::end_conditions::Ends;
+use crate::data::points::{Grid, Points};
 use crate::invalid::{Axis, Invalid, Place};
-use crate::points::{Grid, Points};
 
 /// The constants of all copies.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -15,7 +15,7 @@
 //! ```
 
 use super::banded::{Banded, Diagonal};
-use crate::monotonic;
+use crate::data::monotonic;
 
 /// The place of each index in the folded order 0, n−1, 1, n−2, … of n rows and columns.
 pub(crate) fn folded(n: usize) -> impl Fn(usize) -> usize + Copy {

@@ -14,7 +14,7 @@
 
 use std::ops::Range;
 
-use crate::aligned::Lane;
+use crate::data::aligned::Lane;
 
 /// A matrix with `width` consecutive entries in each row. In matrices of closed curves the columns
 /// are cyclic: the last one is followed by the first.

@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use super::banded::Banded;
 use super::dense::DenseLu;
 use super::map::LineMap;
-use crate::monotonic;
+use crate::data::monotonic;
 
 /// The most lines that are solved for side by side.
 const LINES: usize = 4;

@@ -13,8 +13,8 @@
 use std::ops::Range;
 
 use super::banded::{Banded, Stretch};
-use crate::aligned::Lane;
-use crate::monotonic;
+use crate::data::aligned::Lane;
+use crate::data::monotonic;
 
 /// If stretches have fewer rows than this on average, they are joined by zeros.
 const LONG: usize = 64;

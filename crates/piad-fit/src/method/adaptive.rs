@@ -12,19 +12,19 @@
 //! threshold, even if the tolerance is less, or when all are within the tolerance.
 
 use super::eigenvalues;
+use super::equations::Equations;
 use super::omega::Omega;
 use super::scheme::{Demand, Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::threshold::Threshold;
 use super::update::{State, Update};
 use crate::about::About;
-use crate::blocks::BLOCK;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
+use crate::data::blocks::BLOCK;
+use crate::geometry::norms::Norms;
 use crate::invalid::Invalid;
-use crate::norms::Norms;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
-use crate::tensor::Tensor;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {

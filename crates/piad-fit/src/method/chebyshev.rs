@@ -12,21 +12,21 @@
 //! interval is chosen so that they do not rise far. Bases that are not totally positive are
 //! refused, as their eigenvalues are not real.
 
+use super::divergence;
 use super::eigenvalues;
+use super::equations::Equations;
 use super::recurrence::Recurrence;
 use super::rehearsal;
 use super::relaxation::Relaxation;
 use super::scheme::{Demand, Progress, Scheme};
 use super::update::{Change, State, Update};
 use crate::about::About;
-use crate::divergence;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
+use crate::data::points::Points;
 use crate::invalid::Invalid;
-use crate::points::Points;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::spectrum;
+use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
-use crate::spectrum;
-use crate::tensor::Tensor;
 use crate::termination::{Outcome, Reason};
 use crate::warning::Warning;
 

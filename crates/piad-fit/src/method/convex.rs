@@ -12,12 +12,12 @@
 //! the interpolant turns otherwise, steps become shorter and shorter, and the fit stalls with a
 //! positive error. A level costs one application of B, and O(n) for each bisection.
 
+use super::equations::Equations;
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::{Change, State, Update};
 use crate::about::About;
-use crate::equations::Equations;
+use crate::data::points::{Points, normalizing_scale};
 use crate::invalid::{Invalid, Place, Setting, Side};
-use crate::points::{Points, normalizing_scale};
 use crate::setup::Setup;
 use crate::termination::Reason;
 

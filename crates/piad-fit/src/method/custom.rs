@@ -21,18 +21,18 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::equations::Equations;
 use super::linear::Linear;
 use super::scheme::{Demand, Scheme, Scope};
-use super::stability;
 use super::update::Update;
 use crate::about::About;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
 use crate::invalid::{Axis, Invalid, Place};
 use crate::linear::DenseMap;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::stability;
+use crate::matrix::tensor::Tensor;
+use crate::matrix::transform::Transform;
 use crate::setup::Setup;
-use crate::tensor::Tensor;
-use crate::transform::Transform;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {
@@ -142,7 +142,7 @@ impl Scheme for Custom {
         if !is_small(setup) {
             return Ok(());
         }
-        let products = self.products(setup, &Tensor::new(setup));
+        let products = self.products(setup, &setup.tensor());
         match stability::diverging_rate(&products) {
             Some(rate) => Err(Invalid::at(
                 Place::Method,

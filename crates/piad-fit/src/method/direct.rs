@@ -8,17 +8,17 @@
 //! a level costs O(n p) or O(n²). Further levels refine the solution (iterative refinement), until
 //! the residual shrinks no more: what is left is rounding.
 
+use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
 use super::scheme::{Progress, Scheme};
 use super::update::Update;
 use crate::about::About;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::tensor::Tensor;
+use crate::matrix::transform::Transform;
 use crate::setup::Setup;
-use crate::tensor::Tensor;
 use crate::termination::{Outcome, Reason};
-use crate::transform::Transform;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {

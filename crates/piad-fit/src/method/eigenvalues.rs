@@ -5,11 +5,11 @@
 //! fit passes on what is known, as points that move do not change the matrix while parameters stay.
 
 use super::omega::Omega;
-use crate::forecast::Forecast;
-use crate::rates::DENSE;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::spectrum;
+use crate::matrix::spectrum::DENSE;
+use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
-use crate::spectrum;
-use crate::tensor::Tensor;
 
 /// Up to this number of points in a direction λ_min is computed for the forecast alone; methods
 /// that need it always have it.

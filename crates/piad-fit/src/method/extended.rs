@@ -20,17 +20,17 @@
 
 use std::sync::Arc;
 
+use super::equations::Equations;
 use super::linear::Linear;
 use super::rehearsal;
 use super::scheme::{Demand, Scheme};
 use super::update::Update;
 use crate::about::About;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
-use crate::points::Points;
+use crate::data::points::Points;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::tensor::Tensor;
+use crate::matrix::transform::Transform;
 use crate::setup::Setup;
-use crate::tensor::Tensor;
-use crate::transform::Transform;
 use crate::warning::Warning;
 
 /// The entry in the table of methods.

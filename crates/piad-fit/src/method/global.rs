@@ -10,18 +10,18 @@
 //! `1 − λ_min(B)` in each level (LBW05, Theorem 2.1). A level costs one application of B: O(n p)
 //! for B-splines of degree p.
 
+use super::divergence;
 use super::eigenvalues;
+use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
 use super::scheme::{Demand, Scheme};
 use super::update::Update;
 use crate::about::About;
-use crate::divergence;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
 use crate::invalid::Invalid;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
-use crate::tensor::Tensor;
 use crate::warning::Warning;
 
 /// The entry in the table of methods.

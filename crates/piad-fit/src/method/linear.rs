@@ -5,11 +5,11 @@
 //! to be told in transformed coordinates, too, `max_i ‖(U Δ)_i‖` (Deng13), the step is computed when
 //! the residual is, and kept in a vector of its own until it is taken: no more work.
 
+use super::equations::Equations;
 use super::update::{Change, State, Update};
-use crate::equations::Equations;
-use crate::points::Points;
+use crate::data::points::Points;
+use crate::matrix::transform::Transform;
 use crate::termination::Reason;
-use crate::transform::Transform;
 
 /// The update with the transform of the equations.
 #[derive(Clone, Debug)]

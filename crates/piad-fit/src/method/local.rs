@@ -5,7 +5,7 @@
 //! ```
 //!
 //! (Lin10, sections 2–5, with ω = 1; section 6 proposes a relaxation, 0 < ω < 2). The difference vectors of the selected points I fall to zero, those of
-//! the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::limit`]).
+//! the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::iteration::limit`]).
 //! Errors and the stop rule are those of the selected points; the largest difference vector of the
 //! others is told apart. The rate is `max |1 − ω λ|` over the eigenvalues λ of `B_II`: for ω = 1 it is
 //! `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger eigenvalues
@@ -17,18 +17,18 @@
 //! disturb earlier ones, so that the sweeps are repeated until all lines are.
 
 use super::eigenvalues;
+use super::equations::Equations;
 use super::omega::Omega;
 use super::scheme::{Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::update::{State, Update};
 use crate::about::About;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
+use crate::geometry::norms::Norms;
 use crate::invalid::{Invalid, Place, Setting};
-use crate::norms::Norms;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::spectrum;
+use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
-use crate::spectrum;
-use crate::tensor::Tensor;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {

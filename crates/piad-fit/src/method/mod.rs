@@ -32,7 +32,8 @@
 //!   semi-iteration;
 //! - `selection`: updates that move only some control points;
 //! - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
-//! - `eigenvalues`: forecasts by the least eigenvalue; `stability`: whether a transform diverges;
+//! - `equations`: `B X = P` and the transform of a method; `plain`: the loop as it is written down;
+//! - `eigenvalues`: forecasts by the least eigenvalue; `divergence`: whether a relaxation diverges;
 //! - `rehearsal`: fits in advance.
 
 mod adaptive;
@@ -40,33 +41,34 @@ mod chebyshev;
 mod convex;
 mod custom;
 mod direct;
+pub(crate) mod divergence;
 mod eigenvalues;
+pub(crate) mod equations;
 mod extended;
 mod global;
 mod least_squares;
 mod linear;
 mod local;
 mod omega;
+pub(crate) mod plain;
 mod recurrence;
 mod rehearsal;
 pub(super) mod relaxation;
 mod scheme;
 mod selection;
-mod stability;
 mod threshold;
 mod transpose;
 pub(super) mod update;
 mod weighted;
 
 use super::about::About;
-use super::forecast::Forecast;
 use super::warning::Warning;
+use crate::matrix::forecast::Forecast;
 
 pub use adaptive::Adaptive;
 pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
-pub(super) use least_squares::automatic;
 pub(super) use least_squares::obeying::Obeying;
 pub(super) use least_squares::obeying_surface::ObeyingSurface;
 pub use least_squares::{
@@ -76,7 +78,6 @@ pub use least_squares::{
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
 pub(super) use scheme::{Progress, Scheme, Scope};
-pub(super) use stability::rate as spectral_radius;
 pub use threshold::Threshold;
 pub use weighted::Weighted;
 

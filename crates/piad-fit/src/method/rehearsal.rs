@@ -9,8 +9,8 @@
 //! A rehearsal is made with the data of the fit, by the plain loop, when a system is made. It is
 //! limited by a number of multiplications, so that it never takes longer than a moment.
 
+use super::equations::Equations;
 use super::scheme::Scheme;
-use crate::equations::Equations;
 
 /// The most multiplications of a rehearsal: a moment.
 const WORK: usize = 50_000_000;

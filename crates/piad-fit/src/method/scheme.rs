@@ -12,20 +12,20 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use super::equations::Equations;
+use super::plain::Plain;
 use super::relaxation::Relaxation;
 use super::update::Update;
 use crate::about::About;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
+use crate::data::missing::Missing;
+use crate::data::points::{Grid, Points};
+use crate::geometry::norms::FitError;
 use crate::invalid::Invalid;
-use crate::missing::Missing;
-use crate::norms::FitError;
-use crate::plain::Plain;
-use crate::points::{Grid, Points};
+use crate::matrix::forecast::Forecast;
+use crate::matrix::tensor::Tensor;
+use crate::matrix::transform::Transform;
 use crate::setup::Setup;
-use crate::tensor::Tensor;
 use crate::termination::Outcome;
-use crate::transform::Transform;
 use crate::warning::Warning;
 
 /// What the settings of a method are checked against, before anything has been computed.

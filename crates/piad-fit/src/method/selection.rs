@@ -14,10 +14,10 @@
 
 use std::fmt::Debug;
 
+use super::equations::Equations;
 use super::update::{Change, State, Update};
-use crate::equations::Equations;
-use crate::norms::Norms;
-use crate::tensor::Tensor;
+use crate::geometry::norms::Norms;
+use crate::matrix::tensor::Tensor;
 
 /// How many multiplications of whole arrays take as long as one of an entry that is looked up.
 const LOOK_UP: usize = 6;

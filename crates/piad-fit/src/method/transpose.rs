@@ -13,17 +13,17 @@
 //! Of a surface ρ is the product of those of both directions. A level costs two applications of B;
 //! ρ is found by power iteration before.
 
+use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
 use super::scheme::Scheme;
 use super::update::Update;
 use crate::about::About;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::spectrum;
+use crate::matrix::tensor::Tensor;
+use crate::matrix::transform::Transform;
 use crate::setup::Setup;
-use crate::spectrum;
-use crate::tensor::Tensor;
-use crate::transform::Transform;
 
 /// The entry in the table of methods.
 pub(super) const ABOUT: About = About {

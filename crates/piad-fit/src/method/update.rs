@@ -6,8 +6,8 @@
 
 use std::fmt::Debug;
 
-use crate::equations::Equations;
-use crate::points::Points;
+use super::equations::Equations;
+use crate::data::points::Points;
 use crate::termination::{Outcome, Reason};
 
 /// What an update has changed.

@@ -8,19 +8,19 @@
 //! 2, by the factor `max(|1 − ω λ_min|, |1 − ω|)` in each level, which is least for ω = 2 / (1 +
 //! λ_min): `(1 − λ_min) / (1 + λ_min)`. A level costs as much as one of classical PIA.
 
+use super::divergence;
 use super::eigenvalues;
+use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::about::About;
-use crate::divergence;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
 use crate::invalid::Invalid;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::tensor::Tensor;
+use crate::matrix::transform::Transform;
 use crate::setup::Setup;
-use crate::tensor::Tensor;
-use crate::transform::Transform;
 use crate::warning::Warning;
 
 /// The entry in the table of methods.

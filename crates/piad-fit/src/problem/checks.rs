@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::Tolerance;
-use crate::bounds::Extent;
-use crate::choice::DirectionChoice;
+use super::request::Tolerance;
+use super::request::{Request, Weights};
+use crate::basis::choice::DirectionChoice;
+use crate::data::bounds::Extent;
+use crate::data::missing::Missing;
+use crate::data::points::{Points, ROUNDING};
 use crate::invalid::{Invalid, Place};
 use crate::method::Scope;
-use crate::missing::Missing;
-use crate::points::{Points, ROUNDING};
-use crate::request::{Request, Weights};
 use crate::setup::Setup;
 
 /// What the settings of a method are checked against.

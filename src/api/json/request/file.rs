@@ -10,11 +10,11 @@ use super::places::Places;
 use super::points::Data;
 use crate::api::json::view::to_bytes;
 use crate::api::problem::{Location, Problem, Words};
-use crate::import::{Hints, Imported, Kind};
 use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
-use crate::model::short;
-use piad_fit::points::Grid;
+use piad_files::import::{Hints, Imported, Kind};
+use piad_files::short;
+use piad_fit::data::Grid;
 
 /// What is said of a file of points beside the fields of a job, as a help to read it.
 #[derive(Clone, Copy, Debug, Default)]

@@ -10,8 +10,8 @@ use crate::model::named::Named;
 use crate::model::per_direction::{PerDirection, direction};
 use crate::model::scattered::SurfaceParameters;
 use crate::model::shape::{CurveInput, SurfaceInput};
+use piad_fit::data::Grid;
 use piad_fit::invalid::{Axis, Place as P};
-use piad_fit::points::Grid;
 
 const CURVE: &str = "/curve";
 const SURFACE: &str = "/surface";

@@ -11,7 +11,7 @@ use std::ops::Range;
 use memchr::memmem;
 use rayon::prelude::*;
 
-use piad_fit::points::{Grid, MAX_DIMENSION, Points};
+use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 
 /// The most lists within each other that are told apart.
 const DEEP: usize = 4;

@@ -8,8 +8,8 @@ use crate::model::either::Whole;
 use crate::model::method::counts::{ControlPointCount, ControlPoints, MostControlPoints};
 use crate::model::method::{LeastSquaresInput, MethodKind, StartInput, SweepsInput, VariantKind};
 use crate::model::per_direction::PerDirection;
+use piad_fit::engine::Forecast;
 use piad_fit::method::{Adaptive, Convex, Local, Method, Threshold, Weighted};
-use piad_fit::system::Forecast;
 
 /// The method of a job, with numbers that were computed for it.
 #[derive(Default, Serialize, JsonSchema)]

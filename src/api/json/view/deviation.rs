@@ -6,8 +6,8 @@ use serde::Serialize;
 use super::error::index;
 use crate::api::json::plain::never_null;
 use crate::model::settings::Index;
-use piad_fit::foot::deviation::Deviation;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
+use piad_fit::engine::foot::Deviation;
 
 /// Distances of the data from the nearest points of the curve or surface. They are never larger than the
 /// `error` of the iteration, which is taken at the parameters of the data.

@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::schema_of;
-use piad_fit::ends::{End, Ends};
-use piad_fit::problem::Problem;
+use piad_fit::basis::{End, Ends};
+use piad_fit::engine::Problem;
 
 /// The rules by which a direction ends; null where there is nothing to choose.
 #[derive(Serialize)]

@@ -9,9 +9,9 @@ use super::examples;
 use crate::api::json::plain::never_null;
 use crate::job::outline::Outline;
 use crate::model::settings::Index;
+use piad_fit::engine::Problem;
+use piad_fit::geometry::FitError;
 use piad_fit::method::Method;
-use piad_fit::norms;
-use piad_fit::problem::Problem;
 
 /// How the data points of a job are numbered, and whether the fit is local.
 #[derive(Clone, Copy)]
@@ -77,7 +77,7 @@ pub(super) fn index(index: usize, problem: &Problem) -> Index {
 
 impl ErrorView {
     /// The distances of a level from the data.
-    pub(crate) fn new(error: &norms::FitError, of: impl Into<Arrangement>) -> Self {
+    pub(crate) fn new(error: &FitError, of: impl Into<Arrangement>) -> Self {
         let of = of.into();
         Self {
             max: Distance(error.max),

@@ -28,7 +28,7 @@ use crate::model::basis::BasisKind;
 use crate::model::per_direction::{Count, PerDirection};
 use crate::model::schema::schema_of;
 use crate::model::weights::Rational;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
 #[derive(Serialize, JsonSchema)]

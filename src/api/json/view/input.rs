@@ -6,7 +6,7 @@ use super::job::stream;
 use super::to_bytes;
 use crate::job::outline::Outline;
 use crate::model::job::JobRequest;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 
 /// The body that would ask for the same problem again.
 pub(crate) fn input(outline: &Outline, problem: &Problem) -> Bytes {

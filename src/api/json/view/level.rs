@@ -19,10 +19,8 @@ use crate::model::per_direction::PerDirection;
 use crate::model::schema::schema_of;
 use crate::model::settings::Index;
 use crate::model::stream::form::{self, Encoding, Form, View};
-use piad_fit::geometry::Geometry;
-use piad_fit::iteration::Level;
-use piad_fit::problem::Problem;
-use piad_fit::samples::{Samples, Uniform};
+use piad_fit::engine::samples::{Samples, Uniform};
+use piad_fit::engine::{Geometry, Level, Problem};
 
 /// An iteration: the data of an `iteration` event. Which geometry there is depends on `view` and `changed`.
 #[derive(Serialize, JsonSchema)]
@@ -107,7 +105,7 @@ pub(crate) fn level(frame: &Frame, form: &Form) -> Content {
             ..Shown::default()
         },
         View::Samples(grid) => {
-            let samples = Samples::new(Arc::clone(problem), Arc::clone(points), grid);
+            let samples = Samples::new(Arc::clone(problem.setup()), Arc::clone(points), grid);
             Shown::samples(&mut document, samples)
         }
     };

@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::error::index;
 use crate::model::settings::Index;
-use piad_fit::limit::LocalLimit;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
+use piad_fit::engine::limit::LocalLimit;
 
 /// Where the difference vectors of the fixed points of a local fit end.
 #[derive(Serialize, JsonSchema)]

@@ -12,11 +12,9 @@ use super::error::index;
 use super::source::{Along, NetPoints, NetWeights};
 use crate::model::per_direction::PerDirection;
 use crate::model::settings::Index;
-use piad_fit::direction::Direction;
+use piad_fit::data::Points;
+use piad_fit::engine::{Direction, Level, Problem};
 use piad_fit::invalid::Axis;
-use piad_fit::iteration::Level;
-use piad_fit::points::Points;
-use piad_fit::problem::Problem;
 
 /// The complete control net of a level.
 pub(super) struct ControlNet {

@@ -6,8 +6,8 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::api::json::plain::never_null;
-use crate::import::Imported;
 use crate::model::points::{PointGrid, PointList};
+use piad_files::import::Imported;
 
 /// The points of a file as a job has them: one of `curve` and `surface` is there.
 #[derive(Serialize, JsonSchema)]

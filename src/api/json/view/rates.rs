@@ -43,7 +43,7 @@ struct RateView {
 impl RatesView {
     /// A comparison.
     pub(crate) fn new(rates: &Rates) -> Self {
-        let view = |rate: &piad_fit::rates::BasisRate| RateView {
+        let view = |rate: &piad_fit::engine::rates::BasisRate| RateView {
             basis: rate.basis,
             degree: rate.degree,
             lambda_min: rate.lambda_min,

@@ -4,12 +4,10 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
-use piad_fit::direction::Direction;
-use piad_fit::geometry::Geometry;
+use piad_fit::data::Points;
+use piad_fit::engine::samples::{Samples, Uniform};
+use piad_fit::engine::{Direction, Geometry, Problem};
 use piad_fit::invalid::Axis;
-use piad_fit::points::Points;
-use piad_fit::problem::Problem;
-use piad_fit::samples::{Samples, Uniform};
 
 /// An array of numbers. It is shared between threads and lives until all of it has been sent.
 pub(crate) trait Source: Send + Sync + 'static {

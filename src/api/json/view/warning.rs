@@ -9,8 +9,8 @@ use crate::api::problem::Words;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
 use crate::model::mistakes::SpecPart;
+use piad_fit::engine as fit;
 use piad_fit::invalid::Axis;
-use piad_fit::warning as fit;
 
 /// What is doubtful about a fit that is computed even so.
 #[derive(Serialize, JsonSchema)]

@@ -20,7 +20,7 @@ use super::tables::{
 use crate::job::result::LastGeometry;
 use crate::job::store::record;
 use crate::job::store::{IdempotencyEntry, IdempotencyKey, Record, Secret, Selection, StoreError};
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 
 /// The database of a store. It is closed by an I/O error or a panic that has made it unusable; the thread that
 /// writes opens it again.

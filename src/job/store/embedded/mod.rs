@@ -46,7 +46,7 @@ use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use database::JobDatabase;
 use file::Bytes;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 use writer::Writer;
 
 /// The name of the file in the data directory.

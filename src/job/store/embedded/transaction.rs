@@ -15,7 +15,7 @@ use crate::job::store::record::{self, Input};
 use crate::job::store::{
     IdempotencyEntry, IdempotencyKey, Insertion, Record, Retention, Spared, StoreError,
 };
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 
 /// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
 /// frees some, which can be used two commits later. Without them no job could be deleted to make room where

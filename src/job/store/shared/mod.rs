@@ -46,7 +46,7 @@ use crate::job::state::Status;
 use connection::Connections;
 use hints::Hint;
 use order::Order;
-use piad_fit::problem::Problem;
+use piad_fit::engine::Problem;
 use pieces::Table;
 
 /// The store of several replicas, as one of them has it.

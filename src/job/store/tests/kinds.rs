@@ -9,17 +9,14 @@ use crate::job::store::Record;
 use crate::model::stream::{
     Describe, Digits, Encoding, OnDisconnect, Pace, Samples, StreamSpec, View as StreamView,
 };
-use piad_fit::basis::{Polynomial, knots::Knots};
-use piad_fit::direction::{BasisChoice, DirectionChoice};
-use piad_fit::ends::{End, Ends};
+use piad_fit::basis::{BasisChoice, End, Ends, Knots, Polynomial};
+use piad_fit::data::{Grid, Points};
+use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance, Weights};
 use piad_fit::method::{
     AS_MANY_AS_DATA, Adaptive, Automatic, Convex, Custom, Extended, LeastSquares, Local, Method,
     Omega, Start, Sweeps, Threshold, Variant, Weighted,
 };
-use piad_fit::parameters::Parametrization;
-use piad_fit::points::{Grid, Points};
-use piad_fit::problem::{Problem, Request, Tolerance, Weights};
-use piad_fit::scattered::{CoordinatePlane, Scattered};
+use piad_fit::parameters::{CoordinatePlane, Parametrization, Scattered};
 
 const CURVE: Grid = Grid {
     rows: 12,

@@ -1,9 +1,9 @@
 //! Least squares with each setting besides numbers of control points and variants.
 
 use super::kinds::{points, size};
+use piad_fit::data::Grid;
 use piad_fit::invalid::{Axis, Side};
 use piad_fit::method::{At, Constraint, EndPoints, Fairness, LeastSquares, Method, Wanted};
-use piad_fit::points::Grid;
 
 /// For data with three coordinates.
 pub(super) fn methods(surface: bool) -> Vec<Method> {

@@ -17,8 +17,7 @@ use crate::job::store::crash_recovery::MOST_CRASHES;
 use crate::job::store::shared::hints::Hint;
 use crate::job::store::shared::{Settings, Shared};
 use crate::job::store::{Record, Store};
-use piad_fit::iteration::Iteration;
-use piad_fit::system::System;
+use piad_fit::engine::{Iteration, System};
 
 /// A part of the database of the tests.
 pub(super) struct Schema {
@@ -337,7 +336,7 @@ async fn large_problems_are_kept_in_pieces() {
     let record = queued();
     let id = record.outline.id;
     let points: Vec<f64> = (0..1_500_000).map(|i| f64::from(i).sin()).collect();
-    let large = piad_fit::points::Points::from_lanes([points.as_slice()]);
+    let large = piad_fit::data::Points::from_lanes([points.as_slice()]);
     insert_record(&store, &record).await;
     let geometry = Arc::new(large.clone()).into();
     assert!(

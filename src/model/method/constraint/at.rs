@@ -9,9 +9,9 @@ use crate::model::lists::Lists;
 use crate::model::named::{Named, names};
 use crate::model::schema::schema_of;
 use crate::model::settings::Index;
+use piad_fit::data::Grid;
 use piad_fit::invalid::{Axis, Side};
 use piad_fit::method::At;
-use piad_fit::points::Grid;
 
 /// Where a constraint holds.
 #[derive(Clone, Copy, Debug)]

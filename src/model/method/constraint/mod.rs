@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use crate::model::either::object;
 use crate::model::lists::Vectors;
 use crate::model::settings::Index;
+use piad_fit::data::{Grid, Points};
 use piad_fit::method::{At, Constraint, Wanted};
-use piad_fit::points::{Grid, Points};
 
 use at::PlaceInput;
 

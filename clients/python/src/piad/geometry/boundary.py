@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from .._arrays import Array, as_lists, size
 from . import net
 from .derivative import differentiated
-
-if TYPE_CHECKING:
-    from .surface import Surface
+from .shapes import SurfaceLike
 
 Side = Literal["u_start", "u_end", "v_start", "v_end"]
 """A boundary: at the first or the last parameter of u or of v."""
@@ -47,7 +45,7 @@ class Boundary:
         ]
 
 
-def boundary(surface: Surface, side: Side) -> Boundary:
+def boundary(surface: SurfaceLike, side: Side) -> Boundary:
     """The boundary of a surface at a side."""
     if side not in ("u_start", "u_end", "v_start", "v_end"):
         raise ValueError(f"{side!r} is no boundary: there are u_start, u_end, v_start and v_end")

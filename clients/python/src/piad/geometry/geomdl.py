@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .._arrays import as_lists
 from . import net
 from ._optional import load
-
-if TYPE_CHECKING:
-    from .curve import Curve
-    from .surface import Surface
+from .shapes import CurveLike, SurfaceLike
 
 
-def curve(it: Curve) -> Any:
+def curve(it: CurveLike) -> Any:
     """With the knots as they are; geomdl would otherwise move them to [0, 1]."""
     spline = it.as_bspline()
     made = _module(spline).Curve(normalize_kv=False)
@@ -23,7 +20,7 @@ def curve(it: Curve) -> Any:
     return made
 
 
-def surface(it: Surface) -> Any:
+def surface(it: SurfaceLike) -> Any:
     """The control points go in one list, row by row."""
     spline = it.as_bspline()
     made = _module(spline).Surface(normalize_kv=False)
@@ -35,9 +32,9 @@ def surface(it: Surface) -> Any:
     return made
 
 
-def _module(spline: Curve | Surface) -> Any:
+def _module(spline: CurveLike | SurfaceLike) -> Any:
     return load("geomdl.BSpline" if spline.weights is None else "geomdl.NURBS", "geomdl")
 
 
-def _points(spline: Curve | Surface) -> Any:
+def _points(spline: CurveLike | SurfaceLike) -> Any:
     return as_lists(net.homogeneous(spline.control_points, spline.weights))

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .._arrays import as_lists
 from ._optional import load
 from .basis import multiplicities
 from .net import in_space
-
-if TYPE_CHECKING:
-    from .curve import Curve
-    from .surface import Surface
+from .shapes import CurveLike, SurfaceLike
 
 _MOST_DEGREE = 25
 _PACKAGE = "cadquery-ocp"
@@ -26,7 +23,7 @@ _ARRAYS = {
 }
 
 
-def curve(it: Curve) -> Any:
+def curve(it: CurveLike) -> Any:
     """Distinct knots with their multiplicities. Points of the plane get z = 0."""
     geom = load("OCP.Geom", _PACKAGE)
     spline = it.as_bspline()
@@ -42,7 +39,7 @@ def curve(it: Curve) -> Any:
     return geom.Geom_BSplineCurve(poles, weights, knots, counts, spline.degree)
 
 
-def surface(it: Surface) -> Any:
+def surface(it: SurfaceLike) -> Any:
     """Distinct knots with their multiplicities. Points of the plane get z = 0."""
     geom = load("OCP.Geom", _PACKAGE)
     spline = it.as_bspline()

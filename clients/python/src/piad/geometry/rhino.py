@@ -6,18 +6,15 @@ points in homogeneous coordinates.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from .._arrays import as_lists
 from ._optional import load
 from .net import in_space
-
-if TYPE_CHECKING:
-    from .curve import Curve
-    from .surface import Surface
+from .shapes import CurveLike, SurfaceLike
 
 
-def curve(it: Curve) -> Any:
+def curve(it: CurveLike) -> Any:
     """Points of the plane get z = 0."""
     rhino = load("rhino3dm", "rhino3dm")
     spline = it.as_bspline()
@@ -29,7 +26,7 @@ def curve(it: Curve) -> Any:
     return made
 
 
-def surface(it: Surface) -> Any:
+def surface(it: SurfaceLike) -> Any:
     """Points of the plane get z = 0."""
     rhino = load("rhino3dm", "rhino3dm")
     spline = it.as_bspline()

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from . import net
 from ._optional import load
-
-if TYPE_CHECKING:
-    from .curve import Curve
-    from .surface import Surface
+from .shapes import CurveLike, SurfaceLike
 
 
-def curve(it: Curve, *, homogeneous: bool) -> Any:
+def curve(it: CurveLike, *, homogeneous: bool) -> Any:
     """A BSpline: knots, coefficients, degree."""
     interpolate = load("scipy.interpolate", "scipy")
     spline = it.as_bspline()
@@ -21,7 +18,7 @@ def curve(it: Curve, *, homogeneous: bool) -> Any:
     return interpolate.BSpline(spline.knots, coefficients, spline.degree, extrapolate=extrapolate)
 
 
-def surface(it: Surface, *, homogeneous: bool) -> Any:
+def surface(it: SurfaceLike, *, homogeneous: bool) -> Any:
     """An NdBSpline, whose coefficients have the axes u, v and coordinate."""
     interpolate = load("scipy.interpolate", "scipy")
     numpy = load("numpy", "numpy")
@@ -31,7 +28,7 @@ def surface(it: Surface, *, homogeneous: bool) -> Any:
     return interpolate.NdBSpline(knots, coefficients, spline.degrees)
 
 
-def _coefficients(spline: Curve | Surface, *, homogeneous: bool) -> Any:
+def _coefficients(spline: CurveLike | SurfaceLike, *, homogeneous: bool) -> Any:
     if spline.weights is None:
         return spline.control_points
     if not homogeneous:

@@ -4,17 +4,18 @@ use nalgebra::{Complex, DMatrix};
 
 use super::*;
 use crate::basis::Polynomial;
+use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
-use crate::direction::{BasisChoice, DirectionChoice};
+use crate::data::points::{Grid, Points};
 use crate::invalid::{Axis, Place};
 use crate::iteration::Iteration;
+use crate::iteration::system::System;
 use crate::linear::LineMap;
+use crate::matrix::spectrum;
 use crate::method::{Local, Method, Omega, Weighted};
 use crate::parameters::Parametrization;
-use crate::points::{Grid, Points};
-use crate::problem::{Problem, Request, Tolerance, Weights};
-use crate::spectrum;
-use crate::system::System;
+use crate::problem::Problem;
+use crate::problem::request::{Request, Tolerance, Weights};
 
 /// Cubic B-splines with knots at the data.
 fn cubic() -> BasisChoice {
@@ -59,7 +60,7 @@ fn request(rows: usize, columns: usize, basis: BasisChoice, method: Method) -> R
 /// The collocation matrices of that request, `B_u` and `B_v`.
 fn collocation(rows: usize, columns: usize) -> Vec<DMatrix<f64>> {
     let problem = Problem::new(request(rows, columns, cubic(), Method::Global)).unwrap();
-    let tensor = Tensor::new(&problem);
+    let tensor = problem.tensor();
     tensor.directions().map(|b| b.to_dense()).collect()
 }
 
@@ -143,7 +144,7 @@ fn the_inverse_is_direct() {
 fn the_scaled_transpose_is_transpose() {
     for (n, m) in GRIDS {
         let problem = Problem::new(request(n, m, cubic(), Method::Global)).unwrap();
-        let tensor = Tensor::new(&problem);
+        let tensor = problem.tensor();
         let scaled = tensor
             .directions()
             .map(|b| b.to_dense().transpose() / spectrum::largest_singular_value_squared(b));
@@ -308,7 +309,7 @@ fn nilpotent_iterations_are_accepted() {
         for basis in bases.into_iter().take(if n < 60 { 2 } else { 1 }) {
             let problem = Problem::new(request(n, 1, basis.clone(), Method::Global)).unwrap();
             let mut lines = DMatrix::<f64>::identity(n, n);
-            let transform = Tensor::new(&problem).u.orthogonal();
+            let transform = problem.tensor().u.orthogonal();
             transform.apply(lines.as_mut_slice());
             let problem = Problem::new(request(n, 1, basis, custom(&[lines])));
             assert!(problem.is_ok(), "{n}: {:?}", problem.err());

@@ -5,15 +5,16 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::*;
+use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::basis::end_conditions::{End, Ends};
 use crate::basis::knots::Knots;
-use crate::direction::{BasisChoice, DirectionChoice};
-use crate::ends::{End, Ends};
+use crate::data::points::Grid;
 use crate::iteration::Iteration;
+use crate::iteration::system::System;
 use crate::method::Method;
 use crate::parameters::Parametrization;
-use crate::points::Grid;
-use crate::problem::{Problem, Request, Tolerance, Weights};
-use crate::system::System;
+use crate::problem::Problem;
+use crate::problem::request::{Request, Tolerance, Weights};
 
 /// Uneven points around a closed curve, which an open one goes through once.
 fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request {

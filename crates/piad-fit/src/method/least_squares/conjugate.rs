@@ -2,9 +2,9 @@
 //! itself. With projected gradients all directions are among those that conditions leave free.
 
 use super::objective::Objective;
-use crate::equations::Equations;
+use crate::data::points::Points;
+use crate::method::equations::Equations;
 use crate::method::update::State;
-use crate::points::Points;
 
 /// What conjugate gradients remember.
 #[derive(Clone, Debug)]

@@ -20,9 +20,9 @@ use super::constraints::Condition;
 use super::objective::Objective;
 use super::settings::LeastSquares;
 use super::solver::{Solver, cost, sums_products};
-use crate::equations::Equations;
+use crate::data::points::Points;
+use crate::method::equations::Equations;
 use crate::method::update::State;
-use crate::points::Points;
 use crate::setup::Setup;
 use crate::termination::{Outcome, Reason};
 

@@ -15,10 +15,10 @@
 
 use super::gaps::Gaps;
 use super::settings::{Fairness, LeastSquares};
-use crate::direction::Direction;
+use crate::basis::direction::Direction;
+use crate::basis::quadrature::{Row, node_rows};
 use crate::interrupt;
 use crate::linear::columns::Columns;
-use crate::quadrature::{Row, node_rows};
 use crate::setup::Setup;
 
 /// A weighted sum of squares of derivatives, `w Xᵀ H X`.

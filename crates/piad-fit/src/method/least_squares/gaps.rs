@@ -7,9 +7,9 @@
 //! beside the sum of squares with the sum Ω of the weights of the data. It does not depend on the scale of the
 //! parameters if that is one for both. Where there are data it adds nothing.
 
-use crate::direction::Direction;
+use crate::basis::direction::Direction;
+use crate::basis::quadrature::{Row, node_rows};
 use crate::interrupt;
-use crate::quadrature::{Row, node_rows};
 use crate::setup::Setup;
 
 /// The energy over the spans without data.

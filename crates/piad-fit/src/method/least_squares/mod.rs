@@ -26,7 +26,6 @@
 //! - [`objective`]: what is made small, with [`fairness`] and the stiffness of [`gaps`]; [`end`]: how far it is above its minimum;
 //! - [`constraints`]: what every level obeys.
 
-pub(crate) mod automatic;
 mod conjugate;
 pub(crate) mod constraints;
 mod end;
@@ -42,14 +41,14 @@ mod steps;
 
 use std::sync::Arc;
 
+use super::equations::Equations;
 use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::about::About;
-use crate::direction::Direction;
-use crate::equations::Equations;
-use crate::forecast::Forecast;
+use crate::basis::direction::Direction;
+use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place, Setting};
-use crate::points::Points;
+use crate::matrix::forecast::Forecast;
 use crate::setup::Setup;
 use crate::warning::Warning;
 use constraints::independent;

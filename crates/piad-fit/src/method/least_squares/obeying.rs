@@ -11,17 +11,16 @@ use super::constraints::independent;
 use super::settings::{LeastSquares, Variant};
 use super::steps::Steps;
 use super::{solver, start};
-use crate::equations::Equations;
-use crate::forecast::Forecast;
-use crate::operator::Operator;
-use crate::plain::Plain;
-use crate::points::Points;
+use crate::data::points::Points;
+use crate::knot_selection::equations::Minimum;
+use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::placed::{in_directions, in_lines};
+use crate::knot_selection::values::Values;
+use crate::matrix::forecast::Forecast;
+use crate::matrix::transform::Transform;
+use crate::method::equations::Equations;
+use crate::method::plain::Plain;
 use crate::setup::Setup;
-use crate::tolerance::equations::Minimum;
-use crate::tolerance::line::KnotLine;
-use crate::tolerance::placed::{in_directions, in_lines};
-use crate::tolerance::values::Values;
-use crate::transform::Transform;
 
 /// The most multiplications of the factorization of a surface over some of the many knots that are
 /// tried.
@@ -90,7 +89,7 @@ impl Obeying {
         }
         let setup = Arc::new(setup);
         let equations = Equations {
-            collocation: Operator::new(&setup),
+            collocation: setup.collocation(),
             setup: Arc::clone(&setup),
             transform: Transform::Scale(1.0),
             forecast: Forecast::default(),

@@ -6,11 +6,11 @@ use std::sync::Arc;
 
 use super::obeying::Obeying;
 use super::settings::{Fairness, LeastSquares};
-use crate::points::Points;
+use crate::data::distances::Distances;
+use crate::data::points::Points;
+use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
 use crate::setup::Setup;
-use crate::tolerance::distances::Distances;
-use crate::tolerance::line::KnotLine;
-use crate::tolerance::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
 
 /// The data of a surface, and what is minimized.
 #[derive(Debug)]

@@ -11,9 +11,9 @@ use std::sync::Arc;
 use super::constraints::Condition;
 use super::fairness::Energy;
 use super::settings::{LeastSquares, Variant};
-use crate::equations::Equations;
+use crate::data::points::{Points, normalizing_scale};
+use crate::method::equations::Equations;
 use crate::method::update::State;
-use crate::points::{Points, normalizing_scale};
 use crate::setup::Setup;
 
 /// Column sums below this part of the largest belong to control points without data.

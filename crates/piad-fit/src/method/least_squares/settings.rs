@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::constraints::{Constraint, Wanted};
-use crate::choice::BasisChoice;
+use crate::basis::choice::BasisChoice;
 use crate::invalid::{Invalid, Place, Setting, one_for_each};
 
 /// The number of control points where only the data limit it.
@@ -39,7 +39,7 @@ pub struct LeastSquares {
     pub data_weights: Option<Arc<[f64]>>,
 }
 
-/// A fit that chooses its knots by itself (`crate::tolerance`).
+/// A fit that chooses its knots by itself (`crate::knot_selection`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Automatic {
     /// Whether parameters move to the foot points of their data.
@@ -47,6 +47,25 @@ pub struct Automatic {
 }
 
 impl LeastSquares {
+    /// With at most so many control points in both directions, and as few as will do.
+    pub fn automatic(u: usize, v: usize) -> Self {
+        Self {
+            automatic: Some(Automatic::default()),
+            ..Self::new(u, v)
+        }
+    }
+
+    /// Whether the schedule of knots can take steps of plain least squares: nothing is to be obeyed but
+    /// the end points, and nothing weighed but the data.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.constraints.is_empty() && !self.has_energy() && self.ends != EndPoints::Free
+    }
+
+    /// The same of a surface, whose data all count alike.
+    pub(crate) fn is_plain_surface(&self) -> bool {
+        self.is_plain() && self.data_weights.is_none()
+    }
+
     /// So many control points in both directions, and all else as is usual.
     pub fn new(u: usize, v: usize) -> Self {
         Self {

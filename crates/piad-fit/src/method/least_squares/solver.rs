@@ -14,20 +14,20 @@ use super::constraints::{Condition, Projection, Tangents};
 use super::fairness::Energy;
 use super::objective::Objective;
 use super::settings::LeastSquares;
-use crate::collocation::Collocation;
-use crate::direction::Direction;
-use crate::equations::Equations;
+use crate::basis::direction::Direction;
+use crate::data::points::{Grid, Points};
 use crate::linear::apply_tensor;
 use crate::linear::banded::Banded;
 use crate::linear::folded;
 use crate::linear::triangular::{Rows, Triangular};
+use crate::matrix::collocation::Collocation;
+use crate::matrix::operator::Operator;
+use crate::matrix::sparse::Sparse;
+use crate::matrix::tensor::Tensor;
+use crate::method::equations::Equations;
+use crate::method::plain::compute_residual;
 use crate::method::update::State;
-use crate::operator::Operator;
-use crate::plain::compute_residual;
-use crate::points::{Grid, Points};
 use crate::setup::Setup;
-use crate::sparse::Sparse;
-use crate::tensor::Tensor;
 
 /// The most multiplications that the factorization of a whole surface may take.
 pub(super) const MOST: usize = 4_000_000_000;

@@ -1,12 +1,12 @@
 //! Level 0 of least-squares fits: samples of the data, or means of scattered points.
 
 use super::objective::NO_DATA;
-use crate::aligned::Lane;
-use crate::direction::Direction;
-use crate::equations::Equations;
-use crate::missing::Missing;
-use crate::points::Points;
-use crate::quantiles::Position;
+use crate::basis::direction::Direction;
+use crate::data::aligned::Lane;
+use crate::data::missing::Missing;
+use crate::data::points::Points;
+use crate::data::quantiles::Position;
+use crate::method::equations::Equations;
 use crate::setup::Setup;
 
 /// Level 0: data at equal distances of their indices, the first and the last point among them.

@@ -9,10 +9,10 @@ use super::end::End;
 use super::objective::Objective;
 use super::settings::{LeastSquares, Variant};
 use super::solver::{Solver, sums_products};
-use crate::equations::Equations;
+use crate::data::points::{Points, normalizing_scale};
+use crate::method::equations::Equations;
+use crate::method::plain::compute_residual;
 use crate::method::update::{Change, State, Update};
-use crate::plain::compute_residual;
-use crate::points::{Points, normalizing_scale};
 use crate::setup::Setup;
 use crate::termination::Outcome;
 

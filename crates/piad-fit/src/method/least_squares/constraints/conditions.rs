@@ -2,10 +2,10 @@
 
 use super::MOST_CONDITIONS;
 use super::{At, Constraint, Wanted};
-use crate::direction::Direction;
+use crate::basis::direction::Direction;
+use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place, Setting, Side};
 use crate::method::least_squares::settings::{EndPoints, LeastSquares};
-use crate::points::Points;
 use crate::setup::Setup;
 
 /// A row of C and of R.

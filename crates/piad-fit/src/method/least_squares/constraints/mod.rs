@@ -20,8 +20,8 @@ mod dependence;
 mod projection;
 mod tangents;
 
+use crate::data::points::Points;
 use crate::invalid::{Axis, Side};
-use crate::points::Points;
 
 pub(super) use conditions::Condition;
 pub(super) use dependence::independent;

@@ -15,7 +15,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::Projection;
 use super::conditions::{Condition, Origin};
-use crate::points::Points;
+use crate::data::points::Points;
 use crate::setup::Setup;
 
 /// A tangent whose length changes the objective by less than this part of what its condition does is not

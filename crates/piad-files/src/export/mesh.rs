@@ -1,0 +1,248 @@
+//! Vertices, normals and triangles of a surface; vertices of a curve.
+
+use crate::export::error::ExportError;
+use crate::export::format::Format;
+use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::vectors::{cross, length, minus, unit};
+use piad_fit::data::Grid;
+use piad_fit::engine::nurbs::{Jet, SpanParameter, steps_between};
+
+/// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
+/// every viewer can show.
+const MOST_ALONG_CURVE: usize = 1 << 16;
+pub(super) const MOST_ALONG_SURFACE: usize = 384;
+
+/// Single precision suffices while the distance from the origin is at most this multiple of the extent.
+const NEAR: f64 = 16.0;
+
+/// A tessellated surface, or the points along a curve.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Mesh {
+    /// The offset of all positions.
+    pub(super) origin: [f64; 3],
+    /// The vertices, row by row.
+    pub(super) positions: Vec<[f32; 3]>,
+    /// Unit normals, on the side from which u × v turns counterclockwise.
+    pub(super) normals: Vec<[f32; 3]>,
+    /// Counterclockwise seen from that side.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// From each vertex of a curve to the next.
+    pub(super) lines: Vec<[u32; 2]>,
+}
+
+impl Mesh {
+    /// Samples a curve or surface, as densely as asked for or as suits it.
+    pub(super) fn new(
+        nurbs: &Nurbs,
+        samples: Option<Grid>,
+        format: Format,
+    ) -> Result<Self, ExportError> {
+        let along = |knots: &KnotVector, asked: Option<usize>, most| {
+            knots.sites(asked.map_or_else(|| knots.steps(most), steps_between))
+        };
+        let most = match nurbs.v {
+            None => MOST_ALONG_CURVE,
+            Some(_) => MOST_ALONG_SURFACE,
+        };
+        let u = along(&nurbs.u, samples.map(|grid| grid.rows), most);
+        let v = nurbs
+            .v
+            .as_ref()
+            .map(|v| along(v, samples.map(|grid| grid.columns), most));
+        let v = v.unwrap_or_default();
+        let mut jets = nurbs.evaluate(&u, &v);
+        close(nurbs, v.len().max(1), &mut jets);
+        let origin = origin(&jets);
+        let mut mesh = Self {
+            origin,
+            ..Self::default()
+        };
+        for jet in &jets {
+            let [x, y, z] = minus(jet.point, origin);
+            mesh.positions
+                .push([single(x, format)?, single(y, format)?, single(z, format)?]);
+        }
+        if nurbs.v.is_some() {
+            mesh.triangles = triangles(u.len(), v.len());
+            mesh.normals = normals(nurbs, &u, &v, &jets);
+        } else {
+            mesh.lines = (1..u.len() as u32).map(|end| [end - 1, end]).collect();
+        }
+        Ok(mesh)
+    }
+}
+
+/// Closed directions end at the very points that they start from, so that a mesh has no gap there.
+fn close(nurbs: &Nurbs, columns: usize, jets: &mut [Jet]) {
+    let last = jets.len() - columns;
+    if nurbs.u.closed {
+        for j in 0..columns {
+            jets[last + j].point = jets[j].point;
+        }
+    }
+    if nurbs.v.as_ref().is_some_and(|v| v.closed) {
+        for row in jets.chunks_exact_mut(columns) {
+            row[columns - 1].point = row[0].point;
+        }
+    }
+}
+
+/// Points far from the origin, as those of maps are, lose their shape in single precision: they are
+/// stored relative to the middle of their bounding box.
+fn origin(jets: &[Jet]) -> [f64; 3] {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for jet in jets {
+        for c in 0..3 {
+            low[c] = low[c].min(jet.point[c]);
+            high[c] = high[c].max(jet.point[c]);
+        }
+    }
+    let middle = [0, 1, 2].map(|c| low[c] / 2.0 + high[c] / 2.0);
+    let near = length(middle) <= NEAR * length(minus(high, low));
+    if near { [0.0; 3] } else { middle }
+}
+
+/// Two triangles for each cell of the grid of vertices.
+fn triangles(rows: usize, columns: usize) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::with_capacity(2 * rows * columns);
+    for i in 0..rows - 1 {
+        for j in 0..columns - 1 {
+            let vertex = |di: usize, dj: usize| ((i + di) * columns + j + dj) as u32;
+            triangles.push([vertex(0, 0), vertex(1, 0), vertex(1, 1)]);
+            triangles.push([vertex(0, 0), vertex(1, 1), vertex(0, 1)]);
+        }
+    }
+    triangles
+}
+
+/// The direction of ∂S/∂u × ∂S/∂v. Where control points coincide, as they do at the ends with knots
+/// at the data, a derivative can vanish: there the normal is that of a point a little inside, or if
+/// that has none either, of the triangles around.
+fn normals(nurbs: &Nurbs, u: &[SpanParameter], v: &[SpanParameter], jets: &[Jet]) -> Vec<[f32; 3]> {
+    let normal = |jet: &Jet| cross(jet.du, jet.dv);
+    let largest = jets.iter().map(normal).map(length).fold(0.0, f64::max);
+    let of_triangles = |index: usize| around(index, u.len(), v.len(), jets);
+    let vertex = |(index, jet): (usize, &Jet)| {
+        let (i, j) = (index / v.len(), index % v.len());
+        let regular = |jet: &Jet| Some(normal(jet)).filter(|n| length(*n) > 1e-8 * largest);
+        let direction = regular(jet).and_then(unit).or_else(|| {
+            let inside = nurbs.v.as_ref()?.inside(v[j]);
+            let near = nurbs.evaluate(&[nurbs.u.inside(u[i])], &[inside]);
+            near.first().map(normal).and_then(unit)
+        });
+        let direction = direction
+            .or_else(|| unit(of_triangles(index)))
+            .unwrap_or([0.0, 0.0, 1.0]);
+        direction.map(|x| x as f32)
+    };
+    jets.iter().enumerate().map(vertex).collect()
+}
+
+/// The vector area of the cells around a vertex.
+fn around(index: usize, rows: usize, columns: usize, jets: &[Jet]) -> [f64; 3] {
+    let (i, j) = (index / columns, index % columns);
+    let at = |i: usize, j: usize| jets[i * columns + j].point;
+    let mut sum = [0.0; 3];
+    for i in i.saturating_sub(1)..(i + 1).min(rows - 1) {
+        for j in j.saturating_sub(1)..(j + 1).min(columns - 1) {
+            let diagonal = minus(at(i + 1, j + 1), at(i, j));
+            let other = minus(at(i, j + 1), at(i + 1, j));
+            let area = cross(diagonal, other);
+            sum = [sum[0] + area[0], sum[1] + area[1], sum[2] + area[2]];
+        }
+    }
+    sum
+}
+
+/// A coordinate in single precision.
+pub(super) fn single(value: f64, format: Format) -> Result<f32, ExportError> {
+    let rounded = value as f32;
+    if rounded.is_finite() {
+        Ok(rounded)
+    } else {
+        Err(ExportError::SinglePrecision { format, value })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::cylinder::cylinder;
+    use crate::export::vectors::dot;
+
+    fn wide(vector: [f32; 3]) -> [f64; 3] {
+        vector.map(f64::from)
+    }
+
+    #[test]
+    fn normals_of_a_cylinder_point_away_from_its_axis() {
+        let mesh = Mesh::new(&cylinder(), None, Format::Gltf).unwrap();
+        assert_eq!(mesh.origin, [0.0; 3]);
+        assert_eq!(mesh.positions.len(), mesh.normals.len());
+        for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals) {
+            let [x, y, _] = wide(position);
+            assert!(length(minus(wide(normal), [x / 2.0, y / 2.0, 0.0])) < 1e-6);
+        }
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|index| wide(mesh.positions[index as usize]));
+            let area = cross(minus(b, a), minus(c, a));
+            assert!(dot(area, wide(mesh.normals[triangle[0] as usize])) > 0.0);
+        }
+    }
+
+    /// With the first row of control points twice, ∂S/∂u is zero there; with it in one place, as at
+    /// a pole, ∂S/∂v is.
+    #[test]
+    fn vanishing_derivatives_leave_normals() {
+        let mut doubled = cylinder();
+        let mut pole = cylinder();
+        for lane in 0..3 {
+            let values = &mut doubled.points.lanes_mut()[lane];
+            values[2] = values[0];
+            values[3] = values[1];
+            let values = &mut pole.points.lanes_mut()[lane];
+            values[1] = values[0];
+        }
+        doubled.weights = None;
+        pole.weights = None;
+        for nurbs in [doubled, pole] {
+            let mesh = Mesh::new(&nurbs, None, Format::Gltf).unwrap();
+            for &normal in &mesh.normals {
+                assert!((length(wide(normal)) - 1.0).abs() < 1e-6);
+            }
+            // The first vertex of the second row is the second one of the first triangle.
+            let columns = mesh.triangles[0][1] as usize;
+            for column in 0..columns {
+                let first = wide(mesh.normals[column]);
+                let second = wide(mesh.normals[columns + column]);
+                assert!(dot(first, second) > 0.99, "{first:?} {second:?}");
+            }
+        }
+    }
+
+    /// Where single precision would lose the shape.
+    #[test]
+    fn points_far_away_are_stored_around_their_middle() {
+        let mut nurbs = cylinder();
+        nurbs.points.lanes_mut()[0]
+            .iter_mut()
+            .for_each(|x| *x += 5e6);
+        let mesh = Mesh::new(&nurbs, None, Format::Gltf).unwrap();
+        for &position in &mesh.positions {
+            let [x, y, _] = wide(position);
+            let (x, y) = (x + mesh.origin[0] - 5e6, y + mesh.origin[1]);
+            assert!((x.hypot(y) - 2.0).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn as_many_samples_as_asked_for() {
+        let grid = Grid {
+            rows: 3,
+            columns: 4,
+        };
+        let mesh = Mesh::new(&cylinder(), Some(grid), Format::Gltf).unwrap();
+        assert_eq!(mesh.positions.len(), 12);
+        assert_eq!(mesh.triangles.len(), 2 * 2 * 3);
+    }
+}

@@ -1,0 +1,144 @@
+//! The size of drawings, and how much of the data and of the control net they show.
+
+use std::collections::HashMap;
+
+use super::view::{Canvas, Projected, Projection};
+use crate::export::deviation::stride;
+use crate::export::nurbs::Nurbs;
+use crate::export::options::Dots;
+use crate::export::text::Text;
+use piad_fit::data::Grid;
+use piad_fit::engine::Problem;
+use piad_fit::engine::nurbs::in_space;
+
+/// The most data points that are drawn, and the most control points of polygons that are.
+const MOST_POINTS: usize = 2500;
+
+/// The most control points of nets that are drawn: the lines of more of them would cover the surface.
+const MOST_OF_NET: usize = 600;
+
+/// Whether the control polygon or net is drawn.
+pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
+    let most = if nurbs.v.is_some() {
+        MOST_OF_NET
+    } else {
+        MOST_POINTS
+    };
+    nurbs.points.len() <= most
+}
+
+/// Draws a polygon through these places, in pixels.
+pub(super) fn draw_polygon(text: &mut Text, class: &str, places: impl Iterator<Item = (f64, f64)>) {
+    text.put(format_args!("<path class=\"{class}\" d=\""));
+    for (i, (x, y)) in places.enumerate() {
+        let command = if i == 0 { 'M' } else { 'L' };
+        text.put(format_args!("{command}{x:.2} {y:.2}\n"));
+    }
+    text.push("\"/>\n");
+}
+
+/// So few dots hide little.
+const FEW: usize = 100;
+
+/// The part of more dots that may cover each other where nobody asks for dots.
+const MOST_COVERED: f64 = 1.0 / 3.0;
+
+/// The data points of the drawing.
+pub(super) struct DrawnData {
+    pub(super) places: Vec<Projected>,
+    /// Every `stride`-th point of a curve, or row and column of a grid, is among them.
+    stride: usize,
+    is_grid: bool,
+    is_curve: bool,
+    /// They are drawn as dots.
+    pub(super) dots: bool,
+}
+
+impl DrawnData {
+    pub(super) fn new(problem: &Problem, view: &Projection) -> Self {
+        let points = &problem.request().points;
+        let Grid { rows, columns } = problem.grid();
+        let stride = stride(problem.grid(), MOST_POINTS);
+        let known = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
+        let place = |index| view.project(in_space(points.point(index)));
+        let some = (0..columns).step_by(stride);
+        let indices = (0..rows).step_by(stride);
+        let indices = indices.flat_map(|i| some.clone().map(move |j| i * columns + j));
+        Self {
+            places: indices.filter(known).map(place).collect(),
+            stride,
+            is_grid: columns > 1,
+            is_curve: problem.v().is_none(),
+            dots: true,
+        }
+    }
+
+    /// Whether dots are drawn: if nobody asks for them or against them, where they do not hide each
+    /// other and what is below them.
+    pub(super) fn choose(&mut self, dots: Dots, canvas: &Canvas) {
+        self.dots = match dots {
+            Dots::On => true,
+            Dots::Off => false,
+            Dots::Auto => {
+                let pixels: Vec<_> = self.places.iter().map(|it| canvas.pixel(*it)).collect();
+                are_sparse(&pixels, self.radius(), self.is_curve)
+            }
+        };
+    }
+
+    /// The radius of the dots: the more there are, the smaller.
+    pub(super) fn radius(&self) -> f64 {
+        match self.places.len() {
+            0..=80 => 3.0,
+            81..=300 => 2.0,
+            _ => 1.5,
+        }
+    }
+
+    /// What the dots are.
+    pub(super) fn legend(&self) -> Option<String> {
+        let text = match (self.stride, self.is_grid) {
+            (1, _) => "data points".to_owned(),
+            (stride, false) => format!("data points, one in {stride}"),
+            (stride, true) => format!("data points, one in {stride} × {stride}"),
+        };
+        self.dots.then_some(text)
+    }
+}
+
+/// Whether dots of this radius hide neither each other nor what is below them. Along a curve there is
+/// as much space between them as they take.
+pub(super) fn are_sparse(pixels: &[(f64, f64)], radius: f64, along_a_curve: bool) -> bool {
+    let near = if along_a_curve { 4.0 } else { 2.0 } * radius;
+    pixels.len() <= FEW || covered(pixels, near) <= MOST_COVERED
+}
+
+/// Which part of the dots has another one nearer than this.
+fn covered(pixels: &[(f64, f64)], near: f64) -> f64 {
+    let cell = |(x, y): (f64, f64)| ((x / near).floor() as i64, (y / near).floor() as i64);
+    let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();
+    for (index, &pixel) in pixels.iter().enumerate() {
+        cells.entry(cell(pixel)).or_default().push(index);
+    }
+    let is_covered = |index: usize| {
+        let ((x, y), (i, j)) = (pixels[index], cell(pixels[index]));
+        let around = (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (i + di, j + dj)));
+        let mut others = around.filter_map(|it| cells.get(&it)).flatten();
+        others.any(|&it| it != index && (pixels[it].0 - x).hypot(pixels[it].1 - y) < near)
+    };
+    let count = (0..pixels.len()).filter(|&it| is_covered(it)).count();
+    count as f64 / pixels.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dots_that_are_near_each_other_are_counted() {
+        assert_eq!(covered(&[(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)], 4.0), 0.0);
+        let half = covered(&[(0.0, 0.0), (3.9, 0.0), (50.0, 0.0), (0.0, -50.0)], 4.0);
+        assert_eq!(half, 0.5);
+        assert_eq!(covered(&[], 4.0), 0.0);
+    }
+}

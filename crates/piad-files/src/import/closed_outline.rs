@@ -1,0 +1,66 @@
+//! Outlines whose last point is the first one again, also to rounding: closed curves, in which a point is
+//! there once.
+
+use super::imported::{Hints, Kind};
+use super::table::Table;
+use piad_fit::data::Points;
+
+/// Cosine of the sharpest turn, 60°, at which an outline is taken to go on smoothly. The trailing edge of
+/// an airfoil turns by more than 160°, or by 90° where it is blunt, and stays an end.
+const SHARPEST_TURN: f64 = 0.5;
+
+/// The fewest points of an outline that is closed without being asked for. Of fewer, a corner is not told
+/// from a curve, and closed curves of some degrees need as many.
+const FEWEST: usize = 8;
+
+/// The last point is the first one if it is no further from it than this part of the size of the outline.
+const SAME: f64 = 1e-9;
+
+/// Whether the points are those of a closed curve. If so, the copy of the first point is taken away.
+pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
+    let last = table.points.len() - 1;
+    let surface = hints.kind == Some(Kind::Surface);
+    if surface || last < 3 || !is_same(&table.points, last) {
+        return false;
+    }
+    let smooth = last >= FEWEST && turn(&table.points) >= SHARPEST_TURN;
+    let closed = hints.closed.unwrap_or(smooth);
+    if closed {
+        table.points.truncate(last);
+        table.lines.truncate(last);
+        table.breaks.retain(|index| *index < last);
+    }
+    let what = match (closed, hints.closed) {
+        (true, _) => "the curve is closed, and the point is there once",
+        (false, None) => "with a corner there or few points, so the curve stays open",
+        (false, Some(_)) => "and the curve stays open, as it was asked for",
+    };
+    let notice = format!("The last point is the first one again: {what}.");
+    table.notices.push(notice);
+    closed
+}
+
+/// Returns true if the last point is the first one, but for rounding.
+fn is_same(points: &Points, last: usize) -> bool {
+    let distance = points.distance(0, last);
+    let near = SAME * points.bounding_diagonal();
+    distance == 0.0 || (near.is_finite() && distance <= near)
+}
+
+/// Cosine of the angle between the last edge of a closed polygon and the first one. Edges of length
+/// zero have no direction, and no corner is seen there.
+fn turn(points: &Points) -> f64 {
+    let last = points.len() - 1;
+    let edge = |from: usize, to: usize| -> Vec<f64> {
+        let lanes = points.lanes().iter();
+        let ends = lanes.filter_map(|lane| Some((lane.get(from)?, lane.get(to)?)));
+        ends.map(|(from, to)| to - from).collect()
+    };
+    let (arriving, leaving) = (edge(last - 1, last), edge(0, 1));
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let lengths = (dot(&arriving, &arriving) * dot(&leaving, &leaving)).sqrt();
+    match lengths > 0.0 {
+        true => dot(&arriving, &leaving) / lengths,
+        false => 1.0,
+    }
+}

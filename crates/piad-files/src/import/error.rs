@@ -1,0 +1,62 @@
+//! What is wrong with a file, and in which line.
+
+use std::fmt;
+
+/// The most errors of a file that are reported.
+pub(super) const MOST_ERRORS: usize = 10;
+
+/// An error in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileError {
+    /// The line, from 1; none if it concerns the whole file.
+    pub line: Option<usize>,
+    /// What is wrong there.
+    pub detail: String,
+}
+
+/// The first errors in a file, at least one and at most ten.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileErrors(pub Vec<FileError>);
+
+impl FileError {
+    pub(super) fn at(line: usize, detail: impl Into<String>) -> Self {
+        Self {
+            line: Some(line),
+            detail: detail.into(),
+        }
+    }
+
+    pub(super) fn of_file(detail: impl Into<String>) -> Self {
+        Self {
+            line: None,
+            detail: detail.into(),
+        }
+    }
+}
+
+impl From<FileError> for FileErrors {
+    fn from(error: FileError) -> Self {
+        Self(vec![error])
+    }
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "line {line}: {}", self.detail),
+            None => f.write_str(&self.detail),
+        }
+    }
+}
+
+impl fmt::Display for FileErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, error) in self.0.iter().enumerate() {
+            let separator = if index == 0 { "" } else { "; " };
+            write!(f, "{separator}{error}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for FileErrors {}

@@ -1,0 +1,345 @@
+//! Lines of numbers, with titles or names of columns above them, comments and blank lines between
+//! them, and remarks below them.
+
+use rayon::prelude::*;
+
+use super::airfoil;
+use super::error::{FileError, FileErrors, MOST_ERRORS};
+use super::fast_path::{self, Piece};
+use super::layout::{Layout, MOST_COLUMNS, text_column};
+use super::number_format::Notation;
+use super::table::{NO_POINTS, Table, check_count};
+use crate::short::quoted;
+use piad_fit::data::Points;
+
+/// Files of more points get room for all of them at once.
+const LONG: usize = 1024;
+
+/// The most lines of words above the points. More of them are the head of a format of its own.
+const MOST_TITLES: usize = 3;
+
+/// What comments begin with.
+const COMMENTS: [&str; 4] = ["#", "//", "%", "!"];
+
+/// What the lines of a text end with. Blanks at their ends are taken away, among them that of `\r\n`. Old
+/// Macintosh files end their lines with it alone.
+pub(super) fn line_end(text: &str) -> char {
+    match text.contains('\n') {
+        true => '\n',
+        false => '\r',
+    }
+}
+
+/// Reads the lines of a file, no more points than that.
+pub(super) fn read(text: &str, most: usize) -> Result<Table, FileErrors> {
+    let end = line_end(text);
+    let mut reader = Reader::new(most, fast_path::count_lines(text, end));
+    let mut rest = Some(text);
+    for number in 1.. {
+        let Some(text) = rest.filter(|text| !reader.takes_all(text, end, number)) else {
+            break;
+        };
+        let (line, below) = match text.split_once(end) {
+            Some((line, below)) => (line, Some(below)),
+            None => (text, None),
+        };
+        rest = below;
+        let line = without_comment(line);
+        if line.is_empty() {
+            reader.pause();
+        } else if let Err(error) = reader.line(number, line) {
+            reader.errors.push(error);
+            // Of a file without a line of numbers so far all further lines are wrong in the same way.
+            if reader.layout.is_none() {
+                break;
+            }
+        }
+        if reader.errors.len() >= MOST_ERRORS || reader.is_full() {
+            break;
+        }
+    }
+    reader.end()
+}
+
+/// A line without blanks around it, and without a comment.
+pub(super) fn without_comment(line: &str) -> &str {
+    let line = line.trim_matches(|c: char| c.is_whitespace() || c == '\0');
+    if COMMENTS.iter().any(|mark| line.starts_with(mark)) {
+        return "";
+    }
+    line.split_once('#')
+        .map_or(line, |(line, _)| line.trim_end())
+}
+
+/// Whether the first line of numbers is the domain of a grid, as in files of MSES.
+#[derive(PartialEq)]
+enum Domain {
+    None,
+    /// If points with two coordinates follow. The line.
+    Possible(String),
+    Passed,
+}
+
+struct Reader {
+    most: usize,
+    /// As many points as there can be, by the lines of the file.
+    possible: usize,
+    /// Known from the first line of numbers on.
+    layout: Option<Layout>,
+    /// The lines of words before the first line of numbers.
+    titles: Vec<(usize, String)>,
+    domain: Domain,
+    /// What is found out, in sentences.
+    notices: Vec<String>,
+    points: Option<Points>,
+    lines: Vec<u32>,
+    breaks: Vec<usize>,
+    /// What is wrong with the last lines, if they are words below the points and no points.
+    remarks: Vec<FileError>,
+    /// The first of these lines.
+    remark: String,
+    errors: Vec<FileError>,
+}
+
+impl Reader {
+    fn new(most: usize, lines: usize) -> Self {
+        Self {
+            most,
+            possible: lines.min(most.saturating_add(1)),
+            layout: None,
+            titles: Vec::new(),
+            domain: Domain::None,
+            notices: Vec::new(),
+            points: None,
+            lines: Vec::new(),
+            breaks: Vec::new(),
+            remarks: Vec::new(),
+            remark: String::new(),
+            errors: Vec::new(),
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        self.lines.len() > self.most
+    }
+
+    /// Takes all lines of a text, of which the first has this number, if they are points like the first
+    /// one of the file, and not too many.
+    fn takes_all(&mut self, text: &str, end: char, number: usize) -> bool {
+        let settled = self.lines.len() == 1 && !matches!(self.domain, Domain::Possible(_));
+        let (Some(layout), Some(points), true) = (&self.layout, &mut self.points, settled) else {
+            return false;
+        };
+        let count = fast_path::count_lines(text, end);
+        if self.lines.len() + count > self.most {
+            return false;
+        }
+        let (lines, breaks) = (&mut self.lines, &mut self.breaks);
+        let before = (lines.len(), breaks.len());
+        let mut first = u32::try_from(number).unwrap_or(u32::MAX);
+        let put = |pieces: &[Piece]| {
+            // Not before there is a piece: most of a text that has none would never be read.
+            if lines.len() == before.0 {
+                lines.reserve_exact(count);
+                points.make_room(count);
+            }
+            for piece in pieces {
+                for place in &piece.breaks {
+                    let place = lines.len() + place;
+                    if breaks.last() != Some(&place) {
+                        breaks.push(place);
+                    }
+                }
+                lines.extend(piece.lines.iter().map(|line| first.saturating_add(*line)));
+                first = first.saturating_add(piece.count);
+            }
+            let lanes = points.lanes_mut().par_iter_mut().enumerate();
+            lanes.for_each(|(c, lane)| {
+                for piece in pieces {
+                    lane.extend_from_slice(piece.lanes.get(c).map_or(&[], Vec::as_slice));
+                }
+            });
+        };
+        let all = fast_path::points(text, end, layout, put);
+        if all.is_none() {
+            points.truncate(before.0);
+            lines.truncate(before.0);
+            breaks.truncate(before.1);
+        }
+        all.is_some()
+    }
+
+    /// A blank line.
+    fn pause(&mut self) {
+        let count = self.lines.len();
+        if count > 0 && self.breaks.last() != Some(&count) {
+            self.breaks.push(count);
+        }
+    }
+
+    fn line(&mut self, number: usize, line: &str) -> Result<(), FileError> {
+        let Some(layout) = &self.layout else {
+            return match Notation::of(line) {
+                None => self.words(number, line),
+                Some(notation) => {
+                    self.begin(number, line, notation)?;
+                    self.line(number, line)
+                }
+            };
+        };
+        match layout.point(line) {
+            Ok(point) => self.point(number, &point),
+            Err(_) if self.pass_over_domain(line) => self.line(number, line),
+            Err(detail) => {
+                let error = FileError::at(number, detail);
+                if self.remarks.is_empty() && !self.is_remark(line) {
+                    return Err(error);
+                }
+                if self.remarks.is_empty() {
+                    line.clone_into(&mut self.remark);
+                }
+                if self.remarks.len() < MOST_ERRORS {
+                    self.remarks.push(error);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// The first line of numbers.
+    fn begin(&mut self, number: usize, line: &str, notation: Notation) -> Result<(), FileError> {
+        let words = self.titles.last().map(|(_, words)| words.as_str());
+        let layout = Layout::new(notation, line, words);
+        if layout.width > MOST_COLUMNS {
+            let detail = format!("there are more than {MOST_COLUMNS} columns");
+            return Err(FileError::at(number, detail));
+        }
+        let titles = self.titles.len() - usize::from(layout.named);
+        let titles = self.titles.iter().take(titles);
+        let broken = titles.filter(|(_, title)| !layout.is_title(title));
+        let broken = broken.filter_map(|(number, title)| {
+            let detail = layout.point(title).err()?;
+            Some(FileError::at(*number, detail))
+        });
+        self.errors.extend(broken);
+        if !self.titles.is_empty() && airfoil::is_domain(&layout.numbers(line)) {
+            self.domain = Domain::Possible(line.to_owned());
+        }
+        self.layout = Some(layout);
+        Ok(())
+    }
+
+    fn point(&mut self, number: usize, point: &[f64]) -> Result<(), FileError> {
+        if self.domain == Domain::Passed && point == airfoil::NEXT_ELEMENT {
+            let detail = "another element of the airfoil begins here (MSES), and a curve is of one: each needs a file of its own";
+            return Err(FileError::at(number, detail));
+        }
+        // Points below them: they were no remarks.
+        self.errors.append(&mut self.remarks);
+        let points = self.points.get_or_insert_with(|| Points::new(point.len()));
+        if self.lines.len() == LONG {
+            // What doubles instead is there three times while it is moved.
+            let more = self.possible.saturating_sub(LONG);
+            points.make_room(more);
+            self.lines.reserve_exact(more);
+        }
+        points.push(point);
+        self.lines.push(u32::try_from(number).unwrap_or(u32::MAX));
+        if self.is_full() {
+            let detail = format!("there are more than {} points, the limit", self.most);
+            return Err(FileError::at(number, detail));
+        }
+        Ok(())
+    }
+
+    /// Forgets the first line of numbers if it is the domain of a grid, with this line below it.
+    fn pass_over_domain(&mut self, below: &str) -> bool {
+        let columns = Notation::of(below).map(|notation| notation.fields(below).count());
+        let (Domain::Possible(domain), 1, Some(2)) = (&self.domain, self.lines.len(), columns)
+        else {
+            return false;
+        };
+        self.notices.push(format!(
+            "The first line of numbers, {}, is the domain of a grid (MSES), which is not read.",
+            quoted(domain)
+        ));
+        self.domain = Domain::Passed;
+        (self.layout, self.points) = (None, None);
+        self.lines.clear();
+        self.breaks.clear();
+        true
+    }
+
+    /// Whether a line that is no point begins the remarks below the points. Tables with names of
+    /// columns have none; other files have them after a blank line, or below a title.
+    fn is_remark(&self, line: &str) -> bool {
+        let Some(layout) = self.layout.as_ref().filter(|layout| !layout.named) else {
+            return false;
+        };
+        let count = self.lines.len();
+        let after_blank = self.breaks.last() == Some(&count);
+        let is_word = Layout::begins_with_word(line);
+        match after_blank {
+            true => is_word || !layout.is_damaged(line),
+            false => is_word && !self.titles.is_empty() && count > 0,
+        }
+    }
+
+    /// A line before the numbers: these name the file or its columns.
+    fn words(&mut self, number: usize, line: &str) -> Result<(), FileError> {
+        if line.starts_with(['{', '[']) {
+            let detail = "this is JSON, which is sent as application/json";
+            return Err(FileError::at(number, detail));
+        }
+        self.titles.push((number, line.to_owned()));
+        if self.titles.len() <= MOST_TITLES {
+            return Ok(());
+        }
+        let unknown = || {
+            let detail = format!(
+                "{} is no line of numbers, and there are {MOST_TITLES} lines of words above it",
+                quoted(line)
+            );
+            FileError::at(number, detail)
+        };
+        Err(text_column(&self.titles).unwrap_or_else(unknown))
+    }
+
+    fn end(self) -> Result<Table, FileErrors> {
+        if !self.errors.is_empty() {
+            return Err(FileErrors(self.errors));
+        }
+        let (Some(points), Some(layout)) = (self.points, self.layout) else {
+            let error = text_column(&self.titles);
+            return Err(error
+                .unwrap_or_else(|| FileError::of_file(NO_POINTS))
+                .into());
+        };
+        check_count(points.len())?;
+        let mut notices = self.notices;
+        notices.extend(layout.notice());
+        let titles = self.titles.len() - usize::from(layout.named);
+        if titles > 1 {
+            notices.push(format!(
+                "There are {titles} lines of words above the points: the first is the name, the others are not read."
+            ));
+        }
+        if let Some(line) = self.remarks.first().and_then(|first| first.line) {
+            notices.push(format!(
+                "What follows the points from line {line} on, {}, is words, which are not read.",
+                quoted(&self.remark)
+            ));
+        }
+        let mut breaks = self.breaks;
+        breaks.retain(|index| *index < points.len());
+        let name = self.titles.into_iter().take(titles).next();
+        Ok(Table {
+            points,
+            lines: self.lines,
+            breaks,
+            is_mesh: false,
+            name: name.map(|(_, name)| name.replace('\t', " ")),
+            notices,
+        })
+    }
+}

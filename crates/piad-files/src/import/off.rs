@@ -1,0 +1,152 @@
+//! Meshes in OFF files: the vertices are points; the line of counts above them and the faces below are not.
+
+use super::error::FileError;
+use super::lines::{line_end, without_comment};
+
+/// What such files begin with; letters before `OFF` name what follows the coordinates of a vertex.
+const KEYWORDS: [&str; 5] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF"];
+
+/// The lines of the vertices of a mesh.
+#[derive(Debug)]
+pub(super) struct Vertices<'a> {
+    /// These lines.
+    pub(super) text: &'a str,
+    /// How many lines are above them.
+    pub(super) above: usize,
+    /// How many faces the mesh has.
+    pub(super) faces: usize,
+    /// What is said of the file.
+    pub(super) notice: String,
+}
+
+/// The vertices of a mesh; `None` if the text is no OFF file.
+///
+/// # Errors
+///
+/// If there are fewer vertices than the file says.
+pub(super) fn vertices(text: &str) -> Option<Result<Vertices<'_>, FileError>> {
+    let mut lines = Lines {
+        rest: Some(text),
+        end: line_end(text),
+        passed: 0,
+    };
+    let mut head = lines.next()?.split_whitespace();
+    head.next().filter(|word| KEYWORDS.contains(word))?;
+    let beside: Vec<&str> = head.collect();
+    let counts = match beside.is_empty() {
+        true => lines.next()?.split_whitespace().collect(),
+        false => beside,
+    };
+    let counts: Option<Vec<usize>> = counts.iter().map(|count| count.parse().ok()).collect();
+    let (count, faces) = match counts?[..] {
+        [count, faces] | [count, faces, _] if count > 0 => (count, faces),
+        _ => return None,
+    };
+    let (above, body) = (lines.passed, lines.rest.unwrap_or_default());
+    let found = (0..count).take_while(|_| lines.next().is_some()).count();
+    if found < count {
+        let detail = format!("the file has {found} vertices, and says that it has {count} (OFF)");
+        return Some(Err(FileError::of_file(detail)));
+    }
+    let below = lines.rest.map_or(0, str::len);
+    let notice = match faces {
+        0 => format!("The points are the {count} vertices of the file (OFF)."),
+        _ => format!(
+            "The points are the {count} vertices of a mesh (OFF), whose {faces} faces are not read."
+        ),
+    };
+    Some(Ok(Vertices {
+        text: body.get(..body.len() - below).unwrap_or(body),
+        above,
+        faces,
+        notice,
+    }))
+}
+
+/// The lines of a text that are neither blank nor comments.
+struct Lines<'a> {
+    rest: Option<&'a str>,
+    end: char,
+    /// How many lines were passed, these included.
+    passed: usize,
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = &'a str;
+
+    fn next(&mut self) -> Option<&'a str> {
+        loop {
+            let text = self.rest.filter(|text| !text.is_empty())?;
+            let (line, below) = match text.split_once(self.end) {
+                Some((line, below)) => (line, Some(below)),
+                None => (text, None),
+            };
+            self.rest = below;
+            self.passed += 1;
+            let line = without_comment(line);
+            if !line.is_empty() {
+                return Some(line);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Hints, Imported, Kind, read};
+
+    const HINTS: Hints = Hints {
+        kind: Some(Kind::Surface),
+        size: None,
+        closed: None,
+        ordered: false,
+        most: 100,
+    };
+
+    fn points(text: &str) -> Imported {
+        read(text.as_bytes(), &HINTS).unwrap()
+    }
+
+    fn errors(text: &str) -> Vec<(Option<usize>, String)> {
+        let errors = read(text.as_bytes(), &HINTS).unwrap_err().0.into_iter();
+        errors.map(|it| (it.line, it.detail)).collect()
+    }
+
+    #[test]
+    fn vertices_of_off_files_are_the_points() {
+        let vertices = "0 0 0\n1 0 1\n\n0.9 1 2 # a corner\n0 1.1 1\n";
+        for (head, above) in [
+            ("OFF\n4 2 5\n", 2),
+            ("OFF\n# made by hand\n\n4 2\n", 4),
+            ("COFF 4 2 0\n", 1),
+            ("OFF\r\n4 2 5\r\n", 2),
+        ] {
+            let file = points(&format!("{head}{vertices}3 0 1 2\n3 0 2 3\n"));
+            assert_eq!(file.points.len(), 4, "{head}");
+            assert_eq!(file.lines, [1, 2, 4, 5].map(|line| line + above));
+            assert_eq!((&file.name, file.points.lane(0)[2]), (&None, 0.9));
+            assert!(
+                file.notices[0].contains("2 faces are not read"),
+                "{:?}",
+                file.notices
+            );
+        }
+        let cloud = points(&format!("OFF\n4 0 0\n{vertices}"));
+        assert!(
+            cloud.notices[0].contains("4 vertices"),
+            "{:?}",
+            cloud.notices
+        );
+        // Fewer than are said, one that is none, and a title that looks like it.
+        assert_eq!(
+            errors(&format!("OFF\n5 0 0\n{vertices}")),
+            [(
+                None,
+                "the file has 4 vertices, and says that it has 5 (OFF)".to_owned()
+            )]
+        );
+        assert_eq!(errors("OFF\n2 1 0\n0 0 0\n1 x 0\n")[0].0, Some(4));
+        let titled = points("OFF\n0.5 1\n2 3\n");
+        assert_eq!(titled.points.lane(0), [0.5, 2.0]);
+    }
+}

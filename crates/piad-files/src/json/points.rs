@@ -1,0 +1,399 @@
+//! The readers of points.
+
+use std::cell::{Cell, RefCell};
+use std::fmt;
+
+use piad_fit::data::{Grid, MAX_DIMENSION, Points};
+use serde::de::{
+    DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor,
+};
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::limits::{LONG, ListLimits};
+
+/// Rows (u) of columns (v) of points, or of heights, which are points of one coordinate; `null` stands
+/// for a missing one.
+#[derive(Clone, Debug)]
+pub struct Rows {
+    /// The points, row by row; what is at missing ones is not looked at.
+    pub points: Points,
+    /// The indices of missing points, increasing.
+    pub missing: Vec<usize>,
+    /// Rows and columns.
+    pub grid: Grid,
+}
+
+/// Reads a list of points, `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
+///
+/// # Errors
+///
+/// Anything else, and more points than the limits allow.
+pub fn read_points<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    limits: ListLimits,
+) -> Result<Points, D::Error> {
+    let gathered = RefCell::new(Gathered::new(limits));
+    Row(&gathered, Under::List).deserialize(deserializer)?;
+    gathered.into_inner().points()
+}
+
+/// Reads rows of points, `[[[x, y, z], …], …]`, or of heights, `[[z, …], …]`, all of the same length.
+///
+/// # Errors
+///
+/// Anything else, and more points than the limits allow.
+pub fn read_rows<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    limits: ListLimits,
+) -> Result<Rows, D::Error> {
+    struct RowsVisitor(ListLimits);
+
+    impl<'de> Visitor<'de> for RowsVisitor {
+        type Value = Rows;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("rows of points, [[[x, y, z], …], …], or of heights, [[z, …], …]")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Rows, A::Error> {
+            let gathered = RefCell::new(Gathered::new(self.0));
+            let (mut rows, mut columns) = (0, None);
+            let row = Row(&gathered, Under::Surface);
+            while let Some(length) = list.next_element_seed(GridRow(row, columns))? {
+                rows += 1;
+                columns = Some(length);
+            }
+            let mut gathered = gathered.into_inner();
+            Ok(Rows {
+                missing: std::mem::take(&mut gathered.missing),
+                points: gathered.points()?,
+                grid: Grid {
+                    rows,
+                    columns: columns.unwrap_or(0),
+                },
+            })
+        }
+    }
+
+    deserializer.deserialize_any(RowsVisitor(limits))
+}
+
+/// The coordinates of a point.
+#[derive(Clone, Copy, Debug)]
+pub struct Coordinates {
+    values: [f64; MAX_DIMENSION],
+    count: usize,
+}
+
+impl Coordinates {
+    /// The coordinates, if there are at most three.
+    pub fn of(coordinates: &[f64]) -> Option<Self> {
+        let count = coordinates.len();
+        let mut values = [0.0; MAX_DIMENSION];
+        values.get_mut(..count)?.copy_from_slice(coordinates);
+        Some(Self { values, count })
+    }
+
+    /// One after the other.
+    pub fn as_slice(&self) -> &[f64] {
+        self.values.get(..self.count).unwrap_or(&[])
+    }
+}
+
+impl Serialize for Coordinates {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(serializer)
+    }
+}
+
+/// Points beyond the limit are counted up to so many times the limit.
+const COUNTED: usize = 2;
+
+/// Says that there are too many points, if there are.
+pub fn check_count(count: usize, most: usize) -> Result<(), String> {
+    let counted = most.saturating_mul(COUNTED);
+    let points = match count {
+        _ if count <= most => return Ok(()),
+        _ if count <= counted => format!("{count} points"),
+        _ => format!("more than {counted} points"),
+    };
+    Err(format!("{points} are more than {most}, the limit"))
+}
+
+/// What points belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Under {
+    List,
+    Surface,
+    Edit,
+}
+
+/// Points that were read so far. Those beyond the limit are only counted.
+struct Gathered {
+    limits: ListLimits,
+    /// None before the first point, which says how many coordinates there are.
+    points: Option<Points>,
+    count: usize,
+    missing: Vec<usize>,
+}
+
+impl Gathered {
+    fn new(limits: ListLimits) -> Self {
+        Self {
+            limits,
+            points: None,
+            count: 0,
+            missing: Vec::new(),
+        }
+    }
+
+    /// All of them, if there are not too many.
+    fn points<E: Error>(self) -> Result<Points, E> {
+        check_count(self.count, self.limits.points).map_err(E::custom)?;
+        let mut points = self.points.unwrap_or_else(|| Points::zeros(1, self.count));
+        points.shrink_to_fit();
+        Ok(points)
+    }
+
+    /// Returns true if there are as many as there may be.
+    fn is_full(&self) -> bool {
+        self.count >= self.limits.points
+    }
+
+    /// Refuses to count any more.
+    fn check_counted<E: Error>(&self) -> Result<(), E> {
+        match self.count > self.limits.points.saturating_mul(COUNTED) {
+            true => check_count(self.count, self.limits.points).map_err(E::custom),
+            false => Ok(()),
+        }
+    }
+
+    /// Appends a point, or that it is missing.
+    fn push<E: Error>(&mut self, point: Option<Coordinates>) -> Result<(), E> {
+        let before = self.count;
+        match point {
+            None => {
+                if let Some(points) = &mut self.points {
+                    points.push(&[0.0; MAX_DIMENSION]);
+                }
+                self.limits.make_room(&mut self.missing, self.limits.points);
+                self.missing.push(before);
+            }
+            Some(point) => {
+                let count = point.as_slice().len();
+                let points = self
+                    .points
+                    .get_or_insert_with(|| Points::zeros(count, before));
+                let dimension = points.dimension();
+                if points.len() == LONG {
+                    let most = self.limits.points_of(dimension);
+                    points.make_room(most.saturating_sub(LONG));
+                }
+                if dimension != count {
+                    return Err(E::custom(format_args!(
+                        "this point has {count} coordinates, the first has {dimension}: all points must have the same number"
+                    )));
+                }
+                points.push(point.as_slice());
+            }
+        }
+        self.count += 1;
+        Ok(())
+    }
+}
+
+/// Appends a list of points; gives their number.
+#[derive(Clone, Copy)]
+struct Row<'a>(&'a RefCell<Gathered>, Under);
+
+impl<'de> DeserializeSeed<'de> for Row<'_> {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Row<'_> {
+    type Value = usize;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.1 {
+            Under::List => "a list of points, [[x, y], …]",
+            Under::Surface | Under::Edit => "a row of points, [[x, y, z], …]",
+        })
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<usize, A::Error> {
+        let heights = Cell::new(false);
+        let mut length = 0;
+        while list
+            .next_element_seed(PointSeed {
+                gathered: self.0,
+                under: self.1,
+                heights: &heights,
+            })?
+            .is_some()
+        {
+            length += 1;
+            self.0.borrow().check_counted()?;
+        }
+        if heights.get() && length <= MAX_DIMENSION {
+            return Err(A::Error::custom(format_args!(
+                "expected a row of points, found {length} numbers: a list of points is a curve, and rows of so few \
+                 heights are written as points, [[z], …]"
+            )));
+        }
+        Ok(length)
+    }
+}
+
+/// Appends a row of a grid, which has as many points as the one before.
+struct GridRow<'a>(Row<'a>, Option<usize>);
+
+impl<'de> DeserializeSeed<'de> for GridRow<'_> {
+    type Value = usize;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
+        let length = self.0.deserialize(deserializer)?;
+        match self.1.filter(|columns| *columns != length) {
+            None => Ok(length),
+            Some(columns) => Err(D::Error::custom(format_args!(
+                "this row has {length} points, the first row has {columns}: all rows must have the same number"
+            ))),
+        }
+    }
+}
+
+/// Appends a point, or that it is missing.
+struct PointSeed<'a> {
+    gathered: &'a RefCell<Gathered>,
+    under: Under,
+    /// Whether there was a number instead of a point.
+    heights: &'a Cell<bool>,
+}
+
+impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        if self.gathered.borrow().is_full() {
+            IgnoredAny::deserialize(deserializer)?;
+            self.gathered.borrow_mut().count += 1;
+            return Ok(());
+        }
+        let point = deserializer.deserialize_any(PointVisitor(self.under, self.heights))?;
+        self.gathered.borrow_mut().push(point)
+    }
+}
+
+/// What a point is.
+const POINT: &str = "a point: a list of 1, 2 or 3 numbers";
+
+/// Reads a point; none if it is missing.
+struct PointVisitor<'a>(Under, &'a Cell<bool>);
+
+impl PointVisitor<'_> {
+    fn height<E: Error>(self, x: f64, found: Unexpected<'_>) -> Result<Option<Coordinates>, E> {
+        if self.0 != Under::Surface {
+            return Err(E::invalid_type(found, &self));
+        }
+        self.1.set(true);
+        Ok(Coordinates::of(&[x]))
+    }
+}
+
+impl<'de> Visitor<'de> for PointVisitor<'_> {
+    type Value = Option<Coordinates>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(POINT)
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<Option<Coordinates>, E> {
+        match self.0 {
+            Under::Surface => Ok(None),
+            _ => Err(E::invalid_type(Unexpected::Unit, &self)),
+        }
+    }
+
+    fn visit_f64<E: Error>(self, x: f64) -> Result<Option<Coordinates>, E> {
+        self.height(x, Unexpected::Float(x))
+    }
+
+    fn visit_u64<E: Error>(self, x: u64) -> Result<Option<Coordinates>, E> {
+        self.height(x as f64, Unexpected::Unsigned(x))
+    }
+
+    fn visit_i64<E: Error>(self, x: i64) -> Result<Option<Coordinates>, E> {
+        self.height(x as f64, Unexpected::Signed(x))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Option<Coordinates>, A::Error> {
+        let (mut values, mut count) = ([0.0; MAX_DIMENSION], 0);
+        while let Some(x) = list.next_element_seed(Coordinate(self.0))? {
+            if let Some(place) = values.get_mut(count) {
+                *place = x;
+            }
+            count += 1;
+        }
+        let given = values.get(..count).filter(|given| !given.is_empty());
+        given.and_then(Coordinates::of).map(Some).ok_or_else(|| {
+            A::Error::custom(format_args!("expected {POINT}, found {count} of them"))
+        })
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, _: A) -> Result<Option<Coordinates>, A::Error> {
+        let detail = "expected a point as a list, [x, y] or [x, y, z], found an object";
+        Err(A::Error::custom(detail))
+    }
+}
+
+/// A coordinate of a point.
+#[derive(Clone, Copy)]
+struct Coordinate(Under);
+
+impl<'de> DeserializeSeed<'de> for Coordinate {
+    type Value = f64;
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<f64, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Coordinate {
+    type Value = f64;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number")
+    }
+
+    fn visit_f64<E: Error>(self, x: f64) -> Result<f64, E> {
+        Ok(x)
+    }
+
+    fn visit_u64<E: Error>(self, x: u64) -> Result<f64, E> {
+        Ok(x as f64)
+    }
+
+    fn visit_i64<E: Error>(self, x: i64) -> Result<f64, E> {
+        Ok(x as f64)
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, _: A) -> Result<f64, A::Error> {
+        Err(A::Error::custom(match self.0 {
+            Under::List => {
+                "expected a number, found a list: rows of points are the \"points\" of a \"surface\""
+            }
+            Under::Surface | Under::Edit => "expected a number, found a list",
+        }))
+    }
+}
+
+impl<'de> Deserialize<'de> for Coordinates {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = PointVisitor(Under::Edit, &Cell::new(false));
+        let point = deserializer.deserialize_any(visitor)?;
+        point.ok_or_else(|| D::Error::invalid_type(Unexpected::Unit, &POINT))
+    }
+}

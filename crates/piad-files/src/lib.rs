@@ -1,0 +1,30 @@
+//! Files of points in, files of geometry out.
+//!
+//! - [`import`]: CSV, tables with blanks, point clouds, airfoils, JSON arrays and vertices of meshes become points;
+//!   [`json`]: points in JSON;
+//! - [`export`]: a fitted curve or surface becomes STEP, IGES, OBJ, glTF, STL, DXF, SVG or CSV.
+//!
+//! Nothing here opens a file: bytes come in, and bytes go out.
+//!
+//! # Example
+//!
+//! Points of a table, a curve through them, and its STEP file:
+//!
+//! ```
+//! use piad_files::export::{Fitted, Format, write};
+//! use piad_files::import::{Hints, read};
+//! use piad_fit::Fit;
+//!
+//! let file = read(b"x,y\n0,0\n1,2\n3,3\n5,2\n6,0\n", &Hints::default())?;
+//! let fit = Fit::curve(file.points).tolerance(1e-9).prepare()?;
+//! let level = fit.levels().last().ok_or("no level")?;
+//! let step = write(Format::Step, &Fitted::of(&level))?;
+//! assert!(step.starts_with(b"ISO-10303-21;"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod export;
+pub mod import;
+pub mod json;
+#[doc(hidden)]
+pub mod short;

@@ -1,0 +1,129 @@
+//! What is asked for in one direction of the parameter domain.
+//!
+//! A curve has one direction, a surface two, whose bases, parameters and closedness are independent
+//! of each other.
+
+use super::Polynomial;
+use super::end_conditions::MOST_ESTIMATED;
+use super::end_conditions::{End, Ends};
+use super::knots::Knots;
+use crate::parameters::Parametrization;
+
+/// The basis asked for in one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BasisChoice {
+    /// Polynomials of degree control points − 1.
+    Polynomial(Polynomial),
+    /// B-splines.
+    BSpline {
+        /// The degree p ≥ 1.
+        degree: usize,
+        /// How the knots are chosen.
+        knots: Knots,
+    },
+}
+
+/// What is asked for in one direction of the parameter domain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DirectionChoice {
+    /// The basis.
+    pub basis: BasisChoice,
+    /// The parameters of the data points.
+    pub parameters: Parametrization,
+    /// The last point is followed by the first.
+    pub closed: bool,
+    /// The number of control points of a least-squares fit; otherwise one for each data point.
+    pub control_points: Option<usize>,
+    /// How it ends, with knots at the data; as is usual without it.
+    pub ends: Option<Ends>,
+    /// Fixed weights: one for each control point, end copies included, or one for each data point.
+    pub weights: Option<Vec<f64>>,
+}
+
+impl BasisChoice {
+    /// The number of control points that explicit knots imply.
+    pub(crate) fn implied_control_points(&self) -> Option<usize> {
+        match self {
+            Self::BSpline {
+                degree,
+                knots: Knots::Explicit(knots),
+            } => Some(knots.len().saturating_sub(degree + 1)),
+            _ => None,
+        }
+    }
+}
+
+impl DirectionChoice {
+    /// Names the knots and the ends that are usual where nothing is said, for a control point for
+    /// each of `count` data points: knots at the data for odd degrees, whose ends are estimated, and
+    /// averaged knots for even ones. Closed directions have their knots by the data.
+    pub(crate) fn settle(&mut self, count: usize) {
+        let BasisChoice::BSpline { degree, knots } = &mut self.basis else {
+            return;
+        };
+        if *knots == Knots::Usual {
+            // Averaged knots need more points than the degree.
+            let averaged = !self.closed && degree.is_multiple_of(2) && *degree < count;
+            *knots = if averaged {
+                Knots::Averaged
+            } else {
+                Knots::Data
+            };
+        }
+        if *knots == Knots::Data && !self.closed && self.ends.is_none() {
+            let estimated = *degree <= MOST_ESTIMATED;
+            let end = if estimated {
+                End::Estimated
+            } else {
+                End::Repeated
+            };
+            self.ends = Some(Ends::both(end));
+        }
+    }
+
+    /// Names the knots that are usual in a least-squares fit where nothing is said: open directions
+    /// spread them.
+    pub(crate) fn settle_least_squares(&mut self) {
+        self.name_open(Knots::Spread);
+    }
+
+    /// Names this rule for the knots of an open direction where nothing is said.
+    pub(crate) fn name_open(&mut self, rule: Knots) {
+        if let BasisChoice::BSpline { knots, .. } = &mut self.basis
+            && *knots == Knots::Usual
+            && !self.closed
+        {
+            *knots = rule;
+        }
+    }
+
+    /// Leaves to least squares what it chooses by itself: knots that are by a rule of other methods,
+    /// and ends.
+    pub fn unsettle(&mut self) {
+        if let BasisChoice::BSpline { knots, .. } = &mut self.basis
+            && matches!(knots, Knots::Data | Knots::Averaged)
+        {
+            *knots = Knots::Usual;
+        }
+        self.ends = None;
+    }
+
+    /// Leaves knots that are by a rule of least squares to a method that is another one.
+    pub fn unsettle_least_squares(&mut self) {
+        if let BasisChoice::BSpline { knots, .. } = &mut self.basis
+            && matches!(knots, Knots::Spread)
+        {
+            *knots = Knots::Usual;
+        }
+    }
+
+    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
+    /// are nearly parallel and eigenvalues say little of single levels.
+    pub(crate) fn is_clustered(&self) -> bool {
+        let BasisChoice::BSpline { degree, knots } = &self.basis else {
+            return true;
+        };
+        let averaged = matches!(knots, Knots::Averaged) || self.closed;
+        degree % 2 == 0 && !averaged
+    }
+}

@@ -1,0 +1,24 @@
+//! Data points: what is fitted, and arrays for them.
+//!
+//! - `points`: ordered points, stored coordinate by coordinate, and grids of them; `input`: points and grids as callers
+//!   have them;
+//! - `missing`: grids with missing points; `no_data`: values that stand for them in files of heights;
+//! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve;
+//! - `distances` and `blocks`: lengths of residuals, and their norms in blocks;
+//! - `aligned`, `bounds`, `monotonic`, `quantiles`: arrays of numbers.
+
+pub(crate) mod aligned;
+pub(crate) mod blocks;
+pub(crate) mod bounds;
+pub(crate) mod distances;
+mod input;
+pub(crate) mod missing;
+pub(crate) mod monotonic;
+pub(crate) mod no_data;
+pub(crate) mod point_order;
+pub(crate) mod points;
+pub(crate) mod quantiles;
+pub(crate) mod weights;
+
+pub use input::{IntoGrid, IntoPoints};
+pub use points::{Grid, MAX_DIMENSION, Points};

@@ -1,0 +1,69 @@
+//! What piad and piad-files need beside the public interface. It may change at any time.
+
+pub use crate::about::About;
+pub use crate::basis::choice::DirectionChoice;
+pub use crate::basis::direction::Direction;
+pub use crate::data::aligned::Lane;
+pub use crate::data::point_order::is_unordered;
+pub use crate::geometry::evaluation::Geometry;
+pub use crate::iteration::bases::Bases;
+pub use crate::iteration::system::System;
+pub use crate::iteration::{Iteration, Level};
+pub use crate::matrix::forecast::Forecast;
+pub use crate::matrix::spectrum::least_eigenvalue;
+pub use crate::matrix::tensor::Tensor;
+pub use crate::parameters::{Parametrized, parameters};
+pub use crate::problem::Problem;
+pub use crate::problem::admission::Admission;
+pub use crate::problem::request::{Request, Tolerance, Weights};
+pub use crate::setup::Setup;
+pub use crate::termination::{Outcome, Reason};
+pub use crate::warning::Warning;
+
+/// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
+/// after which any level of any problem has other bits.
+pub const KERNEL: u32 = 2;
+
+/// B-splines by the Cox–de Boor recurrence.
+pub mod bspline {
+    pub use crate::basis::bspline::{evaluate, find_span};
+}
+
+/// Nearest points, and distances from them.
+pub mod foot {
+    pub use crate::geometry::foot::deviation::Deviation;
+    pub use crate::geometry::foot::memory;
+}
+
+/// Ends computations that have been abandoned.
+pub mod interrupt {
+    pub use crate::interrupt::{Interrupted, Meter, check, until};
+}
+
+/// The limits of local fits.
+pub mod limit {
+    pub use crate::iteration::limit::{
+        LIMIT_COST, LocalLimit, MOST_ADJUSTED, NoLimit, local_limit,
+    };
+}
+
+/// Evaluation of NURBS.
+pub mod nurbs {
+    pub use crate::geometry::nurbs::in_space;
+    pub use crate::geometry::nurbs::sampling::{Jet, SpanParameter, steps_between};
+}
+
+/// Classical PIA with each basis.
+pub mod rates {
+    pub use crate::matrix::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
+}
+
+/// Points of curves and surfaces at equal steps of their parameters.
+pub mod samples {
+    pub use crate::geometry::samples::{Samples, Uniform, multiplications};
+}
+
+/// Levels in one pass over memory.
+pub mod sweep {
+    pub use crate::iteration::sweep::{LEVELS, Measured, Plan, Sweep};
+}

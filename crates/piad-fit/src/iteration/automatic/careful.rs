@@ -1,0 +1,97 @@
+//! The second schedule of a fit, which keeps it near its data where there are none: curves with points between the data,
+//! surfaces with the most fairness that their tolerance allows. A fit that is far from its data even so has stalled.
+
+use std::sync::Arc;
+
+use super::schedules::{Fit, Schedules, surface_options};
+use crate::geometry::between::{self, Excursion};
+use crate::knot_selection::Options;
+use crate::knot_selection::equations;
+use crate::knot_selection::guide::Guide;
+use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::placed::in_lines;
+use crate::knot_selection::schedule::Schedule;
+use crate::knot_selection::surface::{Data, GridData, SurfaceSchedule};
+use crate::method::ObeyingSurface;
+use crate::problem::Problem;
+
+/// How fair a curve with points between its data is, so that it has no spikes between these: a multiple of the energy of
+/// spans of equal length.
+const FAIRNESS: f64 = 1e-6;
+
+/// A surface of scattered data may leave their box by this part of its diagonal, as planes do in corners without data.
+pub(super) const NEAR: f64 = 0.1;
+
+/// One that was kept near its data may do so by this part.
+pub(super) const FAR: f64 = 1.0;
+
+impl Schedules {
+    /// Returns true if it keeps the fit near its data where there are none.
+    pub(super) fn is_careful(&self) -> bool {
+        !matches!(self, Self::Curve(_, None) | Self::Surface(_))
+    }
+
+    /// The schedule that keeps the fit near its data where there are none: of curves from a level on, of surfaces from
+    /// the coarsest knots on.
+    pub(super) fn careful(&self, whole: &Problem, now: &Fit) -> Option<Self> {
+        let (settings, _) = whole.method().automatic()?;
+        if whole.v().is_some() {
+            let problem = whole;
+            let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
+            let data: Box<dyn Data> = match problem.is_scattered() {
+                // Where it is given, there is no more of it.
+                _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
+                true => Box::new(ObeyingSurface::fair(setup, settings)),
+                false => {
+                    let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
+                    let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());
+                    let data = GridData::new(points, problem.grid(), parameters.ok()?);
+                    Box::new(data.fair(problem.tolerance()))
+                }
+            };
+            let options = surface_options(problem, settings, None);
+            return Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
+                data, options,
+            ))));
+        }
+        let problem = &*now.problem;
+        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+        let first = in_lines(&now.control_points, &lines);
+        let u = problem.u();
+        let guide = Guide::new(problem.data(), &u.parameters, u.period());
+        let options = Options {
+            degree: u.basis.degree(),
+            period: u.period(),
+            tolerance: problem.tolerance(),
+            max_control_points: settings
+                .u
+                .min(Guide::most_control_points(problem.data().len())),
+            correct_parameters: false,
+            first: lines.into_iter().next().map(|line| (line, first)),
+            minima_alone: true,
+            freedom: Some(Arc::clone(&guide.freedom)),
+        };
+        let weights = guide.weights(problem.tolerance(), settings.data_weights.as_deref());
+        let points = Arc::clone(&guide.points);
+        let minimum = equations::LeastSquares {
+            points: Arc::clone(&points),
+            data_weights: Some(Arc::new(weights)),
+            // Where it is given, there is no more of it.
+            fairness: settings.fairness.map_or(FAIRNESS, |_| 0.0),
+        };
+        let schedule = Schedule::new(points, Arc::clone(&guide.parameters), options, minimum);
+        Some(Self::Curve(Box::new(schedule), Some(guide)))
+    }
+}
+
+impl Fit {
+    /// Returns true if it is far from its data where there are none: further than neighbours are apart, or, of
+    /// scattered data, outside their bounding box by more than this part of its diagonal.
+    pub(super) fn leaves(&self, part: f64) -> bool {
+        let (problem, points) = (&*self.problem, &*self.control_points);
+        match problem.is_scattered() {
+            true => between::outside(problem, points) > part,
+            false => Excursion::of(problem, points, problem.tolerance()).is_some(),
+        }
+    }
+}

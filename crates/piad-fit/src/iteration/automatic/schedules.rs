@@ -1,0 +1,198 @@
+//! The schedules of fits that choose their knots: of curves and surfaces, with conditions or without.
+
+use std::sync::Arc;
+
+use crate::basis::direction::Direction;
+use crate::data::distances::Distances;
+use crate::data::points::Points;
+use crate::geometry::norms::FitError;
+use crate::interrupt;
+use crate::knot_selection::equations::{self, Minimum};
+use crate::knot_selection::guide::Guide;
+use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::placed::{in_directions, in_lines};
+use crate::knot_selection::schedule::Schedule;
+use crate::knot_selection::surface::{
+    Data, GridData, ScatteredData, SurfaceOptions, SurfaceSchedule,
+};
+use crate::knot_selection::values::{MANY, Values};
+use crate::knot_selection::{Level, Options};
+use crate::method::{Automatic as Settings, LeastSquares, Obeying, ObeyingSurface};
+use crate::problem::Problem;
+use crate::termination::Outcome;
+
+/// A B-spline of a schedule.
+#[derive(Debug)]
+pub(super) struct Fit {
+    pub(super) problem: Arc<Problem>,
+    pub(super) control_points: Arc<Points>,
+    pub(super) error: FitError,
+}
+
+/// The schedules that there are.
+#[derive(Debug)]
+pub(super) enum Schedules {
+    /// With points between the data, or without.
+    Curve(Box<Schedule<equations::LeastSquares>>, Option<Guide>),
+    Obeying(Box<Schedule<Obeying>>),
+    Surface(Box<SurfaceSchedule>),
+    /// With some fairness where none was asked for.
+    FairSurface(Box<SurfaceSchedule>),
+    /// Not even the first level has finite numbers.
+    Nowhere,
+}
+
+impl Schedules {
+    /// The schedule of a fit.
+    pub(super) fn new(problem: &Problem, settings: &LeastSquares, automatic: &Settings) -> Self {
+        let points = Arc::clone(problem.data());
+        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+        let first = problem.start().map(|start| in_lines(start, &lines));
+        let u = problem.u();
+        if let Some(v) = problem.v() {
+            let parameters = [u, v].map(|it| Arc::clone(&it.parameters));
+            let tolerance = problem.tolerance();
+            let data: Box<dyn Data> = match problem.is_scattered() {
+                _ if !settings.is_plain_surface() => {
+                    Box::new(ObeyingSurface::new(problem.setup(), settings))
+                }
+                false => Box::new(GridData::new(points, problem.grid(), parameters)),
+                true => Box::new(ScatteredData::new(&points, &parameters, tolerance)),
+            };
+            let options = surface_options(problem, settings, first);
+            return Self::Surface(Box::new(SurfaceSchedule::new(data, options)));
+        }
+        let mut options = Options {
+            degree: u.basis.degree(),
+            period: u.period(),
+            tolerance: problem.tolerance(),
+            max_control_points: settings.u,
+            correct_parameters: automatic.correct_parameters,
+            first: lines.first().cloned().zip(first),
+            minima_alone: !settings.is_plain(),
+            freedom: None,
+        };
+        let parameters = Arc::clone(&u.parameters);
+        if settings.is_plain() {
+            let minimum = equations::LeastSquares {
+                points: Arc::clone(&points),
+                data_weights: settings
+                    .data_weights
+                    .as_ref()
+                    .map(|it| Arc::new(it.to_vec())),
+                fairness: 0.0,
+            };
+            let schedule = Schedule::new(points, parameters, options, minimum);
+            return Self::Curve(Box::new(schedule), None);
+        }
+        let minimum = Obeying::new(problem.setup(), settings);
+        if let (None, Some(line)) = (&options.first, lines.into_iter().next()) {
+            let values = Values::new(&line, &parameters);
+            let Some(coarsest) = Minimum::minimum(&minimum, &values, None) else {
+                return Self::Nowhere;
+            };
+            options.first = Some((line, coarsest));
+        }
+        Self::Obeying(Box::new(Schedule::new(
+            points, parameters, options, minimum,
+        )))
+    }
+
+    /// The next level, or `None` after the last one.
+    pub(super) fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit> {
+        let level = match self {
+            Self::Curve(schedule, None) if whole.data().len() >= MANY => {
+                among_threads(|| schedule.next_level())
+            }
+            Self::Curve(schedule, None) => schedule.next_level(),
+            Self::Curve(schedule, Some(guide)) => {
+                let level = schedule.next_level();
+                level.map(|level| Arc::new(guide.of_data(&level)))
+            }
+            Self::Obeying(schedule) => schedule.next_level(),
+            Self::Nowhere => return None,
+            Self::Surface(schedule) | Self::FairSurface(schedule) => {
+                let level = schedule.next_level()?;
+                let t = whole.directions().map(|it| Arc::clone(&it.parameters));
+                let parameters: Vec<Arc<Vec<f64>>> = t.collect();
+                return Some(Fit::new(
+                    whole,
+                    &level.lines,
+                    &parameters,
+                    &level.control_points,
+                    &level.distances,
+                ));
+            }
+        };
+        level.map(|level| {
+            let Level {
+                line,
+                control_points,
+                distances,
+                parameters,
+                ..
+            } = &*level;
+            let lines = std::slice::from_ref(line);
+            let parameters = std::slice::from_ref(parameters);
+            Fit::new(whole, lines, parameters, control_points, distances)
+        })
+    }
+
+    /// How it has ended, after the last level.
+    pub(super) fn outcome(&self) -> Option<Outcome> {
+        match self {
+            Self::Curve(schedule, _) => schedule.outcome(),
+            Self::Obeying(schedule) => schedule.outcome(),
+            Self::Surface(schedule) | Self::FairSurface(schedule) => schedule.outcome(),
+            Self::Nowhere => Some(Outcome::Overflow),
+        }
+    }
+}
+
+/// The options of a surface, with the control points to begin with, if there are some.
+pub(super) fn surface_options(
+    problem: &Problem,
+    settings: &LeastSquares,
+    first: Option<Points>,
+) -> SurfaceOptions {
+    let directions: Vec<&Direction> = problem.directions().collect();
+    let of = |axis: usize| directions[axis.min(directions.len() - 1)];
+    let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+    let lines = <[KnotLine; 2]>::try_from(lines).ok();
+    SurfaceOptions {
+        degrees: [0, 1].map(|axis| of(axis).basis.degree()),
+        periods: [0, 1].map(|axis| of(axis).period()),
+        tolerance: problem.tolerance(),
+        max_control_points: [settings.u, settings.v],
+        first: lines.clone().zip(first),
+        coarsest: lines,
+    }
+}
+
+/// Computes something on one of the threads that share long loops. Any other one would fall asleep
+/// and be woken up again for each of these loops.
+fn among_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let rule = interrupt::rule();
+    rayon::scope(|_| match rule {
+        Some(rule) => interrupt::until(rule, work),
+        None => work(),
+    })
+}
+
+impl Fit {
+    fn new(
+        whole: &Arc<Problem>,
+        lines: &[KnotLine],
+        parameters: &[Arc<Vec<f64>>],
+        control_points: &Points,
+        distances: &Distances,
+    ) -> Self {
+        let directions = lines.iter().zip(parameters);
+        let directions = directions.map(|(line, t)| line.direction(Arc::clone(t)));
+        Self {
+            problem: Arc::new(whole.with_directions(directions)),
+            control_points: Arc::new(in_directions(control_points, lines)),
+            error: FitError::of(distances),
+        }
+    }
+}

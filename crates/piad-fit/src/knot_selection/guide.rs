@@ -1,0 +1,288 @@
+//! Points between the data, for curves that would leave them there.
+//!
+//! A curve with hardly fewer control points than data can be within the tolerance at all of them and far away between.
+//! Where one is, the fit begins again with three points between each two data points. They lie on the mean of two
+//! curves, both cubic between the data with a common derivative at each datum:
+//!
+//! - that of the parabola through three data (Bessel), which follows circles;
+//! - that of the chord between both neighbours, shorter the more the data turn back: it goes straight along long
+//!   edges, and stops at sharp corners.
+//!
+//! Where these differ the data leave *freedom*: half their difference counts as no distance, and the more of it there
+//! is, the less a point counts in the sum of squares. Neither curve is further from the edge between two data than the
+//! edge is long.
+
+use std::sync::Arc;
+
+use super::Level;
+use crate::data::distances::Distances;
+use crate::data::points::{Points, normalizing_scale};
+
+/// Where the points between two data lie, as parts of the parameters.
+const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// How many more control points than data there are at most.
+const MOST_MORE: usize = 1000;
+
+/// The greatest ratio of a derivative to the chord of either side.
+const LONGEST: f64 = 1.5;
+
+/// A point counts at least as much as this part of a datum, so that it determines the fit where there is nothing else.
+const LEAST_WEIGHT: f64 = 1e-6;
+
+/// Data with points between them.
+#[derive(Clone, Debug)]
+pub(crate) struct Guide {
+    /// The points, those of the data in every fourth place.
+    pub(crate) points: Arc<Points>,
+    /// Their parameters.
+    pub(crate) parameters: Arc<Vec<f64>>,
+    /// Distances that do not count.
+    pub(crate) freedom: Arc<[f64]>,
+    /// The parameters of the data.
+    of_data: Arc<Vec<f64>>,
+}
+
+impl Guide {
+    /// The most control points of a curve through so many data with points between them: more than data, as few data
+    /// say little of corners, and long lists of data hardly need them.
+    pub(crate) fn most_control_points(data: usize) -> usize {
+        data.saturating_add(MOST_MORE.min(PLACES.len() * data))
+    }
+
+    /// Between data at increasing parameters, of a closed curve also between the last and the first.
+    pub(crate) fn new(data: &Points, parameters: &Arc<Vec<f64>>, period: Option<f64>) -> Self {
+        let line = Line::new(data, parameters, period);
+        let mut points = Points::new(data.dimension());
+        let (mut t, mut freedom) = (Vec::new(), Vec::new());
+        for i in 0..data.len() {
+            points.push(&line.datum(i));
+            t.push(parameters[i]);
+            freedom.push(0.0);
+            if i + 1 == data.len() && period.is_none() {
+                break;
+            }
+            let [from, to] = [line.parameter(i), line.parameter(i + 1)];
+            for part in PLACES {
+                let (point, free) = line.between(i, part);
+                points.push(&point);
+                t.push((1.0 - part) * from + part * to);
+                freedom.push(free);
+            }
+        }
+        Self {
+            points: Arc::new(points),
+            parameters: Arc::new(t),
+            freedom: freedom.into(),
+            of_data: Arc::clone(parameters),
+        }
+    }
+
+    /// How much each point counts, where the data have these weights.
+    pub(crate) fn weights(&self, tolerance: f64, of_data: Option<&[f64]>) -> Vec<f64> {
+        let weight = |(k, freedom): (usize, &f64)| {
+            let share = tolerance / (tolerance + freedom);
+            let datum = k / (PLACES.len() + 1);
+            of_data.map_or(1.0, |weights| weights[datum]) * (share * share).max(LEAST_WEIGHT)
+        };
+        self.freedom.iter().enumerate().map(weight).collect()
+    }
+
+    /// A level with the distances of the data alone.
+    pub(crate) fn of_data(&self, level: &Level) -> Level {
+        let unit = normalizing_scale(self.points.magnitude());
+        let every = level.distances.each.iter().step_by(PLACES.len() + 1);
+        let squares = every.map(|distance| (distance * unit) * (distance * unit));
+        Level {
+            distances: Distances::of_squares(squares.collect(), unit),
+            parameters: Arc::clone(&self.of_data),
+            line: level.line.clone(),
+            control_points: level.control_points.clone(),
+        }
+    }
+}
+
+/// Both derivatives at each datum.
+struct Line<'a> {
+    data: &'a Points,
+    parameters: &'a [f64],
+    period: Option<f64>,
+    derivatives: Vec<[Vec<f64>; 2]>,
+}
+
+impl<'a> Line<'a> {
+    fn new(data: &'a Points, parameters: &'a [f64], period: Option<f64>) -> Self {
+        let mut line = Self {
+            data,
+            parameters,
+            period,
+            derivatives: Vec::new(),
+        };
+        let count = data.len();
+        let is_inside = |i: &usize| period.is_some() || (1..count - 1).contains(i);
+        let nothing = || [0, 1].map(|_| vec![0.0; data.dimension()]);
+        line.derivatives = (0..count)
+            .map(|i| match is_inside(&i) {
+                true => line.inside((i + count - 1) % count, i),
+                false => nothing(),
+            })
+            .collect();
+        if period.is_none() {
+            line.derivatives[0] = line.at_end(0, 1.min(count - 1));
+            line.derivatives[count - 1] =
+                line.at_end(count.saturating_sub(2), count.saturating_sub(2));
+        }
+        line
+    }
+
+    fn datum(&self, i: usize) -> Vec<f64> {
+        self.data.point(i % self.data.len()).collect()
+    }
+
+    fn parameter(&self, i: usize) -> f64 {
+        let turns = (i / self.parameters.len()) as f64;
+        self.parameters[i % self.parameters.len()] + turns * self.period.unwrap_or(0.0)
+    }
+
+    /// The chord from datum i to the next one over the difference of their parameters, and that difference.
+    fn chord(&self, i: usize) -> (Vec<f64>, f64) {
+        let width = self.parameter(i + 1) - self.parameter(i);
+        let (from, to) = (self.datum(i), self.datum(i + 1));
+        let chord = from.iter().zip(to).map(|(from, to)| (to - from) / width);
+        (chord.collect(), width)
+    }
+
+    /// At the datum between the gaps after `before` and after `i`.
+    fn inside(&self, before: usize, i: usize) -> [Vec<f64>; 2] {
+        let ((before, h), (after, k)) = (self.chord(before), self.chord(i));
+        let [a, b] = [&before, &after].map(|chord| length(chord));
+        let longest = LONGEST * a.min(b);
+        let product: f64 = before
+            .iter()
+            .zip(&after)
+            .map(|(x, y)| (x / a) * (y / b))
+            .sum();
+        let turned = if a > 0.0 && b > 0.0 {
+            (1.0 + product).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let mixed = |of_before: f64, factor: f64| {
+            let pairs = before.iter().zip(&after);
+            let mean = pairs.map(|(x, y)| factor * (of_before * x + (1.0 - of_before) * y));
+            limited(mean.collect(), longest)
+        };
+        [mixed(k / (h + k), 1.0), mixed(h / (h + k), turned)]
+    }
+
+    /// At the end of the gap after datum `gap`, whose other end is known: as of a parabola.
+    fn at_end(&self, gap: usize, other: usize) -> [Vec<f64>; 2] {
+        let (chord, _) = self.chord(gap);
+        if self.data.len() < 3 {
+            return [chord.clone(), chord];
+        }
+        let longest = LONGEST * length(&chord);
+        [0, 1].map(|k| {
+            let pairs = chord.iter().zip(&self.derivatives[other][k]);
+            let of_parabola = pairs.map(|(chord, known)| (3.0 * chord - known) / 2.0);
+            limited(of_parabola.collect(), longest)
+        })
+    }
+
+    /// The point at a part of the gap after datum i, and its freedom.
+    fn between(&self, i: usize, s: f64) -> (Vec<f64>, f64) {
+        let (from, to) = (self.datum(i), self.datum(i + 1));
+        let width = self.parameter(i + 1) - self.parameter(i);
+        let (start, end) = (i % self.data.len(), (i + 1) % self.data.len());
+        let [one, other] = [0, 1].map(|k| {
+            let (first, last) = (&self.derivatives[start][k], &self.derivatives[end][k]);
+            let coordinate = |c: usize| {
+                let value = (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s) * from[c]
+                    + s * s * (3.0 - 2.0 * s) * to[c];
+                let bend = s * (1.0 - s) * ((1.0 - s) * first[c] - s * last[c]);
+                value + width * bend
+            };
+            (0..from.len()).map(coordinate).collect::<Vec<f64>>()
+        });
+        let mean = one
+            .iter()
+            .zip(&other)
+            .map(|(a, b)| 0.5 * a + 0.5 * b)
+            .collect();
+        let half = one.iter().zip(&other).map(|(a, b)| 0.5 * (a - b));
+        (mean, half.fold(0.0, f64::hypot))
+    }
+}
+
+fn length(vector: &[f64]) -> f64 {
+    vector.iter().copied().fold(0.0, f64::hypot)
+}
+
+/// The same vector, but no longer than this.
+fn limited(mut vector: Vec<f64>, longest: f64) -> Vec<f64> {
+    let length = length(&vector);
+    if length > longest {
+        vector.iter_mut().for_each(|x| *x *= longest / length);
+    }
+    vector
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No point is further from the edge between its neighbours than this is long, and on an edge of a rectangle all
+    /// are on it but for their freedom.
+    #[test]
+    fn points_stay_near_their_edges() {
+        let outlines: [&[[f64; 2]]; 4] = [
+            &[[0.0, 0.0], [9.0, 0.0], [9.0, 1.0], [0.0, 1.0]],
+            &[
+                [0.0, 0.0],
+                [1.0, 5.0],
+                [1.1, 5.0],
+                [1.2, -5.0],
+                [1.2, -5.0],
+                [7.0, 0.0],
+            ],
+            &[[0.0, 0.0], [1.0, 0.0]],
+            &[[0.0, 0.0], [1.0, 0.0], [1.0, 1e-9], [2.0, 0.0]],
+        ];
+        for (outline, period) in outlines.iter().flat_map(|it| [(it, None), (it, Some(1.0))]) {
+            let data = Points::from_flat(2, &outline.concat());
+            let count = data.len() as f64 + 0.25;
+            let t = (0..data.len()).map(|i| i as f64 / count).collect();
+            let guide = Guide::new(&data, &Arc::new(t), period);
+            let gaps = data.len() - usize::from(period.is_none());
+            assert_eq!(guide.points.len(), data.len() + 3 * gaps);
+            assert!(guide.parameters.windows(2).all(|pair| pair[0] < pair[1]));
+            for k in 0..guide.points.len() {
+                let (i, j) = (k / 4, (k / 4 + 1) % data.len());
+                let edge = data.distance(i, j);
+                let datum = guide.points.len().min(4 * i);
+                assert!(
+                    guide.points.distance(k, datum) + guide.freedom[k] <= 1.5 * edge,
+                    "{outline:?} {k}"
+                );
+            }
+        }
+    }
+
+    /// Data of a circle: the points are on it within the freedom.
+    #[test]
+    fn points_follow_circles() {
+        let count = 12;
+        let angle = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
+        let circle = (0..count).flat_map(|k| [angle(k).cos(), angle(k).sin()]);
+        let data = Points::from_flat(2, &circle.collect::<Vec<_>>());
+        let t = Arc::new((0..count).map(|k| k as f64).collect());
+        let guide = Guide::new(&data, &t, Some(count as f64));
+        for (k, freedom) in guide.freedom.iter().enumerate() {
+            let off = guide.points.point(k).fold(0.0, f64::hypot) - 1.0;
+            assert!(
+                off.abs() <= freedom + 2e-3,
+                "{k}: {off:e}, free {freedom:e}"
+            );
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! As few control points as a tolerance needs.
+//!
+//! What users of CAD systems mean by fitting: the fewest control points with which the largest
+//! distance is within a tolerance. No rule gives them at once, so the fit goes there by *levels*,
+//! each of which is a whole B-spline through the ends of the data:
+//!
+//! 1. **Growth.** From p + 1 control points on: steps of conjugate gradients towards the
+//!    least-squares fit ([`steps`]); then a knot in the middle of every span whose largest distance
+//!    is above the tolerance ([`growth`]). Insertion is exact ([`insertion`]): the fit goes on from
+//!    the same curve, until it is within the tolerance.
+//! 2. **Redistribution and removal.** The distances of the spans are a density of knots
+//!    ([`monitor`]). Knots at equal shares of it make these distances equal, and then far fewer do:
+//!    the number of control points falls as long as some round of redistribution stays within the
+//!    tolerance ([`schedule`]).
+//! 3. **The last control point.** Least squares make the sum of squares small and not the largest
+//!    distance. Where one control point less comes close to the tolerance, weights that grow with
+//!    the distances (Lawson) often bring it there ([`minimax`]).
+//! 4. **Single knots.** Where there are hardly more data than control points, distances do not say
+//!    where knots are needed. There knots whose removal changes the curve least leave it one by one,
+//!    as long as the fit without them is within the tolerance ([`pruning`]).
+//!
+//! A fit that is within the tolerance and leaves its data between neighbours goes on with points there ([`guide`]).
+//!
+//! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
+//! [`correction`]).
+//!
+//! Surfaces do the same with whole knot lines ([`surface`]).
+//!
+//! What is minimized is behind [`equations::Minimum`]: constraints and fairness are the business of
+//! the equations, knots that of the schedule.
+//!
+//! # What can be relied on
+//!
+//! - Levels are pure functions of data, parameters and options, the same to the last bit.
+//! - The first level has p + 1 control points (of fewer data than that one for each datum raised to
+//!   the degree), and the last one is within the tolerance if any was, with the fewest control
+//!   points found.
+//! - Insertion does not change the curve, but for rounding. While knots stay where they are, and in
+//!   redistribution while their number does, the largest distance never rises.
+//! - A level costs O(n p²) for n data, and their number does not grow with n.
+//!
+//! Sources: de Boor, *Good approximation by splines with variable knots* (1973); Deng, Lin,
+//! *Progressive and iterative approximation for least squares B-spline curve and surface fitting*,
+//! CAD 47 (2014), section 4; Hoschek, *Intrinsic parametrization for approximation*, CAGD 5 (1988);
+//! Lawson, *Contributions to the theory of linear least maximum approximation* (1961); Cohen, Lyche,
+//! Riesenfeld, *Discrete B-splines and subdivision techniques* (1980); Lyche, Mørken, *Knot removal for
+//! parametric B-spline curves and surfaces*, CAGD 4 (1987).
+
+mod attempt;
+pub(crate) mod correction;
+pub(crate) mod equations;
+mod gram;
+pub(crate) mod growth;
+pub(crate) mod guide;
+pub(crate) mod insertion;
+pub(crate) mod line;
+pub(crate) mod minimax;
+pub(crate) mod monitor;
+pub(super) mod placed;
+pub(crate) mod placement;
+mod pruning;
+pub(crate) mod schedule;
+pub(crate) mod steps;
+pub(crate) mod surface;
+#[cfg(test)]
+mod tests;
+pub(crate) mod values;
+
+use std::sync::Arc;
+
+use self::line::KnotLine;
+use crate::data::distances::Distances;
+use crate::data::points::Points;
+
+/// What is asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Options {
+    /// The degree p ≥ 1.
+    pub degree: usize,
+    /// The period of a closed curve, after which it is back at its first datum.
+    pub period: Option<f64>,
+    /// The largest distance that is accepted, in data units.
+    pub tolerance: f64,
+    /// The most control points; never more than data.
+    pub max_control_points: usize,
+    /// Whether parameters move to the foot points of their data.
+    pub correct_parameters: bool,
+    /// The curve to begin with; without it one of p + 1 control points.
+    pub first: Option<(KnotLine, Points)>,
+    /// Whether levels are minima alone, without steps of plain least squares between them: where
+    /// more is to be obeyed or weighed than these do.
+    pub minima_alone: bool,
+    /// For each datum how far away the curve may be without a distance; none of them without it.
+    pub freedom: Option<Arc<[f64]>>,
+}
+
+/// A B-spline on the way.
+#[derive(Clone, Debug)]
+pub(crate) struct Level {
+    /// The knots.
+    pub line: KnotLine,
+    /// The control points.
+    pub control_points: Points,
+    /// The distances from the data.
+    pub distances: Distances,
+    /// Where the data lie on the curve.
+    pub parameters: Arc<Vec<f64>>,
+}

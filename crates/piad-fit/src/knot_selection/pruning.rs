@@ -1,0 +1,117 @@
+//! Removal of single knots, those first whose removal changes the curve least.
+//!
+//! Equal distances on all spans say where knots are needed as long as a span has many data. Where
+//! there are hardly more data than control points they say little: a span without a datum has no
+//! distance. There a curve with more control points than needed is taken as it is, and knots leave
+//! it one by one.
+//!
+//! A simple knot is a jump of the p-th derivative. The B-spline over it and p + 1 knots around it
+//! has such a jump, too:
+//!
+//! ```text
+//! N⁽ᵖ⁾ jumps at t_q by  p! (t_last − t_first) / Π_{i ≠ q} |t_q − t_i|
+//! ```
+//!
+//! So much of it as cancels the jump of the curve is what the removal costs (Lyche, Mørken, *Knot
+//! removal for parametric B-spline curves and surfaces*, CAGD 4 (1987)).
+
+use super::line::KnotLine;
+use crate::data::points::Points;
+
+/// The knots without one of them, the cheapest removals first.
+pub(super) fn fewer<'a>(
+    line: &'a KnotLine,
+    control_points: &Points,
+) -> impl Iterator<Item = KnotLine> + use<'a> {
+    let mut order: Vec<(f64, usize)> = costs(line, control_points)
+        .into_iter()
+        .zip(1..line.spans())
+        .collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    order.into_iter().filter_map(|(_, place)| {
+        let mut breaks = line.breaks().to_vec();
+        breaks.remove(place);
+        KnotLine::new(line.degree(), line.is_closed(), breaks)
+    })
+}
+
+/// What the removal of each knot between the ends costs, but for a factor that is the same for all.
+fn costs(line: &KnotLine, control_points: &Points) -> Vec<f64> {
+    let mut jumps = vec![0.0; line.spans() - 1];
+    for lane in control_points.lanes() {
+        let highest = highest_derivative(line, lane);
+        let steps = highest.windows(2).map(|pair| pair[1] - pair[0]);
+        for (jump, step) in jumps.iter_mut().zip(steps) {
+            *jump = f64::hypot(*jump, step);
+        }
+    }
+    let (degree, length) = (line.degree() as isize, length(line));
+    let places = degree + 1..;
+    let costs = jumps.into_iter().zip(places).map(|(jump, q)| {
+        let first = q - (degree + 1) / 2;
+        let last = first + degree + 1;
+        let others = (first..=last).filter(|&i| i != q);
+        let away = others.map(|i| (line.knot(q) - line.knot(i)).abs() / length);
+        jump * away.product::<f64>() / ((line.knot(last) - line.knot(first)) / length)
+    });
+    costs.collect()
+}
+
+/// The p-th derivative on each span, where the whole length is one.
+fn highest_derivative(line: &KnotLine, lane: &[f64]) -> Vec<f64> {
+    let (degree, length) = (line.degree(), length(line));
+    let functions = line.spans() + degree;
+    let mut x: Vec<f64> = (0..functions)
+        .map(|j| lane[line.control_point(j)])
+        .collect();
+    for r in 1..=degree {
+        let knot = |i: usize| line.knot(i as isize);
+        x = (r..functions)
+            .zip(x.windows(2))
+            .map(|(j, pair)| (pair[1] - pair[0]) * (length / (knot(j + degree + 1 - r) - knot(j))))
+            .collect();
+    }
+    x
+}
+
+fn length(line: &KnotLine) -> f64 {
+    line.breaks()[line.spans()] - line.breaks()[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::knot_selection::insertion::refine;
+
+    /// A knot that was inserted costs nothing, and is the first to leave; in any unit.
+    #[test]
+    fn inserted_knots_leave_first() {
+        for (degree, closed) in [
+            (1, false),
+            (2, false),
+            (3, false),
+            (5, false),
+            (2, true),
+            (3, true),
+        ] {
+            for unit in [1e-290, 1.0, 1e290] {
+                let at = |numbers: &[f64]| numbers.iter().map(|x| x * unit).collect::<Vec<f64>>();
+                let coarse = at(&[0.0, 0.7, 1.0, 2.1, 3.3, 3.4, 5.0]);
+                let coarse = KnotLine::new(degree, closed, coarse).unwrap();
+                let fine = at(&[0.0, 0.7, 1.0, 2.1, 2.6, 3.3, 3.4, 5.0]);
+                let fine = KnotLine::new(degree, closed, fine).unwrap();
+                let numbers = |seed: f64| {
+                    (0..coarse.control_points()).map(move |i| unit * (seed * i as f64).sin())
+                };
+                let lanes = [3.7, 5.1].map(|seed| numbers(seed).collect::<Vec<f64>>());
+                let points = refine(&coarse, &fine, &Points::from_lanes(lanes));
+                assert_eq!(
+                    fewer(&fine, &points).next(),
+                    Some(coarse),
+                    "{degree}, {unit:e}"
+                );
+                assert_eq!(fewer(&fine, &points).count(), 6);
+            }
+        }
+    }
+}

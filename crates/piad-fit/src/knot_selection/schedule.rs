@@ -1,0 +1,372 @@
+//! From p + 1 control points to as few as the tolerance needs: which level comes next.
+//!
+//! Growth ends with more control points than needed, between `low`, which is known to fail, and
+//! `high`, which is known to do. Each *attempt* has a number of control points, and redistributes
+//! its knots until it is within the tolerance, stands still, or is hopeless. What the distances ask
+//! for, `(e/τ)^(1/(p+1))` as many spans, leads to the next number; near the end it is one less.
+
+mod growing;
+mod pruning;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::attempt::Attempt;
+use super::correction::corrected;
+use super::equations::Minimum;
+use super::line::{KnotLine, control_points_beyond_spans};
+use super::minimax::Weights;
+use super::monitor::{Monitor, needed, span_maxima};
+use super::placement::place;
+use super::steps::Steps;
+use super::values::Values;
+use super::{Level, Options};
+use crate::data::points::{Points, normalizing_scale};
+use crate::termination::Outcome;
+
+/// The most steps of conjugate gradients over the same knots.
+const STEPS: usize = 6;
+
+/// The same where the data do not determine the fit, so that nothing else leads to them.
+const STEPS_ALONE: usize = 60;
+
+/// Steps end when the rms falls to no less than this part.
+const SLOW: f64 = 0.9;
+
+/// The largest distance may rise by this part, which is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Levels that gain less than this part are not worth a level.
+const GAIN: f64 = 1e-6;
+
+/// How far knots go towards equal distances in a redistribution.
+const DAMPING: f64 = 0.7;
+
+/// Attempts are worth weights if their largest distance is below this number of tolerances.
+const NEAR: f64 = 1.5;
+
+/// Steps of the weights.
+const WEIGHINGS: usize = 10;
+
+/// Numbers of control points that differ by less than this part of them are as good as the same: of
+/// a thousand the last three would take as long to be spared as all others.
+const RESOLUTION: usize = 256;
+
+/// Least-squares fits after growth: enough for every number of control points that is tried.
+const BUDGET: usize = 120;
+
+/// Data points of all fits with single knots less that are tried together: a fraction of a second.
+const WORK: usize = 1_000_000;
+
+/// With fewer fits than these hardly a knot would leave.
+const WORTHWHILE: usize = 64;
+
+/// A fit with as few control points as its tolerance needs, level by level.
+#[derive(Debug)]
+pub(crate) struct Schedule<M> {
+    minimum: M,
+    points: Arc<Points>,
+    /// A power of two that brings squares of distances to the order of one.
+    unit: f64,
+    options: Options,
+    parameters: Arc<Vec<f64>>,
+    stage: Stage,
+    queue: VecDeque<Arc<Level>>,
+    /// The last level.
+    last: Option<Arc<Level>>,
+    /// The level within the tolerance with the fewest control points.
+    best: Option<Arc<Level>>,
+    /// The level with the smallest largest distance.
+    closest: Option<Arc<Level>>,
+    /// What the distances of the best level ask for.
+    within: Option<Monitor>,
+    /// This many control points, or fewer, are known not to do.
+    low: usize,
+    /// This many are known to do, or too many.
+    high: usize,
+    /// Least-squares fits since the end of growth.
+    spent: usize,
+    /// Least-squares fits that are left for the removal of single knots.
+    prunings: usize,
+    outcome: Option<Outcome>,
+}
+
+/// What the next level comes from.
+#[derive(Debug)]
+enum Stage {
+    /// Nothing: the first level.
+    Start,
+    /// Steps over the knots of the last level.
+    Steps(Box<Steps>, Values, usize),
+    /// The choice of new knots.
+    Growth(Values),
+    /// Redistribution.
+    Attempt(Attempt),
+    /// Weights, over the knots of the last level.
+    Minimax(Attempt, Weights, usize),
+    /// The end.
+    Done,
+}
+
+impl<M: Minimum> Schedule<M> {
+    /// A fit of data at increasing parameters, two at least.
+    pub(crate) fn new(
+        points: Arc<Points>,
+        parameters: Arc<Vec<f64>>,
+        options: Options,
+        minimum: M,
+    ) -> Self {
+        Self {
+            low: options.degree,
+            high: options
+                .max_control_points
+                .min(points.len())
+                .max(options.degree + 1)
+                + 1,
+            prunings: prunings(points.len()),
+            minimum,
+            unit: normalizing_scale(points.magnitude()),
+            points,
+            options,
+            parameters,
+            stage: Stage::Start,
+            queue: VecDeque::new(),
+            last: None,
+            best: None,
+            closest: None,
+            within: None,
+            spent: 0,
+            outcome: None,
+        }
+    }
+
+    /// How it has ended, after the last level.
+    pub(crate) fn outcome(&self) -> Option<Outcome> {
+        self.outcome.filter(|_| self.queue.is_empty())
+    }
+
+    /// The next level, or `None` after the last one.
+    pub(crate) fn next_level(&mut self) -> Option<Arc<Level>> {
+        while self.queue.is_empty() && self.outcome.is_none() {
+            self.advance();
+        }
+        self.queue.pop_front()
+    }
+
+    /// Takes one step, after which there may be a new level.
+    fn advance(&mut self) {
+        match std::mem::replace(&mut self.stage, Stage::Done) {
+            Stage::Start => self.begin(),
+            Stage::Steps(steps, values, left) => self.step(steps, values, left),
+            Stage::Growth(values) => self.grow(&values),
+            Stage::Attempt(attempt) => self.attempt(attempt),
+            Stage::Minimax(attempt, weights, left) => self.weigh(attempt, weights, left),
+            Stage::Done if self.prune() => {}
+            Stage::Done => self.finish(),
+        }
+    }
+
+    /// The first attempt, with as many control points as the distances ask for.
+    fn begin_search(&mut self, nearest: &Level, values: &Values) {
+        let each = &nearest.distances.each;
+        let maxima = span_maxima(values.starts(), each);
+        let asked = needed(&nearest.line, &maxima, self.options.tolerance);
+        let monitor = Monitor::new(&nearest.line, values.starts(), each, 1.0);
+        if let Some(best) = &self.best {
+            self.high = best.line.control_points();
+            self.within = Some(monitor.clone());
+        }
+        self.next_attempt(asked, monitor);
+    }
+
+    /// An attempt with about so many control points, if there are numbers left to be tried.
+    fn next_attempt(&mut self, asked: usize, monitor: Monitor) {
+        let coarse = self.best.as_ref().map_or(0, |_| self.high / RESOLUTION);
+        let (least, most) = (self.low + 1, self.high - 1 - coarse);
+        self.stage = if least <= most {
+            Stage::Attempt(Attempt::new(asked.clamp(least, most), monitor))
+        } else {
+            Stage::Done
+        };
+    }
+
+    /// One redistribution.
+    fn attempt(&mut self, mut attempt: Attempt) {
+        if self.spent >= BUDGET {
+            return;
+        }
+        self.spent += 1;
+        let Some((level, values)) = self.redistributed(&attempt) else {
+            self.fail(attempt);
+            return;
+        };
+        let damping = if attempt.is_fresh() { 1.0 } else { DAMPING };
+        let each = &level.distances.each;
+        let monitor = Monitor::new(&level.line, values.starts(), each, damping);
+        if attempt.take(&level, monitor) {
+            self.issue(Arc::clone(&level));
+        }
+        if level.distances.max <= self.options.tolerance {
+            self.succeed(&level, attempt.into_last_monitor());
+        } else if !attempt.is_over(self.options.tolerance, self.high - 1) {
+            self.stage = Stage::Attempt(attempt);
+        } else if attempt.lowest() < NEAR * self.options.tolerance {
+            let weights = Weights::new(self.points.len());
+            self.stage = Stage::Minimax(attempt, weights, WEIGHINGS);
+        } else {
+            self.fail(attempt);
+        }
+    }
+
+    /// The least-squares fit over the knots that an attempt asks for.
+    fn redistributed(&mut self, attempt: &Attempt) -> Option<(Arc<Level>, Values)> {
+        let line = place(attempt.monitor(), &self.parameters, attempt.count())?;
+        let mut values = Values::new(&line, &self.parameters);
+        let control_points = self.minimum.minimum(&values, None)?;
+        if self.options.correct_parameters {
+            let moved = corrected(&values, &control_points, &self.points);
+            self.parameters = Arc::new(moved);
+            values = Values::new(&line, &self.parameters);
+        }
+        let level = self.level(line, &values, control_points);
+        level.distances.max.is_finite().then_some((level, values))
+    }
+
+    /// One step of the weights over the knots of the last level.
+    fn weigh(&mut self, attempt: Attempt, mut weights: Weights, left: usize) {
+        let Some(base) = attempt.lowest_level().cloned() else {
+            return;
+        };
+        self.spent += 1;
+        let Some(last) = self.last.clone() else {
+            return;
+        };
+        let values = Values::new(&base.line, &base.parameters);
+        let from = attempt.weighed().unwrap_or(&base);
+        weights.raise(&from.distances.each, from.distances.max);
+        let minimum = self.minimum.minimum(&values, Some(weights.values()));
+        let Some(control_points) = minimum.filter(|_| left > 0) else {
+            self.fail(attempt);
+            return;
+        };
+        let parameters = Arc::clone(&base.parameters);
+        let level = self.level_at(base.line.clone(), &values, control_points, parameters);
+        if level.distances.max < last.distances.max * (1.0 - GAIN) {
+            self.issue(Arc::clone(&level));
+        }
+        if level.distances.max <= self.options.tolerance {
+            let monitor = attempt.into_lowest_monitor();
+            self.high = level.line.control_points();
+            self.within = Some(monitor.clone());
+            self.next_attempt(self.high - 1, monitor);
+        } else {
+            let attempt = attempt.with_weighed(level);
+            self.stage = Stage::Minimax(attempt, weights, left - 1);
+        }
+    }
+
+    /// Goes on with fewer control points.
+    fn succeed(&mut self, level: &Level, monitor: Monitor) {
+        self.high = level.line.control_points();
+        self.within = Some(monitor.clone());
+        let asked = self
+            .asked(&level.line, level.distances.max)
+            .min(self.high - 1);
+        self.next_attempt(asked, monitor);
+    }
+
+    /// Goes on with more control points.
+    fn fail(&mut self, attempt: Attempt) {
+        let count = attempt.count();
+        self.low = self.low.max(count);
+        let asked = match attempt.lowest_level() {
+            Some(level) => self.asked(&level.line, level.distances.max),
+            None => count + 1,
+        };
+        // Before anything is known to do, in steps that get there.
+        let least = if self.best.is_none() {
+            count + count / 4
+        } else {
+            0
+        };
+        self.next_attempt(asked.max(least), attempt.into_lowest_monitor());
+    }
+
+    /// How many control points a largest distance asks for, if it is the same everywhere.
+    fn asked(&self, line: &KnotLine, largest: f64) -> usize {
+        let beyond = control_points_beyond_spans(line.degree(), line.is_closed());
+        let power = 1.0 / (line.degree() + 1) as f64;
+        let factor = (largest / self.options.tolerance).powf(power);
+        beyond + (line.spans() as f64 * factor).ceil().min(1e15) as usize
+    }
+
+    /// The best level again, unless it is the last one.
+    fn finish(&mut self) {
+        let end = self.best.clone().or_else(|| self.closest.clone());
+        if let (Some(end), Some(last)) = (end, self.last.clone())
+            && !Arc::ptr_eq(&end, &last)
+        {
+            self.queue.push_back(end);
+        }
+        let limited = self.options.max_control_points < self.points.len();
+        self.outcome = Some(match &self.best {
+            Some(_) => Outcome::Converged,
+            None if limited => Outcome::Exhausted,
+            None => Outcome::Minimum,
+        });
+    }
+
+    /// A level at the present parameters.
+    fn level(&self, line: KnotLine, values: &Values, control_points: Points) -> Arc<Level> {
+        let parameters = Arc::clone(&self.parameters);
+        self.level_at(line, values, control_points, parameters)
+    }
+
+    /// A level at some parameters.
+    fn level_at(
+        &self,
+        line: KnotLine,
+        values: &Values,
+        control_points: Points,
+        parameters: Arc<Vec<f64>>,
+    ) -> Arc<Level> {
+        let mut distances =
+            values.distances(control_points.lanes(), self.points.lanes(), self.unit);
+        if let Some(freedom) = &self.options.freedom {
+            distances = distances.beyond(freedom, self.unit);
+        }
+        Arc::new(Level {
+            line,
+            control_points,
+            distances,
+            parameters,
+        })
+    }
+
+    /// Makes a level and hands it out.
+    fn issue_new(&mut self, line: KnotLine, values: &Values, control_points: Points) {
+        let level = self.level(line, values, control_points);
+        self.issue(level);
+    }
+
+    /// Hands out a level, and remembers it if it is the best or the closest.
+    fn issue(&mut self, level: Arc<Level>) {
+        let count = level.line.control_points();
+        let fewer = |best: &Arc<Level>| count <= best.line.control_points();
+        if level.distances.max <= self.options.tolerance && self.best.as_ref().is_none_or(fewer) {
+            self.best = Some(Arc::clone(&level));
+        }
+        let closer = |best: &Arc<Level>| level.distances.max < best.distances.max;
+        if self.closest.as_ref().is_none_or(closer) {
+            self.closest = Some(Arc::clone(&level));
+        }
+        self.last = Some(Arc::clone(&level));
+        self.queue.push_back(level);
+    }
+}
+
+/// How many fits with single knots less are tried of this number of data.
+fn prunings(points: usize) -> usize {
+    let fits = WORK / points.max(1);
+    if fits < WORTHWHILE { 0 } else { fits }
+}

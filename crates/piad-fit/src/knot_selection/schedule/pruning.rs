@@ -1,0 +1,80 @@
+//! After the last attempt: single knots leave the best level, where data are sparse.
+
+use std::sync::Arc;
+
+use super::super::equations::Minimum;
+use super::super::minimax::Weights;
+use super::super::pruning::fewer;
+use super::super::values::Values;
+use super::{Level, NEAR, Schedule, WEIGHINGS};
+use crate::knot_selection::line::KnotLine;
+
+/// Single knots leave where there are fewer data than this for each control point.
+const SPARSE: usize = 8;
+
+/// Knots of which the removal is tried, where none before can be spared.
+const CANDIDATES: usize = 12;
+
+impl<M: Minimum> Schedule<M> {
+    /// The best level without one of its knots; whether there is such a level within the tolerance.
+    pub(super) fn prune(&mut self) -> bool {
+        let sparse = |it: &Arc<Level>| SPARSE * it.line.control_points() > self.points.len();
+        let Some(best) = self.best.clone().filter(sparse) else {
+            return false;
+        };
+        let tolerance = self.options.tolerance;
+        let enough = (self.prunings / best.line.spans()).clamp(1, CANDIDATES);
+        let mut nearest: Option<Arc<Level>> = None;
+        let candidates = fewer(&best.line, &best.control_points).take(CANDIDATES);
+        for (tried, line) in candidates.enumerate() {
+            let largest = nearest
+                .as_ref()
+                .map_or(f64::INFINITY, |it| it.distances.max);
+            if self.prunings == 0 || tried >= enough && largest <= tolerance {
+                break;
+            }
+            let level = self.over(line, &best, None);
+            nearest = level.filter(|it| it.distances.max < largest).or(nearest);
+        }
+        match nearest.and_then(|nearest| self.weighed(nearest)) {
+            Some(level) => self.issue(level),
+            None => return false,
+        }
+        true
+    }
+
+    /// A level over other knots than the best one has, at its parameters.
+    fn over(
+        &mut self,
+        line: KnotLine,
+        best: &Level,
+        weights: Option<&[f64]>,
+    ) -> Option<Arc<Level>> {
+        self.prunings = self.prunings.checked_sub(1)?;
+        if !line.is_determined(&best.parameters) {
+            return None;
+        }
+        let values = Values::new(&line, &best.parameters);
+        let control_points = self.minimum.minimum(&values, weights)?;
+        let parameters = Arc::clone(&best.parameters);
+        Some(self.level_at(line, &values, control_points, parameters))
+    }
+
+    /// A level within the tolerance over the knots of this one, if weights bring it there.
+    fn weighed(&mut self, level: Arc<Level>) -> Option<Arc<Level>> {
+        let tolerance = self.options.tolerance;
+        let mut weights = Weights::new(self.points.len());
+        let mut now = level;
+        for _ in 0..WEIGHINGS {
+            if now.distances.max <= tolerance {
+                return Some(now);
+            }
+            if now.distances.max > NEAR * tolerance {
+                return None;
+            }
+            weights.raise(&now.distances.each, now.distances.max);
+            now = self.over(now.line.clone(), &now, Some(weights.values()))?;
+        }
+        Some(now).filter(|it| it.distances.max <= tolerance)
+    }
+}

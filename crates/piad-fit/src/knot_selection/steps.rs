@@ -1,0 +1,122 @@
+//! Steps towards the least-squares fit over fixed knots, by conjugate gradients.
+//!
+//! The same step as that of least-squares PIA ([`crate::method::least_squares`]), with fixed
+//! ends: CGLS for each coordinate, preconditioned with the diagonal 1 / column sums of A. It starts
+//! from any curve, so that a fit goes on after knots were inserted.
+
+use super::equations::fixed_ends;
+use super::values::Values;
+use crate::data::blocks::{LANES, add_up};
+use crate::data::distances::Distances;
+use crate::data::points::Points;
+
+/// Conjugate gradients over some knots.
+#[derive(Clone, Debug)]
+pub(crate) struct Steps {
+    /// The preconditioner D: zero for control points that stay.
+    scale: Vec<f64>,
+    /// Brings squares to the order of one.
+    unit: f64,
+    /// `P − A X`.
+    residual: Points,
+    /// The directions of the last step.
+    direction: Points,
+    /// `gᵀ D g` of each coordinate in the last step.
+    gamma: Vec<f64>,
+    gradient: Points,
+    image: Points,
+}
+
+impl Steps {
+    /// Starts from a curve.
+    pub(crate) fn new(
+        values: &Values,
+        control_points: &Points,
+        points: &Points,
+        unit: f64,
+    ) -> Self {
+        let (count, dimension) = (control_points.len(), points.dimension());
+        let mut scale = vec![0.0; count];
+        let ones = vec![1.0; points.len()];
+        values.apply_transposed(&[ones], &mut [&mut scale[..]]);
+        scale
+            .iter_mut()
+            .for_each(|sum| *sum = if *sum > 0.0 { 1.0 / *sum } else { 0.0 });
+        let fixed = fixed_ends(values.line());
+        scale[..fixed].fill(0.0);
+        scale[count - fixed..].fill(0.0);
+        let mut residual = Points::zeros(dimension, points.len());
+        values.apply(control_points.lanes(), residual.lanes_mut());
+        for (residual, data) in residual.lanes_mut().iter_mut().zip(points.lanes()) {
+            let pairs = residual.iter_mut().zip(&**data);
+            pairs.for_each(|(fit, data)| *fit = data - *fit);
+        }
+        Self {
+            scale,
+            unit,
+            residual,
+            direction: Points::zeros(dimension, count),
+            gamma: vec![0.0; dimension],
+            gradient: Points::zeros(dimension, count),
+            image: Points::zeros(dimension, points.len()),
+        }
+    }
+
+    /// The distances of the data from the curve.
+    pub(crate) fn distances(&self) -> Distances {
+        Distances::of_residual(&self.residual, self.unit)
+    }
+
+    /// One step for each coordinate.
+    pub(crate) fn step(&mut self, values: &Values, control_points: &mut Points) {
+        values.apply_transposed(self.residual.lanes(), self.gradient.lanes_mut());
+        for c in 0..self.gamma.len() {
+            self.turn(c);
+        }
+        values.apply(self.direction.lanes(), self.image.lanes_mut());
+        for (c, x) in control_points.lanes_mut().iter_mut().enumerate() {
+            let (image, direction) = (self.image.lane(c), self.direction.lane(c));
+            let curvature = sum_of_squares(image, self.unit);
+            if curvature > 0.0 {
+                let alpha = self.gamma[c] / curvature;
+                add(x, alpha, direction);
+                add(&mut self.residual.lanes_mut()[c], -alpha, image);
+            }
+        }
+    }
+
+    /// The next direction of a coordinate.
+    fn turn(&mut self, c: usize) {
+        let (gradient, scale) = (self.gradient.lane(c), &self.scale);
+        let weighed = gradient.iter().zip(scale);
+        let weighed = weighed.map(|(g, d)| (g * self.unit) * d * (g * self.unit));
+        let gamma: f64 = weighed.sum();
+        let beta = match self.gamma[c] > 0.0 {
+            true => gamma / self.gamma[c],
+            false => 0.0,
+        };
+        self.gamma[c] = gamma;
+        let direction = self.direction.lanes_mut()[c].iter_mut();
+        for ((direction, g), d) in direction.zip(gradient).zip(scale) {
+            *direction = d * g + beta * *direction;
+        }
+    }
+}
+
+/// `Σ (unit q)²`.
+fn sum_of_squares(numbers: &[f64], unit: f64) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let (chunks, rest) = numbers.as_chunks();
+    let square = |(lane, q): (&mut f64, &f64)| *lane += (q * unit) * (q * unit);
+    for chunk in chunks {
+        let chunk: &[f64; LANES] = chunk;
+        lanes.iter_mut().zip(chunk).for_each(square);
+    }
+    lanes.iter_mut().zip(rest).for_each(square);
+    add_up(lanes)
+}
+
+/// `x ← x + factor y`.
+fn add(x: &mut [f64], factor: f64, y: &[f64]) {
+    x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y);
+}

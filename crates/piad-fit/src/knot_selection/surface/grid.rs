@@ -1,0 +1,196 @@
+//! A grid of data, fitted one direction after the other.
+//!
+//! Least squares of a grid by a tensor-product surface are those of its lines, one direction after
+//! the other: `X = L_u P L_vᵀ`. With the projections Π_u and Π_v onto the splines of each direction
+//!
+//! ```text
+//! P − Π_u Π_v P = (P − Π_u P) + Π_u (P − Π_v P)
+//! ```
+//!
+//! so what either direction leaves is known by itself, and each has a density of knots of its own:
+//! that of a curve in as many dimensions as there are lines across. Where both directions are open
+//! the corners are interpolated, and each boundary is the fit of the data there, whatever lies
+//! inside. A grid with fewer data in a direction than p + 1 is fitted as scattered points.
+
+use std::sync::Arc;
+
+use super::lines::{flipped, joined, lines_of, transposed};
+use super::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, SurfaceOptions};
+use crate::data::distances::Distances;
+use crate::data::points::{Grid, Points, normalizing_scale};
+use crate::knot_selection::equations::{LeastSquares, Minimum};
+use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::values::Values;
+
+/// Both directions together may leave the tolerance: each about this part of it.
+const SHARE: f64 = 0.6;
+
+/// How fair a surface is that is kept near its data where there are none, by decades as far as its tolerance asks for:
+/// multiples of the energy of spans of equal length.
+const FAIRNESS: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
+
+/// A grid of points.
+#[derive(Debug)]
+pub(crate) struct GridData {
+    points: Arc<Points>,
+    grid: Grid,
+    parameters: [Arc<Vec<f64>>; 2],
+    /// The data as curves in u and in v, with a coordinate for each coordinate of each line across.
+    curves: [Arc<Points>; 2],
+    /// The tolerance of a fit that is to be fair, too, as far as that allows it.
+    fair_within: Option<f64>,
+}
+
+impl GridData {
+    /// Points row by row, where rows are successive in u, at increasing parameters in u and in v.
+    pub(crate) fn new(points: Arc<Points>, grid: Grid, parameters: [Arc<Vec<f64>>; 2]) -> Self {
+        let Grid { rows, columns } = grid;
+        let v = lines_of(&points, rows, columns);
+        let u = lines_of(&transposed(&points, rows, columns), columns, rows);
+        Self {
+            points,
+            grid,
+            parameters,
+            curves: [Arc::new(u), Arc::new(v)],
+            fair_within: None,
+        }
+    }
+
+    /// The same, where fits within a tolerance are as fair as they can be.
+    pub(crate) fn fair(self, tolerance: f64) -> Self {
+        Self {
+            fair_within: Some(tolerance),
+            ..self
+        }
+    }
+
+    /// The fits of all lines of a direction, and the largest distance that they leave at each
+    /// parameter.
+    fn project(&self, axis: usize, line: &KnotLine, fairness: f64) -> Option<(Points, Vec<f64>)> {
+        let (points, t) = (&self.curves[axis], &self.parameters[axis]);
+        let values = Values::new(line, t);
+        let fits = minimum(points, &values, fairness)?;
+        let dimension = self.points.dimension();
+        let lines = points.dimension() / dimension;
+        let mut left = vec![0.0; t.len()];
+        let mut fit = Points::zeros(points.dimension(), t.len());
+        values.apply(fits.lanes(), fit.lanes_mut());
+        for k in 0..lines {
+            let mut distances = vec![0.0; t.len()];
+            for c in 0..dimension {
+                let lane = c * lines + k;
+                let pairs = fit.lane(lane).iter().zip(points.lane(lane));
+                for (sum, (fit, datum)) in distances.iter_mut().zip(pairs) {
+                    *sum = f64::hypot(*sum, datum - fit);
+                }
+            }
+            for (left, distance) in left.iter_mut().zip(distances) {
+                *left = f64::max(*left, distance);
+            }
+        }
+        Some((fits, left))
+    }
+
+    /// The least-squares surface with so much fairness in each direction.
+    fn nearest_with(&self, lines: &[KnotLine; 2], fairness: f64) -> Option<Nearest> {
+        let columns = self.grid.columns;
+        let dimension = self.points.dimension();
+        let (along, left_u) = self.project(0, &lines[0], fairness)?;
+        let (_, left_v) = self.project(1, &lines[1], fairness)?;
+        // The control points of all lines in u, as curves in v.
+        let rows = lines[0].control_points();
+        let between = joined(&along, dimension, columns, rows);
+        let turned = transposed(&between, columns, rows);
+        let curves = Arc::new(lines_of(&turned, rows, columns));
+        let values = Values::new(&lines[1], &self.parameters[1]);
+        let across = minimum(&curves, &values, fairness)?;
+        Some(Nearest {
+            control_points: joined(&across, dimension, rows, lines[1].control_points()),
+            left: [left_u, left_v],
+        })
+    }
+}
+
+impl Data for GridData {
+    fn parameters(&self, axis: usize) -> &[f64] {
+        &self.parameters[axis]
+    }
+
+    fn share(&self) -> f64 {
+        SHARE
+    }
+
+    fn allows(&self, counts: [usize; 2]) -> bool {
+        counts[0] <= self.grid.rows && counts[1] <= self.grid.columns
+    }
+
+    /// With the most fairness with which it is within the tolerance, if it is to be fair.
+    fn nearest(&self, lines: &[KnotLine; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
+        let Some(tolerance) = self.fair_within else {
+            return self.nearest_with(lines, 0.0);
+        };
+        let mut nearest = None;
+        for fairness in FAIRNESS {
+            nearest = self.nearest_with(lines, fairness);
+            let points = nearest.as_ref().map(|it| &it.control_points);
+            if points.is_some_and(|points| self.distances(lines, points).max <= tolerance) {
+                break;
+            }
+        }
+        nearest
+    }
+
+    fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {
+        let Grid {
+            rows: height,
+            columns: width,
+        } = self.grid;
+        let values = [0, 1].map(|axis| Values::new(&lines[axis], &self.parameters[axis]));
+        let rows = lines[0].control_points();
+        let mut squares = vec![0.0; self.points.len()];
+        let unit = normalizing_scale(self.points.magnitude());
+        let mut fit = vec![0.0; width * height];
+        for (x, data) in control_points.lanes().iter().zip(self.points.lanes()) {
+            let mut across = vec![0.0; rows * width];
+            values[1].apply_to_lines(x, &mut across);
+            values[0].apply_to_lines(&flipped(&across, rows, width), &mut fit);
+            let fit = flipped(&fit, width, height);
+            for ((square, fit), data) in squares.iter_mut().zip(&fit).zip(&**data) {
+                let distance = (data - fit) * unit;
+                *square += distance * distance;
+            }
+        }
+        Distances::of_squares(squares, unit)
+    }
+
+    /// The one that leaves more.
+    fn prefers(&self, fit: &Fit, _finer: &[KnotLine; 2]) -> usize {
+        let most = |axis: usize| fit.left[axis].iter().copied().fold(0.0, f64::max);
+        usize::from(most(1) > most(0))
+    }
+
+    /// With fewer data in a direction than the fewest control points: scattered points.
+    fn undetermined(&self, options: &SurfaceOptions) -> Option<Box<dyn Data>> {
+        let [u, v] = &self.parameters;
+        let columns = self.grid.columns;
+        let along = u.iter().flat_map(|&u| std::iter::repeat_n(u, columns));
+        let across = u.iter().flat_map(|_| v.iter().copied());
+        let parameters = [Arc::new(along.collect()), Arc::new(across.collect())];
+        let [rows, columns] = [0, 1].map(|axis| {
+            let fewest = options.degrees[axis] + 1;
+            self.parameters[axis].len().max(fewest)
+        });
+        let data = ScatteredData::new(&self.points, &parameters, options.tolerance);
+        Some(Box::new(data.with_most(rows * columns)))
+    }
+}
+
+/// Least squares of curves side by side.
+fn minimum(curves: &Arc<Points>, values: &Values, fairness: f64) -> Option<Points> {
+    let least_squares = LeastSquares {
+        points: Arc::clone(curves),
+        data_weights: None,
+        fairness,
+    };
+    least_squares.minimum(values, None)
+}

@@ -1,0 +1,176 @@
+//! Surfaces: whole knot lines, in the direction that gains more.
+//!
+//! The levels are those of curves: growth from p + 1 × q + 1 control points, then redistribution and
+//! removal. A knot of one direction is a line of control points of the other one, so both share the
+//! tolerance, and each has a density of knots of its own.
+//!
+//! - [`schedule`]: which level comes next; [`search`]: with how many control points; [`attempt`]:
+//!   redistributions of some number of them.
+//! - [`Data`]: what the schedule asks of the data. [`grid`]: a grid of points, which is fitted one
+//!   direction after the other; [`scattered`]: points without order, whose matrix is that of
+//!   [`rows`], by conjugate [`gradients`].
+//! - [`lines`]: the lines of grids as curves in many dimensions; [`follow`]: where a surface starts
+//!   over other knots.
+//!
+//! # What can be relied on
+//!
+//! - Levels are pure functions of data and options, the same to the last bit, and are computed when
+//!   they are asked for.
+//! - No level has more control points in a direction than allowed (but p + 1 at least), nor more
+//!   than data.
+//! - The last level is within the tolerance if any was, with the fewest control points found.
+
+mod attempt;
+mod follow;
+mod gradients;
+pub(crate) mod grid;
+mod lines;
+mod rows;
+pub(crate) mod scattered;
+pub(crate) mod schedule;
+mod search;
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use super::line::KnotLine;
+use super::monitor::{Monitor, needed, span_maxima};
+use crate::data::distances::Distances;
+use crate::data::points::Points;
+
+use follow::following;
+
+pub(crate) use grid::GridData;
+pub(crate) use scattered::ScatteredData;
+pub(crate) use schedule::SurfaceSchedule;
+
+/// What is asked for; pairs are those of u and v.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceOptions {
+    /// The degrees p, q ≥ 1.
+    pub degrees: [usize; 2],
+    /// The periods of closed directions, after which they are back at their first data.
+    pub periods: [Option<f64>; 2],
+    /// The largest distance that is accepted, in data units.
+    pub tolerance: f64,
+    /// The most control points of each direction; never more than data.
+    pub max_control_points: [usize; 2],
+    /// The surface to begin with; without it that of the coarsest knots.
+    pub first: Option<([KnotLine; 2], Points)>,
+    /// The coarsest knots with which there is a surface; without them those of p + 1 × q + 1 control
+    /// points.
+    pub coarsest: Option<[KnotLine; 2]>,
+}
+
+/// A surface on the way.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceLevel {
+    /// The knots in u and in v.
+    pub lines: [KnotLine; 2],
+    /// The control points, row by row.
+    pub control_points: Points,
+    /// The distances from the data, in their order.
+    pub distances: Distances,
+}
+
+impl SurfaceLevel {
+    /// The number of control points in u and in v.
+    pub(crate) fn counts(&self) -> [usize; 2] {
+        [0, 1].map(|axis| self.lines[axis].control_points())
+    }
+
+    /// The number of control points.
+    pub(crate) fn count(&self) -> usize {
+        self.counts().iter().product()
+    }
+
+    /// The control points over these lines of about the same surface.
+    pub(crate) fn over(&self, lines: &[KnotLine; 2]) -> Points {
+        match self.lines == *lines {
+            true => self.control_points.clone(),
+            false => following(&self.lines, &self.control_points, lines),
+        }
+    }
+}
+
+/// What the schedule asks of the data.
+pub(crate) trait Data: Debug + Send + Sync {
+    /// The parameters of a direction, each once, increasing.
+    fn parameters(&self, axis: usize) -> &[f64];
+
+    /// The part of the tolerance that each direction may leave.
+    fn share(&self) -> f64;
+
+    /// Whether there are enough data for so many control points.
+    fn allows(&self, counts: [usize; 2]) -> bool;
+
+    /// The control points nearest to the data by the sum of squares, if the data determine them,
+    /// and what each direction leaves. They may depend on the surface that they are to follow.
+    fn nearest(&self, lines: &[KnotLine; 2], from: Option<&SurfaceLevel>) -> Option<Nearest>;
+
+    /// The same, however long it takes, where as many control points as data are to lead to all of them.
+    fn nearest_of_all(
+        &self,
+        lines: &[KnotLine; 2],
+        from: Option<&SurfaceLevel>,
+    ) -> Option<Nearest> {
+        self.nearest(lines, from)
+    }
+
+    /// The distances of the surface of some control points from the data.
+    fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances;
+
+    /// In which direction more knots gain more, if each has some.
+    fn prefers(&self, fit: &Fit, finer: &[KnotLine; 2]) -> usize;
+
+    /// Whether something else than the data keeps the surface away from them, however many control
+    /// points it has.
+    fn has_floor(&self) -> bool {
+        false
+    }
+
+    /// The same data in a form of which a surface need not be determined, where that of the fewest
+    /// control points is not.
+    fn undetermined(&self, _options: &SurfaceOptions) -> Option<Box<dyn Data>> {
+        None
+    }
+}
+
+/// A least-squares surface.
+#[derive(Debug)]
+pub(crate) struct Nearest {
+    /// The control points, row by row.
+    pub control_points: Points,
+    /// For each direction, the largest distance that it leaves at each of its parameters.
+    pub left: [Vec<f64>; 2],
+}
+
+/// A least-squares surface with its distances.
+#[derive(Clone, Debug)]
+pub(crate) struct Fit {
+    /// The surface.
+    pub level: Arc<SurfaceLevel>,
+    /// For each direction, the largest distance that it leaves at each of its parameters.
+    pub left: Arc<[Vec<f64>; 2]>,
+}
+
+impl Fit {
+    /// What each direction asks for.
+    fn monitors(&self, data: &dyn Data, damping: f64) -> [Monitor; 2] {
+        [0, 1].map(|axis| {
+            let line = &self.level.lines[axis];
+            let starts = line.starts(data.parameters(axis));
+            Monitor::new(line, &starts, &self.left[axis], damping)
+        })
+    }
+
+    /// How many control points would do if each span of a direction were divided by itself.
+    fn asked(&self, data: &dyn Data, tolerance: f64) -> [usize; 2] {
+        [0, 1].map(|axis| {
+            let line = &self.level.lines[axis];
+            let starts = line.starts(data.parameters(axis));
+            let maxima = span_maxima(&starts, &self.left[axis]);
+            needed(line, &maxima, data.share() * tolerance)
+        })
+    }
+}

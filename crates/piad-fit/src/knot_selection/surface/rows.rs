@@ -1,0 +1,157 @@
+//! The matrix of scattered points over the knots of both directions.
+//!
+//! ```text
+//! A[i][(k, l)] = B_k(u_i) B_l(v_i)
+//! ```
+//!
+//! The functions are evaluated once at each different parameter of a direction. Around a closed
+//! direction the first control points follow the last ones: there products have a margin of p more
+//! of them, so that those of a point are always next to each other.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::values::Values;
+
+/// The number of points that one thread takes at a time.
+const PART: usize = 16_384;
+
+/// Points at places among the different parameters of both directions.
+#[derive(Debug)]
+pub(super) struct Sites {
+    /// The different parameters of each direction, increasing.
+    pub parameters: [Arc<Vec<f64>>; 2],
+    /// Which of them is that of each point.
+    pub places: [Vec<u32>; 2],
+}
+
+/// The functions of a direction that can differ from zero at each of its parameters.
+#[derive(Debug)]
+struct Functions {
+    line: KnotLine,
+    width: usize,
+    /// The first of them.
+    firsts: Vec<u32>,
+    values: Vec<f64>,
+}
+
+impl Functions {
+    fn new(line: &KnotLine, t: &Arc<Vec<f64>>) -> Self {
+        let (firsts, values) = Values::new(line, t).into_rows();
+        Self {
+            line: line.clone(),
+            width: line.degree() + 1,
+            firsts,
+            values,
+        }
+    }
+
+    /// The number of functions: that of control points, and of a closed direction p more.
+    fn count(&self) -> usize {
+        self.line.spans() + self.line.degree()
+    }
+
+    fn at(&self, place: u32) -> (usize, &[f64]) {
+        let place = place as usize;
+        let values = &self.values[place * self.width..(place + 1) * self.width];
+        (self.firsts[place] as usize, values)
+    }
+}
+
+/// The matrix.
+#[derive(Debug)]
+pub(super) struct Rows<'a> {
+    sites: &'a Sites,
+    u: Functions,
+    v: Functions,
+}
+
+impl<'a> Rows<'a> {
+    /// Evaluates the functions over some knots.
+    pub(super) fn new(sites: &'a Sites, lines: &[KnotLine; 2]) -> Self {
+        Self {
+            u: Functions::new(&lines[0], &sites.parameters[0]),
+            v: Functions::new(&lines[1], &sites.parameters[1]),
+            sites,
+        }
+    }
+
+    /// The number of points.
+    pub(super) fn points(&self) -> usize {
+        self.sites.places[0].len()
+    }
+
+    /// The number of control points.
+    pub(super) fn control_points(&self) -> usize {
+        self.u.line.control_points() * self.v.line.control_points()
+    }
+
+    /// Multiplications of a product with it and with its transpose.
+    pub(super) fn multiplications(&self) -> usize {
+        2 * self.points() * self.u.width * self.v.width
+    }
+
+    /// `y = A x` for one coordinate of the control points.
+    pub(super) fn apply(&self, x: &[f64], y: &mut [f64]) {
+        let columns = self.v.count();
+        let x = self.with_margin(x);
+        let value = |i: usize| {
+            let [(row, along), (column, across)] = self.functions(i);
+            let line = |(k, a): (usize, &f64)| {
+                let x = &x[(row + k) * columns + column..][..across.len()];
+                let sum: f64 = x.iter().zip(across).map(|(x, b)| x * b).sum();
+                a * sum
+            };
+            along.iter().enumerate().map(line).sum::<f64>()
+        };
+        let parts = y.par_chunks_mut(PART).enumerate();
+        parts.for_each(|(part, y)| {
+            let places = y.iter_mut().enumerate();
+            places.for_each(|(i, y)| *y = value(part * PART + i));
+        });
+    }
+
+    /// `y = Aᵀ x` for one coordinate of the points. The order of the sums does not depend on the
+    /// number of threads.
+    pub(super) fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
+        let columns = self.v.count();
+        let mut sums = vec![0.0; self.u.count() * columns];
+        for (i, x) in x.iter().enumerate() {
+            let [(row, along), (column, across)] = self.functions(i);
+            for (k, a) in along.iter().enumerate() {
+                let factor = a * x;
+                let sums = &mut sums[(row + k) * columns + column..][..across.len()];
+                let pairs = sums.iter_mut().zip(across);
+                pairs.for_each(|(sum, b)| *sum += factor * b);
+            }
+        }
+        y.fill(0.0);
+        self.each_with_margin(|control_point, k| y[control_point] += sums[k]);
+    }
+
+    /// The functions of u and of v at point `i`.
+    fn functions(&self, i: usize) -> [(usize, &[f64]); 2] {
+        let [u, v] = &self.sites.places;
+        [self.u.at(u[i]), self.v.at(v[i])]
+    }
+
+    /// The control points with those around the ends of closed directions.
+    fn with_margin(&self, x: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.u.count() * self.v.count()];
+        self.each_with_margin(|control_point, k| all[k] = x[control_point]);
+        all
+    }
+
+    /// Calls back with each control point, and its places with margins.
+    fn each_with_margin(&self, mut visit: impl FnMut(usize, usize)) {
+        let (columns, width) = (self.v.line.control_points(), self.v.count());
+        for k in 0..self.u.count() {
+            let row = self.u.line.control_point(k);
+            for l in 0..width {
+                visit(row * columns + self.v.line.control_point(l), k * width + l);
+            }
+        }
+    }
+}

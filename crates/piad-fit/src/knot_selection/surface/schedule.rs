@@ -1,0 +1,385 @@
+//! From p + 1 × q + 1 control points to as few as the tolerance needs: which level comes next.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::attempt::Attempt;
+use super::lines::refined;
+use super::search::Search;
+use super::{Data, Fit, Nearest, SurfaceLevel, SurfaceOptions};
+use crate::data::points::Points;
+use crate::knot_selection::growth::grown;
+use crate::knot_selection::line::KnotLine;
+use crate::termination::Outcome;
+
+/// Where something keeps a surface away from its data, so many times more knots that lower the root of
+/// the mean square by less than [`GAIN`] of it are enough: each direction twice.
+const STILL: usize = 4;
+
+/// See [`STILL`].
+const GAIN: f64 = 0.01;
+
+/// Bisections of a factor of numbers of control points, to rounding.
+const BISECTIONS: usize = 100;
+
+/// A surface with as few control points as its tolerance needs, level by level.
+#[derive(Debug)]
+pub(crate) struct SurfaceSchedule {
+    data: Box<dyn Data>,
+    options: SurfaceOptions,
+    stage: Stage,
+    queue: VecDeque<Arc<SurfaceLevel>>,
+    /// The last level.
+    last: Option<Arc<SurfaceLevel>>,
+    /// The level within the tolerance with the fewest control points.
+    best: Option<Arc<SurfaceLevel>>,
+    /// The level with the smallest largest distance.
+    closest: Option<Arc<SurfaceLevel>>,
+    /// Whether more control points were asked for than are allowed.
+    limited: bool,
+    /// The root of the mean square of the last fit of the growth, and how many fits have hardly lowered
+    /// it.
+    rms: f64,
+    still: usize,
+    outcome: Option<Outcome>,
+}
+
+/// What the next level comes from.
+#[derive(Debug)]
+enum Stage {
+    /// Nothing: the first level.
+    Start,
+    /// Least squares over the knots of the last level, which were inserted.
+    Steps,
+    /// The choice of new knots after a fit.
+    Growth(Fit),
+    /// The choice of how many control points are tried next.
+    Search(Search),
+    /// Redistribution.
+    Attempt(Search, Box<Attempt>),
+    /// The end.
+    Done,
+}
+
+impl SurfaceSchedule {
+    /// A fit of data; nothing is computed before the first level is asked for.
+    pub(crate) fn new(data: Box<dyn Data>, options: SurfaceOptions) -> Self {
+        Self {
+            data,
+            options,
+            stage: Stage::Start,
+            queue: VecDeque::new(),
+            last: None,
+            best: None,
+            closest: None,
+            limited: false,
+            rms: f64::INFINITY,
+            still: 0,
+            outcome: None,
+        }
+    }
+
+    /// How it has ended, after the last level.
+    pub(crate) fn outcome(&self) -> Option<Outcome> {
+        self.outcome.filter(|_| self.queue.is_empty())
+    }
+
+    /// The next level, or `None` after the last one.
+    pub(crate) fn next_level(&mut self) -> Option<Arc<SurfaceLevel>> {
+        while self.queue.is_empty() && self.outcome.is_none() {
+            self.advance();
+        }
+        self.queue.pop_front()
+    }
+
+    /// Takes one step, after which there may be a new level.
+    fn advance(&mut self) {
+        self.stage = match std::mem::replace(&mut self.stage, Stage::Done) {
+            Stage::Start => self.begin(),
+            Stage::Steps => self.step(),
+            Stage::Growth(fit) => self.grow(fit),
+            Stage::Search(search) => self.next_attempt(search),
+            Stage::Attempt(search, attempt) => self.attempt(search, attempt),
+            Stage::Done => {
+                self.finish();
+                Stage::Done
+            }
+        };
+    }
+
+    /// The fewest control points of each direction.
+    fn fewest(&self) -> [usize; 2] {
+        self.options.degrees.map(|degree| degree + 1)
+    }
+
+    /// The most control points of each direction.
+    fn most(&self) -> [usize; 2] {
+        let fewest = self.fewest();
+        [0, 1].map(|axis| {
+            let data = self.data.parameters(axis).len();
+            let most = self.options.max_control_points[axis];
+            most.min(data).max(fewest[axis])
+        })
+    }
+
+    /// The first level: the given surface, or the least-squares surface of the fewest control points.
+    fn begin(&mut self) -> Stage {
+        if let Some((lines, control_points)) = self.options.first.take() {
+            let level = self.level(lines, control_points);
+            self.issue(&level);
+            return Stage::Steps;
+        }
+        let coarsest = |axis: usize| {
+            let t = self.data.parameters(axis);
+            let (start, last) = (*t.first()?, *t.last()?);
+            let period = self.options.periods[axis];
+            let end = period.map_or(last, |period| start + period);
+            KnotLine::coarsest(self.options.degrees[axis], period.is_some(), start, end)
+        };
+        let lines = match self.options.coarsest.take() {
+            Some([u, v]) => [Some(u), Some(v)],
+            None => [0, 1].map(coarsest),
+        };
+        let [Some(u), Some(v)] = lines else {
+            self.outcome = Some(Outcome::Overflow);
+            return Stage::Done;
+        };
+        match self.fit([u, v]) {
+            Some(fit) => {
+                self.issue(&fit.level);
+                Stage::Growth(fit)
+            }
+            None => match self.data.undetermined(&self.options) {
+                Some(data) => {
+                    self.data = data;
+                    Stage::Start
+                }
+                None => Stage::Done,
+            },
+        }
+    }
+
+    /// The least-squares surface over the knots of the last level.
+    fn step(&mut self) -> Stage {
+        let Some(last) = self.last.clone() else {
+            return Stage::Done;
+        };
+        let Some(fit) = self.fit(last.lines.clone()) else {
+            return Stage::Done;
+        };
+        if fit.level.distances.max <= last.distances.max {
+            self.issue(&fit.level);
+        }
+        Stage::Growth(fit)
+    }
+
+    /// More knots, until the surface is within the tolerance.
+    fn grow(&mut self, fit: Fit) -> Stage {
+        let tolerance = self.options.tolerance;
+        let is_within = self.best.is_some();
+        if !is_within && self.stands_still(&fit) {
+            return Stage::Done;
+        }
+        if let (false, Some((axis, line)), Some(last)) =
+            (is_within, self.finer(&fit), self.last.clone())
+        {
+            let control_points = refined(&last.lines, &last.control_points, axis, &line);
+            let mut lines = last.lines.clone();
+            lines[axis] = line;
+            let inserted = self.level(lines, control_points);
+            self.issue(&inserted);
+            return Stage::Steps;
+        }
+        let asked = fit.asked(&*self.data, tolerance);
+        let is_fit_within = fit.level.distances.max <= tolerance;
+        let most = self.most_towards(asked);
+        let even = self.most_towards([1, 1]);
+        let asked = match self.data.allows(asked) {
+            true => asked,
+            false => most,
+        };
+        Stage::Search(Search::new(
+            fit,
+            is_fit_within,
+            asked,
+            self.fewest(),
+            [most, even],
+        ))
+    }
+
+    /// Whether more knots have not brought the surface nearer for some time, and will not.
+    fn stands_still(&mut self, fit: &Fit) -> bool {
+        let rms = fit.level.distances.rms;
+        self.still = match rms < (1.0 - GAIN) * self.rms {
+            true => 0,
+            false => self.still + 1,
+        };
+        self.rms = rms;
+        self.data.has_floor() && self.still >= STILL
+    }
+
+    /// The most control points: of data that do not determine as many as are allowed of each
+    /// direction, in about this ratio.
+    fn most_towards(&self, ratio: [usize; 2]) -> [usize; 2] {
+        let (fewest, most) = (self.fewest(), self.most());
+        let part = |factor: f64| {
+            [0, 1].map(|axis| {
+                let count = (ratio[axis] as f64 * factor).min(1e9) as usize;
+                count.clamp(fewest[axis], most[axis])
+            })
+        };
+        if self.data.allows(most) {
+            return most;
+        }
+        let (mut low, mut high) = (0.0, 1e9);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            match self.data.allows(part(middle)) {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        part(low)
+    }
+
+    /// More knots in the direction that gains more, or else in the other one.
+    fn finer(&mut self, fit: &Fit) -> Option<(usize, KnotLine)> {
+        let (most, now) = (self.most(), fit.level.counts());
+        let share = self.data.share() * self.options.tolerance;
+        let with_limits = |axis: usize, limits: (usize, usize)| {
+            let t = self.data.parameters(axis);
+            let line = grown(&fit.level.lines[axis], t, &fit.left[axis], share, limits)?;
+            let mut counts = now;
+            counts[axis] = line.control_points();
+            self.data.allows(counts).then_some(line)
+        };
+        let asked = self.options.max_control_points;
+        let finer = [0, 1].map(|axis| with_limits(axis, (most[axis], asked[axis])));
+        match finer {
+            [Some(u), Some(v)] => {
+                let mut finer = [u, v];
+                let axis = self.data.prefers(fit, &finer);
+                finer.swap(0, axis);
+                let [line, _] = finer;
+                Some((axis, line))
+            }
+            [Some(u), None] => Some((0, u)),
+            [None, Some(v)] => Some((1, v)),
+            [None, None] => {
+                self.limited |=
+                    (0..2).any(|axis| with_limits(axis, (usize::MAX, usize::MAX)).is_some());
+                None
+            }
+        }
+    }
+
+    /// The next attempt of a search.
+    fn next_attempt(&mut self, mut search: Search) -> Stage {
+        match search.counts() {
+            Some(counts) if self.data.allows(counts) => {
+                let mut attempt = Attempt::new(&*self.data, search.from(), counts);
+                if search.is_even() {
+                    attempt = attempt.with_even_knots();
+                }
+                Stage::Attempt(search, Box::new(attempt))
+            }
+            Some(_) => Self::failed(search),
+            None => Stage::Done,
+        }
+    }
+
+    /// One redistribution.
+    fn attempt(&mut self, mut search: Search, mut attempt: Box<Attempt>) -> Stage {
+        let lines = attempt.lines(&*self.data);
+        let from = self.last.as_deref();
+        let fit = lines.and_then(|lines| {
+            let nearest = match search.is_even() {
+                true => self.data.nearest_of_all(&lines, from),
+                false => self.data.nearest(&lines, from),
+            };
+            self.fit_of(lines, nearest?)
+        });
+        let Some(fit) = fit else {
+            return Self::failed(search);
+        };
+        if attempt.take(&*self.data, &fit) {
+            self.issue(&fit.level);
+        }
+        if fit.level.distances.max <= self.options.tolerance {
+            search.succeed(fit);
+            Stage::Search(search)
+        } else if attempt.is_over(self.options.tolerance) {
+            Self::failed(search)
+        } else {
+            Stage::Attempt(search, attempt)
+        }
+    }
+
+    /// Goes on after an attempt has failed.
+    fn failed(mut search: Search) -> Stage {
+        match search.fail() {
+            true => Stage::Search(search),
+            false => Stage::Done,
+        }
+    }
+
+    /// The best level again, unless it is the last one.
+    fn finish(&mut self) {
+        let end = self.best.clone().or_else(|| self.closest.clone());
+        if let (Some(end), Some(last)) = (end, &self.last)
+            && !Arc::ptr_eq(&end, last)
+        {
+            self.queue.push_back(end);
+        }
+        // As many as data would go through all of a grid.
+        let all = [0, 1].map(|axis| self.data.parameters(axis).len());
+        let most = self.most();
+        let fewer = (0..2).any(|axis| most[axis] < all[axis]);
+        let limited = self.limited || fewer && self.data.allows(all);
+        self.outcome = Some(match self.best {
+            Some(_) => Outcome::Converged,
+            None if limited => Outcome::Exhausted,
+            None => Outcome::Minimum,
+        });
+    }
+
+    /// The least-squares surface over some knots, if the data determine it.
+    fn fit(&self, lines: [KnotLine; 2]) -> Option<Fit> {
+        let nearest = self.data.nearest(&lines, self.last.as_deref())?;
+        self.fit_of(lines, nearest)
+    }
+
+    /// A least-squares surface with its distances, if they are finite.
+    fn fit_of(&self, lines: [KnotLine; 2], nearest: Nearest) -> Option<Fit> {
+        let level = self.level(lines, nearest.control_points);
+        level.distances.max.is_finite().then(|| Fit {
+            level,
+            left: Arc::new(nearest.left),
+        })
+    }
+
+    /// The level of some control points.
+    fn level(&self, lines: [KnotLine; 2], control_points: Points) -> Arc<SurfaceLevel> {
+        let distances = self.data.distances(&lines, &control_points);
+        Arc::new(SurfaceLevel {
+            lines,
+            control_points,
+            distances,
+        })
+    }
+
+    /// Hands out a level, and remembers it if it is the best or the closest.
+    fn issue(&mut self, level: &Arc<SurfaceLevel>) {
+        let within = level.distances.max <= self.options.tolerance;
+        let fewer = |best: &Arc<SurfaceLevel>| level.count() <= best.count();
+        if within && self.best.as_ref().is_none_or(fewer) {
+            self.best = Some(Arc::clone(level));
+        }
+        let closer = |best: &Arc<SurfaceLevel>| level.distances.max < best.distances.max;
+        if self.closest.as_ref().is_none_or(closer) {
+            self.closest = Some(Arc::clone(level));
+        }
+        self.last = Some(Arc::clone(level));
+        self.queue.push_back(Arc::clone(level));
+    }
+}

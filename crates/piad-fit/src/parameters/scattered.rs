@@ -1,0 +1,250 @@
+//! Parameters of scattered points of a surface: each has a (u, v) of its own.
+//!
+//! They are given, or they are coordinates: two of the points' own, or those in the plane
+//! that lies nearest to the points, along the principal axes of the points. The first axis, that of
+//! u, is the one along which the points spread most; the sense of each axis is that in which its
+//! largest component (the first of several) is positive. So (u, v) do not depend on the order of
+//! the points but for rounding.
+
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+use super::LARGEST;
+use crate::data::points::{Points, normalizing_scale};
+use crate::invalid::{Axis, Invalid, Place};
+use crate::linear::triangular::Triangular;
+
+/// Points that spread less than this part across a line lie on it.
+const LINE: f64 = 1e-12;
+
+/// How scattered points get their parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Scattered {
+    /// As they are given, u and v of each point.
+    Given(Arc<Points>),
+    /// Their coordinates in the plane nearest to them.
+    Plane,
+    /// Two of their coordinates themselves.
+    Coordinates(CoordinatePlane),
+}
+
+/// A plane of two coordinates, of which the first is u.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoordinatePlane {
+    /// x and y.
+    Xy,
+    /// x and z.
+    Xz,
+    /// y and z.
+    Yz,
+}
+
+impl CoordinatePlane {
+    /// The indices of its coordinates.
+    fn axes(self) -> [usize; 2] {
+        match self {
+            Self::Xy => [0, 1],
+            Self::Xz => [0, 2],
+            Self::Yz => [1, 2],
+        }
+    }
+}
+
+impl Scattered {
+    /// The parameters u and v of all points, finite numbers.
+    ///
+    /// # Errors
+    ///
+    /// Names the parameter that is not a finite number, the wrong number of parameters, or why the
+    /// points have no plane.
+    pub(crate) fn parameters(&self, points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
+        let parameters = match self {
+            Self::Given(pairs) => {
+                let (given, expected) = (pairs.len(), points.len());
+                if given != expected {
+                    return Err(Invalid::parameter_count(Axis::U, given, expected));
+                }
+                [pairs.lane(0).to_vec(), pairs.lane(1).to_vec()]
+            }
+            Self::Plane => in_plane(points)?,
+            Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
+            Self::Coordinates(plane) => {
+                let axes = plane.axes();
+                if axes.iter().any(|axis| *axis >= points.dimension()) {
+                    return Err(no_third_coordinate());
+                }
+                axes.map(|axis| points.lane(axis).to_vec())
+            }
+        };
+        for (axis, values) in [Axis::U, Axis::V].into_iter().zip(&parameters) {
+            check(values, axis)?;
+        }
+        Ok(parameters)
+    }
+}
+
+/// Refuses parameters that are not finite, or all the same.
+fn check(values: &[f64], axis: Axis) -> Result<(), Invalid> {
+    if let Some(index) = values.iter().position(|value| !value.is_finite()) {
+        let value = values[index];
+        return Err(Invalid::parameter_not_finite(axis, index, value));
+    }
+    if values.iter().any(|t| t.abs() > LARGEST) {
+        return Err(Invalid::parameter_range(axis));
+    }
+    if values.iter().all(|value| *value == values[0]) {
+        return Err(Invalid::at(
+            Place::Parameters(axis),
+            "all points have the same parameter in this direction: they are no surface",
+        ));
+    }
+    Ok(())
+}
+
+/// Coordinates along the principal axes of the points, from their mean.
+fn in_plane(points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
+    let dimension = points.dimension();
+    if dimension < 2 {
+        return Err(no_plane());
+    }
+    // Scaled, so that neither sums nor squares leave the range of numbers.
+    let scale = normalizing_scale(points.magnitude());
+    let count = points.len() as f64;
+    let lanes = points.lanes().iter();
+    let mean = lanes.map(|lane| lane.iter().map(|x| x * scale / count).sum());
+    let mean: Vec<f64> = mean.collect();
+    let centred = |i: usize| {
+        let lanes = points.lanes().iter().zip(&mean).enumerate();
+        lanes.map(move |(c, (lane, mean))| (c, lane[i] * scale - mean))
+    };
+    let mut factor = Triangular::new((0..dimension as u32).collect(), dimension);
+    (0..points.len()).for_each(|i| factor.insert_row(centred(i)));
+    let mut matrix = DMatrix::zeros(dimension, dimension);
+    for (row, entries) in factor.rows().enumerate() {
+        let entries = entries.filter(|(column, _)| *column < dimension);
+        entries.for_each(|(column, value)| matrix[(row, column)] = value);
+    }
+    let axes = principal_axes(matrix).ok_or_else(on_line)?;
+    Ok(axes.map(|axis| {
+        let along = |i| centred(i).map(|(c, x)| x * axis[c]).sum::<f64>() / scale;
+        (0..points.len()).map(along).collect()
+    }))
+}
+
+/// The directions in which the rows of a matrix are longest; `None` if they are all on a line.
+fn principal_axes(matrix: DMatrix<f64>) -> Option<[Vec<f64>; 2]> {
+    let found = matrix.svd(false, true);
+    let rows = found.v_t?;
+    let lengths = &found.singular_values;
+    let mut order: Vec<usize> = (0..lengths.len()).collect();
+    order.sort_by(|&a, &b| lengths[b].total_cmp(&lengths[a]));
+    let (first, second) = (order[0], order[1]);
+    if lengths[second].is_nan() || lengths[second] <= LINE * lengths[first] {
+        return None;
+    }
+    Some([first, second].map(|row| {
+        let axis: Vec<f64> = rows.row(row).iter().copied().collect();
+        let largest = axis.iter().fold(0.0, |m: f64, x| x.abs().max(m));
+        // Components that differ by rounding only are equally large.
+        let near = |x: &&f64| x.abs() >= (1.0 - 1e-9) * largest;
+        let sense = axis.iter().find(near).map_or(1.0, |x| x.signum());
+        axis.into_iter().map(|x| sense * x).collect()
+    }))
+}
+
+/// Points of one coordinate have no plane.
+fn no_plane() -> Invalid {
+    let detail =
+        "points of one coordinate have no plane for their parameters: give u and v of each point";
+    Invalid::at(Place::Parameters(Axis::U), detail)
+}
+
+/// Points of the plane have x and y only.
+fn no_third_coordinate() -> Invalid {
+    let detail = "points of two coordinates have no z: project them to \"xy\", or give u and v of each point";
+    Invalid::at(Place::Parameters(Axis::U), detail)
+}
+
+/// All points lie on a line.
+fn on_line() -> Invalid {
+    let detail = "all points lie on a line (or are equal), so that there is no plane nearest to them: give u and v of each point";
+    Invalid::at(Place::Parameters(Axis::U), detail)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a plane, which are nowhere near its axes.
+    fn tilted(count: usize) -> Points {
+        let mut points = Points::new(3);
+        for i in 0..count {
+            let (s, t) = (5.0 * (i as f64 * 1.7).sin(), (i as f64 * 0.9).cos());
+            points.push(&[10.0 + 0.6 * s, -4.0 - 0.8 * s, 7.0 + t]);
+        }
+        points
+    }
+
+    /// Distances in the plane are those of the points, the longest spread comes first, and the sense of
+    /// the axes is that of their largest component, whatever the magnitude and the order of the points.
+    #[test]
+    fn the_plane_is_that_of_the_points() {
+        let count = 40;
+        let points = tilted(count);
+        let [u, v] = Scattered::Plane.parameters(&points).unwrap();
+        for i in 1..count {
+            let distance = (u[i] - u[0]).hypot(v[i] - v[0]);
+            assert!((distance - points.distance(0, i)).abs() < 1e-13);
+        }
+        let spread = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
+        assert!(spread(&u) > 10.0 * spread(&v));
+        // The largest component of the first axis is that of y, and of the second that of z.
+        let (y, z) = (points.lane(1), points.lane(2));
+        assert!((u[3] - u[8]) * (y[3] - y[8]) > 0.0);
+        assert!((v[3] - v[8]) * (z[3] - z[8]) > 0.0);
+        for scale in [1e-200, 1e200] {
+            let lanes = points.lanes().iter();
+            let scaled = lanes.map(|lane| lane.iter().rev().map(|x| x * scale).collect::<Vec<_>>());
+            let scaled = Points::from_lanes(scaled);
+            let [us, vs] = Scattered::Plane.parameters(&scaled).unwrap();
+            for i in 0..count {
+                let k = count - 1 - i;
+                assert!(
+                    (us[k] / scale - u[i]).abs() < 1e-13 && (vs[k] / scale - v[i]).abs() < 1e-13
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn points_on_a_line_have_no_plane() {
+        let mut line = Points::new(3);
+        (0..9).for_each(|i| line.push(&[0.1 * f64::from(i), 0.3 * f64::from(i), 7.0]));
+        assert_eq!(Scattered::Plane.parameters(&line), Err(on_line()));
+        let mut equal = Points::new(3);
+        (0..9).for_each(|_| equal.push(&[0.1, 0.2, 0.3]));
+        assert_eq!(Scattered::Plane.parameters(&equal), Err(on_line()));
+        let values = Points::zeros(1, 9);
+        assert_eq!(Scattered::Plane.parameters(&values), Err(no_plane()));
+        let plane = |plane| Scattered::Coordinates(plane);
+        let found = plane(CoordinatePlane::Xy).parameters(&values);
+        assert_eq!(found, Err(no_plane()));
+        let flat = Points::from_lanes(vec![vec![1.0, 2.0], vec![3.0, 5.0]]);
+        let found = plane(CoordinatePlane::Yz).parameters(&flat);
+        assert_eq!(found, Err(no_third_coordinate()));
+    }
+
+    #[test]
+    fn planes_of_coordinates_have_those_of_the_points() {
+        let points = tilted(9);
+        for (plane, axes) in [
+            (CoordinatePlane::Xy, [0, 1]),
+            (CoordinatePlane::Xz, [0, 2]),
+            (CoordinatePlane::Yz, [1, 2]),
+        ] {
+            let found = Scattered::Coordinates(plane).parameters(&points).unwrap();
+            assert_eq!(found, axes.map(|axis| points.lane(axis).to_vec()));
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! With which knots a fit begins that chooses them by itself, and how much memory it takes.
+
+use std::sync::Arc;
+
+use super::construction::first_line;
+use super::request::Request;
+use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::basis::direction::Direction;
+use crate::data::points::Grid;
+use crate::invalid::{Axis, Invalid};
+use crate::knot_selection::line::KnotLine;
+use crate::method::{Automatic as Settings, LeastSquares};
+use crate::setup::Setup;
+
+/// The directions with which a fit begins that chooses its knots.
+pub(crate) fn first_directions(
+    request: &Request,
+    (settings, _): (&LeastSquares, &Settings),
+) -> Result<(Direction, Option<Direction>), Invalid> {
+    let breaks = |place: usize| {
+        let all = request.start_breaks.as_ref();
+        all.and_then(|all| all.get(place)).map(|breaks| &breaks[..])
+    };
+    if let Some(scattered) = &request.scattered {
+        let [along, across] = scattered.parameters(&request.points)?;
+        let u = first_scattered(&request.u, (along, breaks(0)), settings.u, Axis::U)?;
+        let v = request.v.as_ref();
+        let v = v.map(|v| first_scattered(v, (across, breaks(1)), settings.v, Axis::V));
+        return Ok((u, v.transpose()?));
+    }
+    let data = (&*request.points, request.grid);
+    let direction = |choice: &DirectionChoice, most, axis, place: usize| {
+        let breaks = breaks(place);
+        let (line, t) = first_line(choice.clone(), data, breaks, most, axis)?;
+        Ok::<_, Invalid>(line.direction(t))
+    };
+    let u = direction(&request.u, settings.u, Axis::U, 0)?;
+    let v = request.v.as_ref();
+    let v = v.map(|choice| direction(choice, settings.v, Axis::V, 1));
+    Ok((u, v.transpose()?))
+}
+
+/// The direction with which a fit of scattered points begins.
+fn first_scattered(
+    choice: &DirectionChoice,
+    (parameters, breaks): (Vec<f64>, Option<&[f64]>),
+    most: usize,
+    axis: Axis,
+) -> Result<Direction, Invalid> {
+    let BasisChoice::BSpline { degree, .. } = choice.basis else {
+        return Err(Invalid::automatic_knots(axis));
+    };
+    let free = degree.saturating_add(1);
+    if most < free {
+        let free = most;
+        return Err(Invalid::too_few_control_points(axis, free, degree));
+    }
+    let direction = Direction::scattered(choice, (parameters, free), axis)?;
+    let line = match breaks {
+        Some(breaks) => KnotLine::new(degree, false, breaks.to_vec()),
+        None => KnotLine::of(&direction),
+    };
+    let line = line.ok_or(Invalid::parameter_range(axis))?;
+    Ok(line.direction(direction.parameters))
+}
+
+/// A fit that chooses its knots, with half as long spans, for what a setup cannot obey.
+pub(crate) fn finer(setup: &Setup, request: &Request) -> Option<Setup> {
+    let (settings, _) = request.method.automatic()?;
+    let Grid { rows, columns } = setup.grid();
+    let data = match setup.is_scattered() {
+        true => [rows; 2],
+        false => [rows, columns],
+    };
+    let halved = |direction: &Direction, most: usize| {
+        let line = KnotLine::of(direction)?.halved()?;
+        let fits = line.control_points() <= most;
+        fits.then(|| line.direction(Arc::clone(&direction.parameters)))
+    };
+    let u = halved(setup.u(), settings.u.min(data[0]))?;
+    let v = match setup.v() {
+        Some(v) => Some(halved(v, settings.v.min(data[1]))?),
+        None => None,
+    };
+    setup.start().is_none().then(|| Setup {
+        u,
+        v,
+        ..setup.clone()
+    })
+}
+
+/// The most numbers of a factorization over some of the many knots that are tried for a surface: what
+/// its bound of multiplications leaves room for.
+const FACTOR: usize = 1 << 21;
+
+/// About how many bytes a fit takes besides its data: values of functions, and the levels that a
+/// schedule remembers, with at most `most` control points.
+pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usize {
+    let dimension = setup.dimension();
+    let width: usize = setup
+        .directions()
+        .map(|it| it.basis.degree() + 1)
+        .max()
+        .unwrap_or(1);
+    let data = setup.grid().count();
+    // A value of each function at each parameter twice, distances and parameters of five levels,
+    // residual and image of a step, weights, and what is being computed.
+    let by_data = data * (2 * width + 10 + 2 * dimension + 2);
+    let by_control_points = most * (5 * dimension + 4 * width);
+    // Points one by one, the values at each of them, and the vectors of conjugate gradients.
+    let obeying = match setup.v() {
+        Some(_) if !settings.is_plain_surface() => data * (2 * width + 3 * dimension + 8) + FACTOR,
+        _ => 0,
+    };
+    (by_data + by_control_points + obeying) * size_of::<f64>()
+}

@@ -1,0 +1,386 @@
+//! A fitting problem: from what was asked for to what can be iterated.
+//!
+//! Everything that can be wrong is found here, so that what comes after can only run out of the
+//! range of numbers. In this order: the points are checked, missing ones get a place, the tolerance
+//! is resolved, the settings of the method are checked, parameters and knots are computed for each
+//! direction, homogeneous coordinates are lifted, a given start is compared with the control grid,
+//! and methods that cannot converge are refused.
+
+pub(crate) mod admission;
+mod automatic;
+mod checks;
+mod construction;
+mod first;
+pub(crate) mod request;
+mod scattered;
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use super::ends::line::Fitted;
+use super::ends::offsets::Offsets;
+use super::invalid::{Axis, Invalid};
+use super::method::Method;
+use super::parameters::Parametrization;
+use super::setup::Setup;
+use super::warning::Warning;
+use crate::basis::choice::DirectionChoice;
+use crate::basis::direction::Direction;
+use crate::data::missing::Missing;
+use crate::data::points::{self, Grid, Points};
+use crate::data::weights;
+use crate::knot_selection::guide::Guide;
+use crate::matrix::collocation::Collocation;
+use crate::matrix::sparse::Sparse;
+use crate::parameters::scattered::Scattered;
+use admission::Admission;
+
+use checks::{check_finite, check_points, check_scattered, check_start, resolve_tolerance, scope};
+
+use request::{Request, Tolerance, Weights};
+
+/// A validated fitting problem: a `Setup` with a method. It can be iterated, and every error left
+/// is one of arithmetic.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// What was asked for; missing points have got a place.
+    request: Request,
+    setup: Arc<Setup>,
+    /// The tolerance in data units, as it was asked for: methods may have a larger one.
+    tolerance: f64,
+}
+
+impl Deref for Problem {
+    type Target = Setup;
+
+    /// What is fitted, whatever the method.
+    fn deref(&self) -> &Setup {
+        &self.setup
+    }
+}
+
+impl Problem {
+    /// Validates a request, computes parameters and knots and resolves the tolerance.
+    ///
+    /// # Errors
+    ///
+    /// The first thing that is wrong, in this order: the points, the tolerance, the settings of the
+    /// method, the directions, the weights, the start, and whether the method can converge.
+    pub fn new(request: Request) -> Result<Self, Invalid> {
+        Self::admitted(request, &Admission::ANY)
+    }
+
+    /// The same, unless it takes too much: that is found out before anything is computed that takes long.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Self::new), and what is too much, before the start is looked at.
+    pub fn admitted(mut request: Request, admission: &Admission) -> Result<Self, Invalid> {
+        let missing = check_points(&mut request)?;
+        let extents = request.points.extents();
+        check_finite(&request.points, &extents)?;
+        let diagonal = points::diagonal(&extents);
+        if !diagonal.is_finite() {
+            return Err(Invalid::too_large());
+        }
+        let tolerance =
+            resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
+        check_scattered(&request)?;
+        imply_control_points(&mut request)?;
+        request.method.scheme().check(&scope(&request))?;
+        automatic::check_request(&request)?;
+        settle(&mut request);
+        let (u, v) = match (&request.scattered, request.method.automatic()) {
+            (_, Some(settings)) => first::first_directions(&request, settings)?,
+            (Some(scattered), None) => scattered_directions(&request, scattered)?,
+            (None, None) => directions(&request, missing.as_ref())?,
+        };
+        let lifted = match &request.weights {
+            Weights::Homogeneous(values) => Some(Arc::new(weights::lift(&request.points, values)?)),
+            _ => None,
+        };
+        let data = lifted.as_ref().unwrap_or(&request.points);
+        let (offsets, target) = constants(&request, data, &u, v.as_ref())?;
+        let choices = || std::iter::once(&request.u).chain(&request.v);
+        let setup = Setup {
+            points: Arc::clone(&request.points),
+            grid: request.grid,
+            extents: lifted.as_ref().map_or(extents, |it| it.extents()),
+            lifted,
+            missing,
+            scattered: request.scattered.is_some(),
+            offsets,
+            target,
+            u,
+            v,
+            selected: request.selected.clone(),
+            start: request.start.clone(),
+            lambda_min: request.lambda_min,
+            tolerance: request.method.scheme().tolerance(tolerance),
+            max_iterations: request.max_iterations,
+            diagonal,
+            clustered: choices().any(DirectionChoice::is_clustered),
+        };
+        let mut problem = Self {
+            request,
+            setup: Arc::new(setup),
+            tolerance,
+        };
+        admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
+        check_start(&problem.setup)?;
+        while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
+            let finer = first::finer(&problem.setup, &problem.request);
+            problem.setup = Arc::new(finer.ok_or(mistake)?);
+        }
+        Ok(problem)
+    }
+
+    /// What was asked for. Missing points have the place of a neighbour.
+    pub fn request(&self) -> &Request {
+        &self.request
+    }
+
+    /// The same problem as it would be asked for with all that was derived from its points:
+    /// parameters, and a tolerance that was asked for, stay as they are when points move.
+    pub fn restated(&self) -> Request {
+        let mut request = self.request.clone();
+        request.tolerance = request
+            .tolerance
+            .and(Some(Tolerance::Absolute(self.tolerance)));
+        if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
+            let lanes = [&self.u().parameters, &v.parameters];
+            let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
+            request.scattered = Some(Scattered::Given(Arc::new(pairs)));
+            return request;
+        }
+        let restate = |choice: &mut DirectionChoice, direction: &Direction| {
+            if !matches!(choice.parameters, Parametrization::Explicit(_)) {
+                choice.parameters = Parametrization::Explicit(direction.explicit_parameters());
+            }
+        };
+        restate(&mut request.u, self.u());
+        if let (Some(choice), Some(direction)) = (&mut request.v, self.v()) {
+            restate(choice, direction);
+        }
+        request
+    }
+
+    /// The same with other directions, as many as it has.
+    pub(super) fn with_directions(&self, directions: impl IntoIterator<Item = Direction>) -> Self {
+        let mut setup = Setup::clone(&self.setup);
+        let places = std::iter::once(&mut setup.u).chain(&mut setup.v);
+        places
+            .zip(directions)
+            .for_each(|(place, direction)| *place = direction);
+        Self {
+            request: self.request.clone(),
+            setup: Arc::new(setup),
+            tolerance: self.tolerance,
+        }
+    }
+
+    /// Whether the fit chooses its knots by itself, so that each level has knots of its own.
+    pub fn is_automatic(&self) -> bool {
+        self.method().is_automatic()
+    }
+
+    /// The most free control points that a level can have.
+    pub fn most_control_points(&self) -> usize {
+        let Some((settings, _)) = self.method().automatic() else {
+            return self.control_grid().count();
+        };
+        let grid = self.grid();
+        let columns = self.v().map_or(1, |_| settings.v.min(grid.columns));
+        let rows = match self.v() {
+            None => Guide::most_control_points(grid.rows),
+            Some(_) => grid.rows,
+        };
+        let most = settings.u.min(rows).saturating_mul(columns);
+        most.max(self.control_grid().count())
+    }
+
+    /// What is fitted, whatever the method.
+    pub fn setup(&self) -> &Arc<Setup> {
+        &self.setup
+    }
+
+    /// The tolerance in data units as it was asked for: at most that of the fit.
+    pub(super) fn asked_tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Whether a fit that ends above the tolerance has missed its goal: the tolerance was asked for, or
+    /// it determines how many control points there are.
+    pub(super) fn has_goal(&self) -> bool {
+        self.request.tolerance.is_some() || self.is_automatic()
+    }
+
+    /// The method.
+    pub fn method(&self) -> &Method {
+        &self.request.method
+    }
+
+    /// Whether the bases of a surface's directions were asked for separately.
+    pub fn bases_differ(&self) -> bool {
+        let v = self.request.v.as_ref();
+        v.is_some_and(|v| v.basis != self.request.u.basis)
+    }
+
+    /// What is doubtful about the problem as it is asked for.
+    pub fn warnings(&self) -> Vec<Warning> {
+        let Request { u, v, .. } = &self.request;
+        let mut warnings = Vec::new();
+        let absolute = matches!(self.request.tolerance, Some(Tolerance::Absolute(_)));
+        if !absolute && self.tolerance > 0.0 {
+            let size = (self.diagonal(), self.tolerance);
+            warnings.extend(Warning::of_points(&self.points, size));
+        }
+        let request = &self.request;
+        warnings.extend(match v {
+            None => Warning::of_curve(&request.points),
+            Some(_) if request.grid.is_rows() => {
+                Warning::of_grid(&request.points, &request.missing)
+            }
+            Some(_) => None,
+        });
+        // Fewer control points have knots of their own, which are not at the data.
+        if self.method().scheme().control_points().is_some() {
+            return warnings;
+        }
+        warnings.extend(Warning::of_direction(u, self.u(), Axis::U));
+        if let (Some(choice), Some(direction)) = (v, self.v()) {
+            warnings.extend(Warning::of_direction(choice, direction, Axis::V));
+        }
+        warnings
+    }
+
+    /// How many bytes iterating this problem once takes, the data included: vectors of n points,
+    /// collocation matrices and their factorizations. It is an upper bound by what the method
+    /// demands, for admission.
+    pub fn memory(&self) -> usize {
+        let points = self.grid().count();
+        let demand = self.method().scheme().demand();
+        // Data, control points, residual and what the method needs besides; scratch on surfaces.
+        let given = usize::from(self.is_homogeneous()) + usize::from(self.start().is_some());
+        let shifted = usize::from(self.offsets().is_some());
+        let vectors = 3 + given + shifted + demand.vectors;
+        let scratch = usize::from(self.v().is_some());
+        let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
+        if let Some((settings, _)) = self.method().automatic() {
+            let most = self.most_control_points();
+            return arrays + first::memory(self, settings, most) + demand.bytes;
+        }
+        if let (true, Some(v)) = (self.is_scattered(), self.v()) {
+            let matrix = Sparse::memory(self.u(), v);
+            return arrays + matrix + demand.bytes;
+        }
+        let directions = self.directions().map(|direction| {
+            2 * direction.parameters.len() * size_of::<f64>()
+                + demand.matrices * Collocation::memory(direction)
+        });
+        let offsets = self.offsets().map_or(0, Offsets::numbers) * size_of::<f64>();
+        directions.sum::<usize>() + arrays + offsets + demand.bytes
+    }
+
+    /// Multiplications of one iteration: the measure of how long a step takes, for fair shares of
+    /// time.
+    pub fn step_cost(&self) -> usize {
+        self.residual_cost() + self.method().scheme().step_cost(self)
+    }
+
+    /// About how many multiplications prepare the first iteration: evaluating bases,
+    /// factorizations, eigenvalues.
+    pub fn start_cost(&self) -> usize {
+        let method = self.method().scheme().start_cost(self);
+        self.preparation_cost().saturating_add(method)
+    }
+}
+
+/// The directions of scattered points.
+fn scattered_directions(
+    request: &Request,
+    scattered: &Scattered,
+) -> Result<(Direction, Option<Direction>), Invalid> {
+    let [along, across] = scattered.parameters(&request.points)?;
+    let counts = request.method.scheme().control_points();
+    let (rows, columns) = counts.unwrap_or_default();
+    let u = Direction::scattered(&request.u, (along, rows), Axis::U)?;
+    let v = request.v.as_ref();
+    let v = v.map(|v| Direction::scattered(v, (across, columns), Axis::V));
+    Ok((u, v.transpose()?))
+}
+
+/// The directions of what was asked for, with fixed weights from a grid separated, and with as many
+/// control points as the method has.
+fn directions(
+    request: &Request,
+    missing: Option<&Missing>,
+) -> Result<(Direction, Option<Direction>), Invalid> {
+    let (mut choice_u, mut choice_v) = (request.u.clone(), request.v.clone());
+    if let (Weights::FixedGrid(values), Some(v)) = (&request.weights, &mut choice_v) {
+        let (rows, columns) = weights::separate(values, request.grid)?;
+        choice_u.weights = Some(rows);
+        v.weights = Some(columns);
+    }
+    if let Some((u, v)) = request.method.scheme().control_points() {
+        choice_u.control_points = Some(u);
+        if let Some(choice) = &mut choice_v {
+            choice.control_points = Some(v);
+        }
+    }
+    let direction =
+        |choice, axis| Direction::new(choice, &request.points, request.grid, missing, axis);
+    let u = direction(choice_u, Axis::U)?;
+    let v = choice_v.map(|choice| direction(choice, Axis::V));
+    Ok((u, v.transpose()?))
+}
+
+/// Names the numbers of control points of least squares that explicit knots imply.
+fn imply_control_points(request: &mut Request) -> Result<(), Invalid> {
+    if let Method::LeastSquares(settings) = &request.method {
+        let choices = std::iter::once(&request.u).chain(&request.v);
+        let settings = settings.with_counts(choices.map(|choice| &choice.basis))?;
+        request.method = Method::LeastSquares(settings);
+    }
+    Ok(())
+}
+
+/// Names what is usual where nothing is said.
+fn settle(request: &mut Request) {
+    if request.method.has_fewer_control_points() {
+        request.u.settle_least_squares();
+        if let Some(v) = &mut request.v {
+            v.settle_least_squares();
+        }
+    } else {
+        let Grid { rows, columns } = request.grid;
+        request.u.settle(rows);
+        if let Some(v) = &mut request.v {
+            v.settle(columns);
+        }
+    }
+}
+
+/// The constants of control points at the ends, and the data without their share.
+fn constants(
+    request: &Request,
+    data: &Arc<Points>,
+    u: &Direction,
+    v: Option<&Direction>,
+) -> Result<(Option<Arc<Offsets>>, Arc<Points>), Invalid> {
+    let fitted = Fitted {
+        points: data,
+        grid: request.grid,
+        homogeneous: matches!(request.weights, Weights::Homogeneous(_)),
+    };
+    let across = v.zip(request.v.as_ref());
+    let across = across.map(|(direction, choice)| (direction, choice.ends.as_ref()));
+    let offsets = Offsets::new(fitted, (u, request.u.ends.as_ref()), across)?;
+    let Some(offsets) = offsets else {
+        return Ok((None, Arc::clone(data)));
+    };
+    let mut target = Points::clone(data);
+    let across = v.map(|v| (v, &v.parameters[..]));
+    offsets.add(-1.0, (u, &u.parameters), across, target.lanes_mut());
+    Ok((Some(Arc::new(offsets)), Arc::new(target)))
+}

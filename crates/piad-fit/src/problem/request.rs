@@ -1,0 +1,75 @@
+//! A fitting problem as it is asked for, before anything has been checked.
+//!
+//! It is plain data: any request can be made, and [`Problem::new`](super::Problem::new)
+//! says what is wrong with it. Large parts are shared, so that clones are cheap.
+
+use std::sync::Arc;
+
+use crate::basis::choice::DirectionChoice;
+use crate::data::points::{Grid, Points};
+use crate::method::Method;
+use crate::parameters::scattered::Scattered;
+
+/// When to stop, as asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tolerance {
+    /// In data units.
+    Absolute(f64),
+    /// In units of the diagonal of the data's bounding box.
+    Relative(f64),
+}
+
+impl Tolerance {
+    /// What the largest distance is compared with if no tolerance is asked for.
+    pub const DEFAULT: Self = Self::Relative(1e-6);
+}
+
+/// The weights of a rational fit, as asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Weights {
+    /// None: the curve is polynomial in each span.
+    None,
+    /// One for each data point: the fit is made in homogeneous coordinates (Lin10, section 2.1).
+    Homogeneous(Vec<f64>),
+    /// Fixed weights of the directions are in their [`DirectionChoice`]s; these are a grid of fixed
+    /// weights of a surface, to be separated (LBW05 (3.8)).
+    FixedGrid(Vec<f64>),
+}
+
+/// A fitting problem as asked for.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The data points; of a surface row by row.
+    pub points: Arc<Points>,
+    /// Their arrangement: n × 1 of a curve, n × m of a surface.
+    pub grid: Grid,
+    /// Indices of missing points, for least-squares fits; their coordinates are not looked at.
+    pub missing: Vec<usize>,
+    /// How the points of a surface get their parameters if they are scattered: then they are in a grid of
+    /// one column, and the parameters of the directions are not looked at.
+    pub scattered: Option<Scattered>,
+    /// The direction of a curve, or u of a surface.
+    pub u: DirectionChoice,
+    /// The second direction of a surface.
+    pub v: Option<DirectionChoice>,
+    /// Weights that are not of a single direction.
+    pub weights: Weights,
+    /// The method.
+    pub method: Method,
+    /// Local fits: the indices of the control points that move; all of them if there are none.
+    pub selected: Option<Arc<[usize]>>,
+    /// The free control points of level 0, in homogeneous coordinates if the fit is; without them
+    /// the method says where to start.
+    pub start: Option<Arc<Points>>,
+    /// The breaks of each direction that the given control points belong to, where the fit chooses its
+    /// knots by itself.
+    pub start_breaks: Option<Vec<Arc<Vec<f64>>>>,
+    /// The least eigenvalue of the collocation matrix, if it is known from a fit with the same one:
+    /// of many points it takes longer to compute than a local fit.
+    pub lambda_min: Option<f64>,
+    /// The largest allowed distance of the curve from a data point. Without one, fits compare with
+    /// [`Tolerance::DEFAULT`], and a least-squares fit may end above it.
+    pub tolerance: Option<Tolerance>,
+    /// The last level that is computed.
+    pub max_iterations: usize,
+}
