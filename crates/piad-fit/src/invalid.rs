@@ -14,6 +14,7 @@ pub struct Invalid {
 }
 
 /// There is another number of things than of the points that have one each.
+#[doc(hidden)]
 pub fn one_for_each(given: usize, things: &str, points: usize) -> String {
     format!("{given} {things} for {points} points: one for each is needed")
 }

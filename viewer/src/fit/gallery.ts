@@ -16,7 +16,7 @@ const LARGE = 1e35;
 /** What is read of the fit whose geometry is kept. */
 interface Source {
   readonly signal: AbortSignal;
-  readonly levels: readonly { readonly error: { readonly max: number } }[];
+  readonly levels: readonly { readonly error: { readonly max: number | null } }[];
   known(): Promise<Job>;
   data(): Promise<{ readonly axes: Axes }>;
 }

@@ -40,6 +40,7 @@ pub use end_conditions::{End, Ends};
 pub use knots::Knots;
 
 /// All bases, in the order in which they are listed.
+#[doc(hidden)]
 pub const BASES: [&About; 4] = [
     &bspline::ABOUT,
     &bernstein::ABOUT,

@@ -28,7 +28,7 @@ const PARALLEL: usize = 100_000;
 /// bytes for each point.
 ///
 /// ```
-/// use piad_fit::points::Points;
+/// use piad_fit::data::Points;
 ///
 /// let mut points = Points::new(2);
 /// points.push(&[0.0, 1.0]);

@@ -118,6 +118,7 @@ pub enum Method {
 /// }
 /// assert_eq!(Method::Direct.name(), "direct");
 /// ```
+#[doc(hidden)]
 pub const METHODS: [&About; 11] = [
     &global::ABOUT,
     &weighted::ABOUT,

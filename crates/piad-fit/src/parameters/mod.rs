@@ -54,6 +54,7 @@ impl Parametrization {
 
 /// Parameters of data points.
 #[derive(Clone, Debug, PartialEq)]
+#[doc(hidden)]
 pub struct Parametrized {
     /// One for each data point, finite and strictly increasing.
     pub values: Arc<Vec<f64>>,
@@ -70,6 +71,7 @@ pub struct Parametrized {
 ///
 /// Names the points that are equal, or too close to be told apart, the first explicit value
 /// that does not increase, or the wrong number of explicit values.
+#[doc(hidden)]
 pub fn parameters(
     choice: Parametrization,
     points: &Points,
