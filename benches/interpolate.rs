@@ -83,30 +83,21 @@ fn fit(points: Points, method: Method, tolerance: f64) -> Result<Iteration, Box<
     let parameters = placed.map_err(|reason| format!("{reason:?}"))?.values;
     let knots = not_a_knot(&parameters);
     let request = Request {
-        start_breaks: None,
-        points: Arc::new(points),
-        grid,
-        u: DirectionChoice {
-            basis: BasisChoice::BSpline {
-                degree: 3,
-                knots: Knots::Explicit(Arc::new(knots)),
-            },
-            parameters: Parametrization::Explicit(parameters),
-            closed: false,
-            control_points: None,
-            ends: None,
-            weights: None,
-        },
-        v: None,
-        missing: Vec::new(),
-        weights: Weights::None,
         method,
-        selected: None,
-        start: None,
-        lambda_min: None,
-        scattered: None,
         tolerance: Some(Tolerance::Absolute(tolerance)),
         max_iterations: 10_000,
+        ..Request::new(
+            points,
+            grid,
+            DirectionChoice::new(
+                BasisChoice::BSpline {
+                    degree: 3,
+                    knots: Knots::Explicit(Arc::new(knots)),
+                },
+                Parametrization::Explicit(parameters),
+            ),
+            None,
+        )
     };
     let problem = Problem::new(request).map_err(|reason| format!("{reason:?}"))?;
     let mut iteration = Iteration::start(Arc::new(System::new(Arc::new(problem))));

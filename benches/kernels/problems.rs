@@ -32,36 +32,22 @@ pub(crate) fn field(side: usize) -> Points {
 
 /// A cubic direction with knots at the data.
 fn cubic() -> DirectionChoice {
-    DirectionChoice {
-        basis: BasisChoice::BSpline {
+    DirectionChoice::new(
+        BasisChoice::BSpline {
             degree: 3,
             knots: Knots::Data,
         },
-        parameters: Parametrization::ChordLength,
-        closed: false,
-        control_points: None,
-        ends: None,
-        weights: None,
-    }
+        Parametrization::ChordLength,
+    )
 }
 
 /// Cubic, or bicubic if the grid has more than one column.
 pub(crate) fn request(points: impl Into<Arc<Points>>, grid: Grid, method: Method) -> Request {
     Request {
-        start_breaks: None,
-        points: points.into(),
-        grid,
-        u: cubic(),
-        v: (grid.columns > 1).then(cubic),
-        missing: Vec::new(),
-        weights: Weights::None,
         method,
-        selected: None,
-        start: None,
-        lambda_min: None,
-        scattered: None,
         tolerance: Some(Tolerance::Absolute(0.0)),
         max_iterations: usize::MAX,
+        ..Request::new(points, grid, cubic(), (grid.columns > 1).then(cubic))
     }
 }
 

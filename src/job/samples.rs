@@ -21,35 +21,23 @@ pub(crate) fn sine(count: u32, max_iterations: usize) -> Problem {
     let mut points = Points::new(2);
     (0..count).for_each(|i| points.push(&[f64::from(i), f64::from(i).sin()]));
     let u = DirectionChoice {
-        basis: BasisChoice::BSpline {
-            degree: 3,
-            knots: Knots::Data,
-        },
-        parameters: Parametrization::Uniform,
-        closed: false,
-        control_points: None,
         ends: Some(Ends::both(End::Repeated)),
-        weights: None,
+        ..DirectionChoice::new(
+            BasisChoice::BSpline {
+                degree: 3,
+                knots: Knots::Data,
+            },
+            Parametrization::Uniform,
+        )
     };
     let grid = Grid {
         rows: points.len(),
         columns: 1,
     };
     Problem::new(Request {
-        points: Arc::new(points),
-        grid,
-        u,
-        v: None,
-        missing: Vec::new(),
-        weights: Weights::None,
-        method: Method::Global,
-        selected: None,
-        start: None,
-        start_breaks: None,
-        lambda_min: None,
-        scattered: None,
         tolerance: Some(Tolerance::Absolute(0.0)),
         max_iterations,
+        ..Request::new(points, grid, u, None)
     })
     .unwrap()
 }

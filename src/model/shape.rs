@@ -135,12 +135,12 @@ impl DirectionInput {
         let ends = self.ends.map(|ends| ends.ends(axis, is_surface));
         let ends = mistakes.keep(ends.transpose());
         Some(DirectionChoice {
-            basis: basis?,
-            parameters: self.parameters.map_or(usual, |ParametersInput(rule)| rule),
             closed: self.closed.unwrap_or(false),
-            control_points: None,
             ends: ends?,
-            weights: None,
+            ..DirectionChoice::new(
+                basis?,
+                self.parameters.map_or(usual, |ParametersInput(rule)| rule),
+            )
         })
     }
 }
@@ -179,20 +179,9 @@ fn problem(
         v.weights = weights.v;
     }
     Request {
-        points,
-        grid,
-        missing: Vec::new(),
-        scattered: None,
-        u,
-        v,
         weights: weights.weights,
-        method: Method::Global,
-        selected: None,
-        start: None,
-        start_breaks: None,
-        lambda_min: None,
-        tolerance: None,
         max_iterations: 0,
+        ..Request::new(points, grid, u, v)
     }
 }
 

@@ -15,7 +15,8 @@ use super::shape::{Curve, Shape, Surface};
 use super::termination::Outcome;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::end_conditions::Ends;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::data::{IntoGrid, IntoPoints};
 use crate::geometry::norms::FitError;
 use crate::iteration::system::System;
@@ -24,9 +25,6 @@ use crate::problem::request::{Request, Tolerance, Weights};
 
 /// The degree of B-splines where none is given.
 const DEGREE: usize = 3;
-
-/// The most iterations where no number is given.
-const ITERATIONS: usize = 1000;
 
 /// A fit as it is asked for: a cubic B-spline through the data by classical PIA, within a millionth of their size, where
 /// nothing else is said. Nothing is checked before [`prepare`](Self::prepare).
@@ -39,17 +37,13 @@ pub struct Fit<S> {
 
 /// A direction of which nothing is said.
 fn usual(parameters: Parametrization) -> DirectionChoice {
-    DirectionChoice {
-        basis: BasisChoice::BSpline {
+    DirectionChoice::new(
+        BasisChoice::BSpline {
             degree: DEGREE,
             knots: Knots::Usual,
         },
         parameters,
-        closed: false,
-        control_points: None,
-        ends: None,
-        weights: None,
-    }
+    )
 }
 
 /// A request of which nothing is said but the points and their arrangement.
@@ -58,22 +52,8 @@ fn request(points: Points, grid: Grid, is_surface: bool) -> Request {
         true => Parametrization::usual_of_surface(&points),
         false => Parametrization::ChordLength,
     };
-    Request {
-        points: Arc::new(points),
-        grid,
-        missing: Vec::new(),
-        scattered: None,
-        u: usual(parameters.clone()),
-        v: is_surface.then(|| usual(parameters)),
-        weights: Weights::None,
-        method: Method::Global,
-        selected: None,
-        start: None,
-        start_breaks: None,
-        lambda_min: None,
-        tolerance: None,
-        max_iterations: ITERATIONS,
-    }
+    let v = is_surface.then(|| usual(parameters.clone()));
+    Request::new(points, grid, usual(parameters), v)
 }
 
 impl Fit<Curve> {

@@ -110,6 +110,8 @@ pub(crate) mod setup;
 mod shape;
 pub(crate) mod termination;
 pub(crate) mod warning;
+#[cfg(all(test, feature = "serde"))]
+mod written;
 
 pub use data::{Grid, Points};
 pub use fit::{Fit, Level, Levels, NotConverged, Prepared};

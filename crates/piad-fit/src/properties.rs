@@ -7,14 +7,14 @@ use proptest::prelude::*;
 
 use super::basis::{Polynomial, knots::Knots};
 use super::iteration::Iteration;
-use super::method::Method;
 use super::parameters::Parametrization;
 use super::problem::Problem;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::geometry::evaluation::Geometry;
 use crate::iteration::system::System;
-use crate::problem::request::{Request, Tolerance, Weights};
+use crate::problem::request::{Request, Tolerance};
 use crate::termination::Outcome;
 
 /// A basis of one direction that PIA converges quickly with.
@@ -28,14 +28,7 @@ fn basis() -> impl Strategy<Value = BasisChoice> {
 
 /// An open direction without weights.
 fn choice(basis: BasisChoice, parameters: Parametrization) -> DirectionChoice {
-    DirectionChoice {
-        basis,
-        parameters,
-        closed: false,
-        control_points: None,
-        ends: None,
-        weights: None,
-    }
+    DirectionChoice::new(basis, parameters)
 }
 
 /// A direction with any basis and any parameters by rule.
@@ -68,20 +61,14 @@ fn problem() -> impl Strategy<Value = Request> {
                 points.push(&point);
             }
             Request {
-                points: Arc::new(points),
-                grid,
-                u: u.clone(),
-                v: (grid.columns > 1).then(|| v.clone()),
-                missing: Vec::new(),
-                weights: Weights::None,
-                method: Method::Global,
-                selected: None,
-                start: None,
-                start_breaks: None,
-                lambda_min: None,
-                scattered: None,
                 tolerance: Some(Tolerance::Relative(1e-9)),
                 max_iterations: 300,
+                ..Request::new(
+                    points,
+                    grid,
+                    u.clone(),
+                    (grid.columns > 1).then(|| v.clone()),
+                )
             }
         })
     })
@@ -224,23 +211,17 @@ fn cubic_splines_converge_within_the_expected_iterations() {
         };
         let direction = choice(basis, Parametrization::Uniform);
         let mut iteration = start(Request {
-            points: Arc::new(points),
-            grid: Grid {
-                rows: n as usize,
-                columns: 1,
-            },
-            u: direction,
-            v: None,
-            missing: Vec::new(),
-            weights: Weights::None,
-            method: Method::Global,
-            selected: None,
-            start: None,
-            start_breaks: None,
-            lambda_min: None,
-            scattered: None,
             tolerance: Some(Tolerance::Absolute(1e-9)),
             max_iterations: 1000,
+            ..Request::new(
+                points,
+                Grid {
+                    rows: n as usize,
+                    columns: 1,
+                },
+                direction,
+                None,
+            )
         });
         let mut rates = Vec::new();
         while iteration.outcome().is_none() {

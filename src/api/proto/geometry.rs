@@ -255,33 +255,24 @@ mod tests {
                 false => Weights::None,
             };
             let problem = Problem::new(Request {
-                start_breaks: None,
-                points: Arc::new(points),
-                grid: Grid {
-                    rows: count,
-                    columns: 1,
-                },
-                u: DirectionChoice {
-                    basis: BasisChoice::BSpline {
-                        degree: 3,
-                        knots: Knots::Data,
-                    },
-                    parameters: Parametrization::Uniform,
-                    closed: false,
-                    control_points: None,
-                    ends: None,
-                    weights: None,
-                },
-                v: None,
-                missing: Vec::new(),
                 weights,
-                method: Method::Global,
-                selected: None,
-                start: None,
-                lambda_min: None,
-                scattered: None,
                 tolerance: Some(Tolerance::Absolute(0.0)),
                 max_iterations: 1,
+                ..Request::new(
+                    points,
+                    Grid {
+                        rows: count,
+                        columns: 1,
+                    },
+                    DirectionChoice::new(
+                        BasisChoice::BSpline {
+                            degree: 3,
+                            knots: Knots::Data,
+                        },
+                        Parametrization::Uniform,
+                    ),
+                    None,
+                )
             });
             let problem = Arc::new(problem.unwrap());
             let control_points = Arc::new(problem.data().clone());

@@ -51,34 +51,29 @@ mod tests {
         let mut points = Points::new(2);
         SQUARE.iter().for_each(|point| points.push(point));
         let u = DirectionChoice {
-            basis: BasisChoice::BSpline {
-                degree,
-                knots: Knots::Usual,
-            },
-            parameters: Parametrization::Uniform,
             closed,
-            control_points: None,
             ends: (!closed).then(|| Ends::both(End::Repeated)),
             weights,
+            ..DirectionChoice::new(
+                BasisChoice::BSpline {
+                    degree,
+                    knots: Knots::Usual,
+                },
+                Parametrization::Uniform,
+            )
         };
         Problem::new(Request {
-            start_breaks: None,
-            grid: Grid {
-                rows: points.len(),
-                columns: 1,
-            },
-            points: Arc::new(points),
-            missing: Vec::new(),
-            u,
-            v: None,
-            weights: Weights::None,
-            method: Method::Global,
-            selected: None,
-            start: None,
-            lambda_min: None,
-            scattered: None,
             tolerance: Some(Tolerance::Relative(1e-6)),
             max_iterations: 10,
+            ..Request::new(
+                points,
+                Grid {
+                    rows: points.len(),
+                    columns: 1,
+                },
+                u,
+                None,
+            )
         })
         .unwrap()
     }

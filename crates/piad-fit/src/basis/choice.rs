@@ -11,6 +11,8 @@ use crate::parameters::Parametrization;
 
 /// The basis asked for in one direction.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum BasisChoice {
     /// Polynomials of degree control points − 1.
     Polynomial(Polynomial),
@@ -54,6 +56,18 @@ impl BasisChoice {
 }
 
 impl DirectionChoice {
+    /// An open direction with one control point for each data point, and without weights.
+    pub fn new(basis: BasisChoice, parameters: Parametrization) -> Self {
+        Self {
+            basis,
+            parameters,
+            closed: false,
+            control_points: None,
+            ends: None,
+            weights: None,
+        }
+    }
+
     /// Names the knots and the ends that are usual where nothing is said, for a control point for
     /// each of `count` data points: knots at the data for odd degrees, whose ends are estimated, and
     /// averaged knots for even ones. Closed directions have their knots by the data.

@@ -10,6 +10,7 @@ pub(crate) const MOST_ESTIMATED: usize = 31;
 
 /// How a direction ends on both sides.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ends {
     /// At its first parameter.
     pub start: End,
@@ -20,6 +21,8 @@ pub struct Ends {
 /// How a direction ends on one side. Vectors are derivatives with respect to the parameter: one of
 /// a curve, of a surface one for each data point of that boundary.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum End {
     /// With the derivatives of the polynomial through the points there.
     Estimated,

@@ -30,6 +30,8 @@ use crate::data::quantiles::Position;
 
 /// How the knots of a B-spline direction are chosen.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Knots {
     /// What suits the method and the degree: at the data for odd degrees, averaged for even ones, and
     /// spread for open least-squares fits.

@@ -83,6 +83,8 @@ pub enum Basis {
 
 /// A basis of the polynomials of some degree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Polynomial {
     /// Bernstein polynomials: Bézier curves.
     Bernstein,

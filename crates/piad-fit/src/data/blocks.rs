@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use super::points::Grid;
+use super::grid::Grid;
 
 /// The most points of a block: 8 KiB for each coordinate.
 pub(crate) const BLOCK: usize = 1024;

@@ -1,6 +1,7 @@
 //! Points and grids of points as callers have them.
 
-use super::points::{Grid, MAX_DIMENSION, Points};
+use super::grid::Grid;
+use super::points::{MAX_DIMENSION, Points};
 use crate::invalid::{Invalid, Place};
 
 /// Points of R^d, d = 1, 2, 3: slices of arrays or of vectors, or a flat slice with the number of coordinates of a point.

@@ -7,7 +7,8 @@
 
 use std::collections::VecDeque;
 
-use super::points::{Grid, Points};
+use super::grid::Grid;
+use super::points::Points;
 
 /// Which points of a grid are missing: one flag for each, row by row.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Data points: what is fitted, and arrays for them.
 //!
-//! - `points`: ordered points, stored coordinate by coordinate, and grids of them; `input`: points and grids as callers
+//! - `points`: ordered points, stored coordinate by coordinate; `grid`: their arrangement; `input`: both as callers
 //!   have them;
 //! - `missing`: grids with missing points; `no_data`: values that stand for them in files of heights;
 //! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve;
@@ -11,6 +11,7 @@ pub(crate) mod aligned;
 pub(crate) mod blocks;
 pub(crate) mod bounds;
 pub(crate) mod distances;
+pub(crate) mod grid;
 mod input;
 pub(crate) mod missing;
 pub(crate) mod monotonic;
@@ -20,5 +21,6 @@ pub(crate) mod points;
 pub(crate) mod quantiles;
 pub(crate) mod weights;
 
+pub use grid::Grid;
 pub use input::{IntoGrid, IntoPoints};
-pub use points::{Grid, MAX_DIMENSION, Points};
+pub use points::{MAX_DIMENSION, Points};

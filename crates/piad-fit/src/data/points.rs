@@ -14,7 +14,6 @@ use serde::{Deserialize, Deserializer};
 
 use super::aligned::{self, Lane};
 use super::bounds::Extent;
-use crate::invalid::Axis;
 
 /// The most coordinates of a data point.
 pub const MAX_DIMENSION: usize = 3;
@@ -353,37 +352,6 @@ pub(crate) fn magnitude(extents: &[Extent]) -> f64 {
 /// Euclidean norm by nested `hypot`: right for every magnitude of the coordinates.
 fn norm(coordinates: impl Iterator<Item = f64>) -> f64 {
     coordinates.fold(0.0, f64::hypot)
-}
-
-/// The arrangement of points: a curve has one column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Grid {
-    /// Number of points in the u direction.
-    pub rows: usize,
-    /// Number of points in the v direction.
-    pub columns: usize,
-}
-
-impl Grid {
-    /// Number of points.
-    pub fn count(self) -> usize {
-        self.rows * self.columns
-    }
-
-    /// Whether there are rows of points: a curve and scattered points have one column, and surfaces of
-    /// rows have two at least.
-    pub fn is_rows(self) -> bool {
-        self.columns != 1
-    }
-
-    /// Number of points along a direction.
-    pub fn along(self, axis: Axis) -> usize {
-        match axis {
-            Axis::U => self.rows,
-            Axis::V => self.columns,
-        }
-    }
 }
 
 /// A power of two near `1 / length`: squares of lengths like this neither over- nor underflow, as those

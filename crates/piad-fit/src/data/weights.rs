@@ -7,7 +7,8 @@
 //! that of a surface is the product of two of them, so that its weights must be products, too
 //! (LBW05 (3.8)).
 
-use super::points::{Grid, Points};
+use super::grid::Grid;
+use super::points::Points;
 use crate::invalid::{Invalid, Place};
 
 /// The largest relative difference of a grid of weights from a product.

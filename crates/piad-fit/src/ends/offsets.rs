@@ -18,7 +18,8 @@ use std::cell::OnceCell;
 use super::line::{Along, Constants, Fitted, Line, values_of};
 use crate::basis::direction::Direction;
 use crate::basis::end_conditions::Ends;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 
 /// The constants of all copies.

@@ -14,7 +14,8 @@
 //! only.
 
 use crate::basis::direction::Direction;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::interrupt::Meter;
 use crate::setup::Setup;
 

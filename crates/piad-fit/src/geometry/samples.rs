@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use super::evaluation::Geometry;
 use crate::basis::Basis;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::setup::Setup;
 
 /// How many samples are evaluated at a time: the values of all basis functions at their parameters,

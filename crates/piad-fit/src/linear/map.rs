@@ -6,7 +6,7 @@
 
 use std::fmt::Debug;
 
-use crate::data::points::Grid;
+use crate::data::grid::Grid;
 
 /// A linear map of lines of a fixed length n, applied in place: `x ← M x`.
 pub trait LineMap: Debug + Send + Sync {

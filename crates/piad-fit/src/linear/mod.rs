@@ -11,7 +11,7 @@
 //! - `map`: linear maps of lines, and tensor products of them;
 //! - `inverse`: `B⁻¹` by `elimination` without pivots, by banded `lu` or by `dense` LU;
 //! - `qr`: the transform of the extended method, of cyclic matrices by `bordered`;
-//! - `triangular`: least-squares factorizations;
+//! - `triangular`: least-squares factorizations of the matrices that `rows` collects;
 //! - `band`: cyclic matrices on their way into a factorization.
 
 mod band;
@@ -25,6 +25,7 @@ pub(crate) mod lu;
 mod map;
 mod pack;
 pub(crate) mod qr;
+pub(crate) mod rows;
 pub(crate) mod triangular;
 
 pub(crate) use band::folded;

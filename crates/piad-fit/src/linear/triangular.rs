@@ -23,109 +23,6 @@ const DEPENDENT: f64 = 1e-12;
 /// The same of the squares of these parts, which are differences of products.
 const DEPENDENT_SQUARE: f64 = 1e-14;
 
-/// The rows of a matrix on their way into a factorization.
-#[derive(Debug)]
-pub(crate) struct Rows {
-    /// The place of each column in the order in which rows are narrow.
-    places: Vec<u32>,
-    /// The most places from the first to the last entry of a row.
-    width: usize,
-    kept: Kept,
-}
-
-/// What is kept of rows.
-#[derive(Debug)]
-enum Kept {
-    Rows {
-        /// The first place of each row.
-        firsts: Vec<u32>,
-        /// `width` numbers of each row.
-        entries: Vec<f64>,
-    },
-    /// The sums of products of columns: of each place `width` numbers, from its own square on.
-    Products(Vec<f64>),
-}
-
-impl Rows {
-    /// No rows yet, of as many columns as there are places.
-    pub(crate) fn new(places: Vec<u32>, width: usize) -> Self {
-        Self {
-            width: width.min(places.len()),
-            places,
-            kept: Kept::Rows {
-                firsts: Vec::new(),
-                entries: Vec::new(),
-            },
-        }
-    }
-
-    /// The same, of which only the products of columns are kept.
-    pub(crate) fn of_products(places: Vec<u32>, width: usize) -> Self {
-        let width = width.min(places.len());
-        Self {
-            kept: Kept::Products(vec![0.0; places.len() * width]),
-            places,
-            width,
-        }
-    }
-
-    /// Adds a multiple of a row of columns and values.
-    pub(crate) fn push(&mut self, row: impl Iterator<Item = (usize, f64)> + Clone, factor: f64) {
-        let entries = || {
-            let entries = row.clone().filter(|&(_, value)| value != 0.0);
-            entries.map(|(column, value)| (self.places[column] as usize, value))
-        };
-        match &mut self.kept {
-            Kept::Products(products) => {
-                for (place, value) in entries() {
-                    let later = entries().filter(|(other, _)| *other >= place);
-                    let products = &mut products[place * self.width..(place + 1) * self.width];
-                    later.for_each(|(other, x)| {
-                        products[other - place] += (factor * value) * (factor * x);
-                    });
-                }
-            }
-            Kept::Rows {
-                firsts,
-                entries: numbers,
-            } => {
-                let Some(first) = entries().map(|(place, _)| place).min() else {
-                    return;
-                };
-                let mut line = vec![0.0; self.width];
-                for (place, value) in entries() {
-                    line[place - first] += factor * value;
-                }
-                numbers.extend(line);
-                firsts.push(first as u32);
-            }
-        }
-    }
-
-    /// The triangular factor; `fixed` columns are left out.
-    pub(crate) fn triangular(self, fixed: impl Fn(usize) -> bool) -> Triangular {
-        let (firsts, entries) = match self.kept {
-            Kept::Products(products) => {
-                return Triangular::of_products(self.places, self.width, products, fixed);
-            }
-            Kept::Rows { firsts, entries } => (firsts, entries),
-        };
-        let mut order: Vec<usize> = (0..firsts.len()).collect();
-        order.sort_by_key(|&row| firsts[row]);
-        let mut triangular = Triangular::new(self.places, self.width);
-        let mut line = vec![0.0; self.width];
-        for row in order {
-            line.copy_from_slice(&entries[row * self.width..(row + 1) * self.width]);
-            triangular.insert(&mut line, firsts[row] as usize);
-        }
-        triangular.leave_out(fixed);
-        match triangular.is_nearly_singular() {
-            true => triangular.regularized(),
-            false => triangular,
-        }
-    }
-}
-
 /// An upper triangular matrix R, for solutions of `RᵀR x = b`.
 #[derive(Debug)]
 pub(crate) struct Triangular {
@@ -153,7 +50,7 @@ impl Triangular {
 
     /// The factor of a matrix with these products of columns; `fixed` columns, and those that depend on others before
     /// them, are left out.
-    fn of_products(
+    pub(super) fn of_products(
         places: Vec<u32>,
         width: usize,
         mut products: Vec<f64>,
@@ -220,7 +117,7 @@ impl Triangular {
     }
 
     /// Rotates a row, which begins at place `first`, into the rows that are there.
-    fn insert(&mut self, line: &mut [f64], first: usize) {
+    pub(super) fn insert(&mut self, line: &mut [f64], first: usize) {
         let width = self.width;
         for place in first..self.taken.len() {
             let row = &mut self.rows[place * width..(place + 1) * width];
@@ -283,7 +180,7 @@ impl Triangular {
 
     /// Whether R with columns of length one has a singular value below [`DEPENDENT`], as far as one
     /// solution shows it: that of a right side whose signs alternate, as solutions that grow do.
-    fn is_nearly_singular(&self) -> bool {
+    pub(super) fn is_nearly_singular(&self) -> bool {
         let lengths = self.lengths();
         let signs = [1.0, -1.0].into_iter().cycle();
         let mut x: Vec<f64> = lengths
@@ -299,7 +196,7 @@ impl Triangular {
     }
 
     /// The factor of the same matrix with small rows of the identity below it.
-    fn regularized(self) -> Self {
+    pub(super) fn regularized(self) -> Self {
         let lengths = self.lengths();
         let mut factor = Self::new(self.places.clone(), self.width);
         let rows = self.rows.chunks_exact(self.width).enumerate();
@@ -357,6 +254,7 @@ impl LineMap for Triangular {
 mod tests {
     use nalgebra::{DMatrix, DVector};
 
+    use crate::linear::rows::Rows;
     use super::*;
 
     fn entry(i: usize, j: usize) -> f64 {

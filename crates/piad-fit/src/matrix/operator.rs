@@ -12,7 +12,8 @@ use std::sync::Arc;
 use super::collocation::Collocation;
 use super::sparse::Sparse;
 use super::tensor::Tensor;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 
 /// The collocation matrix B, which is shared by problems that have the same one.
 #[derive(Clone, Debug)]

@@ -13,7 +13,8 @@ use crate::basis::Polynomial;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::basis::knots::Knots;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid};
 use crate::parameters::Parametrization;
 
@@ -115,17 +116,13 @@ fn direction(
     parameters: Option<&[f64]>,
     basis: BasisChoice,
 ) -> Result<Direction, Invalid> {
-    let choice = DirectionChoice {
+    let choice = DirectionChoice::new(
         basis,
-        parameters: match parameters {
+        match parameters {
             None => Parametrization::Uniform,
             Some(values) => Parametrization::Explicit(values.to_vec().into()),
         },
-        closed: false,
-        control_points: None,
-        ends: None,
-        weights: None,
-    };
+    );
     let grid = Grid {
         rows: count,
         columns: 1,

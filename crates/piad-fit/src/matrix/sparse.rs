@@ -11,7 +11,7 @@
 use rayon::prelude::*;
 
 use crate::basis::direction::Direction;
-use crate::data::points::Grid;
+use crate::data::grid::Grid;
 
 /// The most multiplications of a factorization of the normal equations.
 const MOST_WORK: usize = 4_000_000_000;
@@ -167,17 +167,13 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     fn direction(degree: usize, free: usize, phase: f64, axis: Axis) -> Direction {
-        let choice = DirectionChoice {
-            basis: BasisChoice::BSpline {
+        let choice = DirectionChoice::new(
+            BasisChoice::BSpline {
                 degree,
                 knots: Knots::Spread,
             },
-            parameters: Parametrization::ChordLength,
-            closed: false,
-            control_points: None,
-            ends: None,
-            weights: None,
-        };
+            Parametrization::ChordLength,
+        );
         let parameters = (0..60).map(|i| (f64::from(i) * phase).sin()).collect();
         Direction::scattered(&choice, (parameters, free), axis).unwrap()
     }

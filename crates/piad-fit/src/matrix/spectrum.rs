@@ -309,7 +309,8 @@ mod tests {
     use crate::basis::choice::{BasisChoice, DirectionChoice};
     use crate::basis::direction::Direction;
     use crate::basis::{Polynomial, knots::Knots};
-    use crate::data::points::{Grid, Points};
+    use crate::data::grid::Grid;
+    use crate::data::points::Points;
     use crate::invalid::Axis;
     use crate::parameters::Parametrization;
 
@@ -321,14 +322,7 @@ mod tests {
             rows: count,
             columns: 1,
         };
-        let choice = DirectionChoice {
-            basis,
-            parameters: Parametrization::ChordLength,
-            closed: false,
-            control_points: None,
-            ends: None,
-            weights: None,
-        };
+        let choice = DirectionChoice::new(basis, Parametrization::ChordLength);
         Collocation::new(&Direction::new(choice, &points, grid, None, Axis::U).unwrap())
     }
 

@@ -15,7 +15,7 @@ use nalgebra::DMatrix;
 
 use super::collocation::Collocation;
 use crate::basis::direction::Direction;
-use crate::data::points::Grid;
+use crate::data::grid::Grid;
 
 /// The collocation matrix of a problem: of a curve, or the tensor product of a surface.
 #[derive(Clone, Debug)]

@@ -36,6 +36,7 @@ pub(super) const ABOUT: About = About {
 
 /// Adaptive PIA with its threshold and its relaxation.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Adaptive {
     /// In data units, greater than 0: points that are no further away stay.
     pub threshold: Threshold,

@@ -40,6 +40,7 @@ const PATIENCE: usize = 3;
 
 /// Convexity-preserving PIA with its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Convex {
     /// How near to the turning point the bisection goes, as a part of the plain step, between 0 and
     /// 1 (LWD04, Algorithm 1).

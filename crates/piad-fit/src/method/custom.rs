@@ -71,6 +71,7 @@ const EIGENVALUES: usize = 25;
 /// assert_eq!((surface.u().len(), surface.v().map(<[_]>::len)), (3, Some(4)));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Custom {
     u: Arc<Vec<Vec<f64>>>,
     v: Option<Arc<Vec<Vec<f64>>>>,

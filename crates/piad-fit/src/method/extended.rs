@@ -43,6 +43,7 @@ pub(super) const ABOUT: About = About {
 
 /// Extended PIA with its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Extended {
     /// The control points of level 0.
     pub start: Start,
@@ -53,6 +54,8 @@ pub struct Extended {
 
 /// Level 0 of the extended method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Start {
     /// `X⁰ = U P`.
     #[default]

@@ -43,6 +43,7 @@ const BLOCK: usize = 200;
 
 /// Local PIA. Which points are selected is a part of the request, as there can be many.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Local {
     /// The relaxation. The best one is `2 / (1 + λ_min)` of the block of up to 200 points, and of
     /// the whole matrix for more of them: that is nearer to 2, and as fast as weighted PIA.
@@ -53,6 +54,8 @@ pub struct Local {
 
 /// The lines of points that sweeps go by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Sweeps {
     /// Row by row.
     Rows,

@@ -83,6 +83,8 @@ pub use weighted::Weighted;
 
 /// A method with its settings.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(tag = "kind", rename_all = "snake_case"))]
 pub enum Method {
     /// Classical PIA, U = I.
     Global,

@@ -4,6 +4,8 @@ use crate::invalid::Invalid;
 
 /// A relaxation, between 0 and 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Omega {
     /// This one.
     Given(f64),

@@ -14,6 +14,8 @@ use crate::invalid::{Invalid, Place, Setting, one_for_each};
 /// assert_eq!(each.largest(), 0.5);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Threshold {
     /// The same for all points.
     All(f64),

@@ -33,6 +33,7 @@ pub(super) const ABOUT: About = About {
 
 /// Weighted PIA with its relaxation.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Weighted {
     /// The given ω, between 0 and 2; without it the best one, 2 / (1 + λ_min), is computed.
     pub omega: Option<f64>,

@@ -18,9 +18,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::invalid::{Axis, Invalid, Place};
+use crate::data::grid::Grid;
 use crate::data::missing::Missing;
 use crate::data::monotonic;
-use crate::data::points::{Grid, Points};
+use crate::data::points::Points;
 
 pub use scattered::{CoordinatePlane, Scattered};
 
@@ -29,6 +30,8 @@ pub(crate) const LARGEST: f64 = 1e300;
 
 /// How the parameters of one direction are chosen.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Parametrization {
     /// `t_i = i / n`.
     Uniform,

@@ -20,6 +20,8 @@ const LINE: f64 = 1e-12;
 
 /// How scattered points get their parameters.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Scattered {
     /// As they are given, u and v of each point.
     Given(Arc<Points>),
@@ -31,6 +33,8 @@ pub enum Scattered {
 
 /// A plane of two coordinates, of which the first is u.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum CoordinatePlane {
     /// x and y.
     Xy,

@@ -6,7 +6,7 @@ use super::construction::first_line;
 use super::request::Request;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::direction::Direction;
-use crate::data::points::Grid;
+use crate::data::grid::Grid;
 use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::line::KnotLine;
 use crate::method::{Automatic as Settings, LeastSquares};

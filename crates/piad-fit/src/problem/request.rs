@@ -6,12 +6,15 @@
 use std::sync::Arc;
 
 use crate::basis::choice::DirectionChoice;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::method::Method;
 use crate::parameters::scattered::Scattered;
 
 /// When to stop, as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Tolerance {
     /// In data units.
     Absolute(f64),
@@ -26,6 +29,8 @@ impl Tolerance {
 
 /// The weights of a rational fit, as asked for.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Weights {
     /// None: the curve is polynomial in each span.
     None,
@@ -72,4 +77,34 @@ pub struct Request {
     pub tolerance: Option<Tolerance>,
     /// The last level that is computed.
     pub max_iterations: usize,
+}
+
+/// The most iterations where no number is given.
+const ITERATIONS: usize = 1000;
+
+impl Request {
+    /// Classical PIA with these directions, without weights and without a tolerance.
+    pub fn new(
+        points: impl Into<Arc<Points>>,
+        grid: Grid,
+        u: DirectionChoice,
+        v: Option<DirectionChoice>,
+    ) -> Self {
+        Self {
+            points: points.into(),
+            grid,
+            missing: Vec::new(),
+            scattered: None,
+            u,
+            v,
+            weights: Weights::None,
+            method: Method::Global,
+            selected: None,
+            start: None,
+            start_breaks: None,
+            lambda_min: None,
+            tolerance: None,
+            max_iterations: ITERATIONS,
+        }
+    }
 }

@@ -287,18 +287,9 @@ fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request 
     }
     let edited = turn.is_multiple_of(2) && weights != 1;
     Request {
-        start_breaks: None,
         start: edited.then(|| Arc::clone(&points)),
         lambda_min: edited.then_some(0.1),
-        scattered: None,
-        points,
-        grid,
-        missing: Vec::new(),
-        u,
-        v,
         weights: of_points,
-        method: Method::Global,
-        selected: None,
         tolerance: match turn % 4 {
             0 => Some(Tolerance::Absolute(0.0)),
             1 => Some(Tolerance::Absolute(0.1)),
@@ -306,6 +297,7 @@ fn request(surface: bool, basis: usize, weights: usize, turn: usize) -> Request 
             _ => None,
         },
         max_iterations: turn,
+        ..Request::new(points, grid, u, v)
     }
 }
 
@@ -360,25 +352,24 @@ fn direction(count: usize, basis: usize, turn: usize) -> DirectionChoice {
     let explicit = Parametrization::Explicit(Arc::new(values[..given].to_vec()));
     let spline = |degree, knots| BasisChoice::BSpline { degree, knots };
     DirectionChoice {
-        basis: match basis {
-            0 => spline(3, Knots::Usual),
-            1 => spline(3, Knots::Data),
-            2 => spline(2, Knots::Averaged),
-            3 => spline(1, Knots::Explicit(Arc::new(knots(&values[..count])))),
-            4 => BasisChoice::Polynomial(Polynomial::Bernstein),
-            5 => BasisChoice::Polynomial(Polynomial::SaidBall),
-            _ => BasisChoice::Polynomial(Polynomial::WangBall),
-        },
-        parameters: match (basis, turn % 4) {
-            (3, _) | (_, 0) => explicit,
-            (_, 1) => Parametrization::Centripetal,
-            (_, 2) => Parametrization::Uniform,
-            _ => Parametrization::ChordLength,
-        },
         closed,
-        control_points: None,
-        ends: None,
-        weights: None,
+        ..DirectionChoice::new(
+            match basis {
+                0 => spline(3, Knots::Usual),
+                1 => spline(3, Knots::Data),
+                2 => spline(2, Knots::Averaged),
+                3 => spline(1, Knots::Explicit(Arc::new(knots(&values[..count])))),
+                4 => BasisChoice::Polynomial(Polynomial::Bernstein),
+                5 => BasisChoice::Polynomial(Polynomial::SaidBall),
+                _ => BasisChoice::Polynomial(Polynomial::WangBall),
+            },
+            match (basis, turn % 4) {
+                (3, _) | (_, 0) => explicit,
+                (_, 1) => Parametrization::Centripetal,
+                (_, 2) => Parametrization::Uniform,
+                _ => Parametrization::ChordLength,
+            },
+        )
     }
 }
 

@@ -6,14 +6,15 @@ use std::sync::Arc;
 use crate::basis::Basis;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::geometry::evaluation::Geometry;
 use crate::iteration::Iteration;
 use crate::iteration::system::System;
 use crate::method::{AS_MANY_AS_DATA, LeastSquares, Method};
 use crate::parameters::Parametrization;
 use crate::problem::Problem;
-use crate::problem::request::{Request, Tolerance, Weights};
+use crate::problem::request::{Request, Tolerance};
 use crate::termination::Outcome;
 use crate::termination::Reason;
 
@@ -54,15 +55,14 @@ impl Random {
 
 fn direction(closed: bool, parameters: Parametrization) -> DirectionChoice {
     DirectionChoice {
-        basis: BasisChoice::BSpline {
-            degree: 3,
-            knots: Knots::Usual,
-        },
-        parameters,
         closed,
-        control_points: None,
-        ends: None,
-        weights: None,
+        ..DirectionChoice::new(
+            BasisChoice::BSpline {
+                degree: 3,
+                knots: Knots::Usual,
+            },
+            parameters,
+        )
     }
 }
 
@@ -72,20 +72,10 @@ fn fit(points: Points, grid: Grid, u: DirectionChoice, tolerance: f64) -> (Itera
         .is_rows()
         .then(|| direction(false, Parametrization::Uniform));
     let request = Request {
-        points: Arc::new(points),
-        grid,
-        missing: Vec::new(),
-        u,
-        v,
-        weights: Weights::None,
         method: Method::LeastSquares(LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA)),
-        selected: None,
-        start: None,
-        start_breaks: None,
-        lambda_min: None,
-        scattered: None,
         tolerance: Some(Tolerance::Relative(tolerance)),
         max_iterations: 100_000,
+        ..Request::new(points, grid, u, v)
     };
     let problem = Problem::new(request).unwrap();
     let mut fit = Iteration::start(Arc::new(System::new(Arc::new(problem))));

@@ -9,13 +9,14 @@ use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
 use crate::data::aligned::Lane;
 use crate::data::blocks::BLOCK;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::iteration::system::System;
 use crate::iteration::{Iteration, Level};
 use crate::method::{Method, Weighted};
 use crate::parameters::Parametrization;
 use crate::problem::Problem;
-use crate::problem::request::{Request, Tolerance, Weights};
+use crate::problem::request::{Request, Tolerance};
 
 /// B-splines of any degree up to 8, open with both kinds of knots or closed.
 fn direction() -> impl Strategy<Value = DirectionChoice> {
@@ -27,15 +28,14 @@ fn direction() -> impl Strategy<Value = DirectionChoice> {
     ];
     (1..=8_usize, knots, parameters, any::<bool>()).prop_map(
         |(degree, knots, parameters, closed)| DirectionChoice {
-            basis: BasisChoice::BSpline {
-                degree,
-                knots: if closed { Knots::Data } else { knots },
-            },
-            parameters,
             closed,
-            control_points: None,
-            ends: None,
-            weights: None,
+            ..DirectionChoice::new(
+                BasisChoice::BSpline {
+                    degree,
+                    knots: if closed { Knots::Data } else { knots },
+                },
+                parameters,
+            )
         },
     )
 }
@@ -78,22 +78,7 @@ prop_compose! {
             let point: Vec<f64> = (0..dimension).map(|c| base[c] + unevenness * noise(i, c)).collect();
             points.push(&point);
         }
-        Request {
-            points: Arc::new(points),
-            grid,
-            u,
-            v: (grid.columns > 1).then_some(v),
-            missing: Vec::new(),
-            weights: Weights::None,
-            method,
-            selected: None,
-            start: None,
-            start_breaks: None,
-            lambda_min: None,
-            scattered: None,
-            tolerance: Some(Tolerance::Relative(10f64.powi(-exponent))),
-            max_iterations: 23,
-        }
+        Request { method, tolerance: Some(Tolerance::Relative(10f64.powi(-exponent))), max_iterations: 23, ..Request::new(points, grid, u, (grid.columns > 1).then_some(v)) }
     }
 }
 

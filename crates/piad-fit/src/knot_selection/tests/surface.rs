@@ -1,7 +1,7 @@
 //! Surfaces, against those of scipy.
 
 use super::*;
-use crate::data::points::Grid;
+use crate::data::grid::Grid;
 use crate::knot_selection::surface::{GridData, SurfaceLevel, SurfaceOptions, SurfaceSchedule};
 
 /// Whether the second of two levels is the first one with more knots in one direction.

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use super::*;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::{Polynomial, knots::Knots};
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::invalid::Axis;
 use crate::linear::LineMap;
 use crate::parameters::Parametrization;
@@ -15,12 +16,8 @@ fn direction(basis: BasisChoice, t: Vec<f64>, closed: bool) -> Direction {
     let rows = t.len() - usize::from(closed);
     let grid = Grid { rows, columns: 1 };
     let choice = DirectionChoice {
-        basis,
-        parameters: Parametrization::Explicit(Arc::new(t)),
         closed,
-        control_points: None,
-        ends: None,
-        weights: None,
+        ..DirectionChoice::new(basis, Parametrization::Explicit(Arc::new(t)))
     };
     Direction::new(choice, &Points::zeros(1, rows), grid, None, Axis::U).unwrap()
 }

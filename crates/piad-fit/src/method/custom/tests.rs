@@ -6,7 +6,8 @@ use super::*;
 use crate::basis::Polynomial;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
-use crate::data::points::{Grid, Points};
+use crate::data::grid::Grid;
+use crate::data::points::Points;
 use crate::invalid::{Axis, Place};
 use crate::iteration::Iteration;
 use crate::iteration::system::System;
@@ -15,7 +16,7 @@ use crate::matrix::spectrum;
 use crate::method::{Local, Method, Omega, Weighted};
 use crate::parameters::Parametrization;
 use crate::problem::Problem;
-use crate::problem::request::{Request, Tolerance, Weights};
+use crate::problem::request::{Request, Tolerance};
 
 /// Cubic B-splines with knots at the data.
 fn cubic() -> BasisChoice {
@@ -31,29 +32,17 @@ fn request(rows: usize, columns: usize, basis: BasisChoice, method: Method) -> R
         let x = x + 0.3 * (2.0 * x).sin();
         points.push(&[x, y + 0.1 * x.cos(), (0.7 * x).sin() + (0.4 * y).cos()]);
     }
-    let direction = || DirectionChoice {
-        basis: basis.clone(),
-        parameters: Parametrization::ChordLength,
-        closed: false,
-        control_points: None,
-        ends: None,
-        weights: None,
-    };
+    let direction = || DirectionChoice::new(basis.clone(), Parametrization::ChordLength);
     Request {
-        points: Arc::new(points),
-        grid: Grid { rows, columns },
-        u: direction(),
-        v: (columns > 1).then(direction),
-        missing: Vec::new(),
-        weights: Weights::None,
         method,
-        selected: None,
-        start: None,
-        start_breaks: None,
-        lambda_min: None,
-        scattered: None,
         tolerance: Some(Tolerance::Absolute(1e-13)),
         max_iterations: 100,
+        ..Request::new(
+            points,
+            Grid { rows, columns },
+            direction(),
+            (columns > 1).then(direction),
+        )
     }
 }
 

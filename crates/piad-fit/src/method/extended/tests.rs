@@ -8,13 +8,13 @@ use super::*;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::end_conditions::{End, Ends};
 use crate::basis::knots::Knots;
-use crate::data::points::Grid;
+use crate::data::grid::Grid;
 use crate::iteration::Iteration;
 use crate::iteration::system::System;
 use crate::method::Method;
 use crate::parameters::Parametrization;
 use crate::problem::Problem;
-use crate::problem::request::{Request, Tolerance, Weights};
+use crate::problem::request::{Request, Tolerance};
 
 /// Uneven points around a closed curve, which an open one goes through once.
 fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request {
@@ -25,30 +25,25 @@ fn request(count: usize, degree: usize, closed: bool, tolerance: f64) -> Request
     }
     let knots = Knots::Data;
     Request {
-        points: Arc::new(points),
-        grid: Grid {
-            rows: count,
-            columns: 1,
-        },
-        u: DirectionChoice {
-            basis: BasisChoice::BSpline { degree, knots },
-            parameters: Parametrization::ChordLength,
-            closed,
-            control_points: None,
-            ends: (!closed).then(|| Ends::both(End::Repeated)),
-            weights: None,
-        },
-        v: None,
-        missing: Vec::new(),
-        weights: Weights::None,
         method: Method::Extended(Extended::default()),
-        selected: None,
-        start: None,
-        start_breaks: None,
-        lambda_min: None,
-        scattered: None,
         tolerance: Some(Tolerance::Relative(tolerance)),
         max_iterations: 10_000,
+        ..Request::new(
+            points,
+            Grid {
+                rows: count,
+                columns: 1,
+            },
+            DirectionChoice {
+                closed,
+                ends: (!closed).then(|| Ends::both(End::Repeated)),
+                ..DirectionChoice::new(
+                    BasisChoice::BSpline { degree, knots },
+                    Parametrization::ChordLength,
+                )
+            },
+            None,
+        )
     }
 }
 

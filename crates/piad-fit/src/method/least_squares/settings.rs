@@ -17,6 +17,7 @@ const GAP_STIFFNESS: f64 = 1e-6;
 
 /// A least-squares fit.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LeastSquares {
     /// The number of control points of a curve, or in the u direction; the most of an automatic fit.
     pub u: usize,
@@ -41,6 +42,7 @@ pub struct LeastSquares {
 
 /// A fit that chooses its knots by itself (`crate::knot_selection`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Automatic {
     /// Whether parameters move to the foot points of their data.
     pub correct_parameters: bool,
@@ -196,6 +198,8 @@ impl LeastSquares {
 /// Whether a curve passes through its first and its last data point, and a surface through those of
 /// its four corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum EndPoints {
     /// They are interpolated where there are ends.
     Usual,
@@ -207,6 +211,7 @@ pub enum EndPoints {
 
 /// A multiple of the integral of a squared derivative is added to the sum of squares.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fairness {
     /// The multiple f, free of units, of the integral over parameters scaled to [0, 1], beside the mean of the squared
     /// distances: see `super::fairness`.
@@ -217,6 +222,8 @@ pub struct Fairness {
 
 /// The variants of the least-squares update.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Variant {
     /// `X ← X + D Aᵀ Δ` with D = diag(1 / column sums of A).
     Diagonal,
@@ -226,6 +233,7 @@ pub enum Variant {
         mu: Option<f64>,
     },
     /// Conjugate gradients (CGLS), preconditioned with the same D.
+    #[cfg_attr(feature = "serde", serde(rename = "cg"))]
     ConjugateGradients,
     /// The normal equations are solved.
     Direct,

@@ -33,6 +33,7 @@ pub const MOST_CONDITIONS: usize = 1000;
 
 /// A condition that every level obeys.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Constraint {
     /// Where.
     pub at: At,
@@ -42,6 +43,8 @@ pub struct Constraint {
 
 /// Where a constraint holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum At {
     /// At an end of an open curve.
     Side(Side),
@@ -57,6 +60,8 @@ pub enum At {
 
 /// What holds there.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Wanted {
     /// It passes through the data point.
     DataPoint,
