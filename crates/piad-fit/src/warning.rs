@@ -2,7 +2,7 @@
 //!
 //! Some of it is known from the problem alone (degrees that few points do not determine, even
 //! degrees with knots at the data). Some is known once the collocation matrix has been looked at
-//! (eigenvalues, rehearsals); that is asked of the method,
+//! (eigenvalues, trial runs); that is asked of the method,
 //! [`Method::warnings`](super::method::Method::warnings).
 
 use super::basis::knots::Knots;

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 use crate::problem::Problem;
 
 /// Knots of a level, and the parameters of its data if they have moved.
@@ -30,7 +30,7 @@ impl Problem {
     /// simple, and all functions have control points of their own.
     pub fn breaks(&self) -> Option<Vec<Arc<Vec<f64>>>> {
         let breaks = self.directions().map(|direction| {
-            let line = KnotLine::of(direction)?;
+            let line = Breaks::of(direction)?;
             let own = line.control_points() == direction.free();
             own.then(|| Arc::new(line.breaks().to_vec()))
         });
@@ -43,7 +43,7 @@ impl Problem {
         let directions = self.directions().enumerate().map(|(axis, direction)| {
             let line = bases.breaks.get(axis).and_then(|breaks| {
                 let degree = direction.basis.degree();
-                KnotLine::new(degree, direction.is_closed(), breaks.to_vec())
+                Breaks::new(degree, direction.is_closed(), breaks.to_vec())
             });
             let moved = bases.parameters.as_ref();
             let moved = moved.filter(|it| axis == 0 && it.len() == direction.parameters.len());

@@ -1,6 +1,6 @@
 //! When a fit will end: what is known before its first step.
 //!
-//! Methods say what they know by eigenvalues and rehearsals ([`Forecast`](crate::matrix::forecast::Forecast)); clients see it
+//! Methods say what they know by eigenvalues and trial runs ([`Forecast`](crate::matrix::forecast::Forecast)); clients see it
 //! before they wait. That alone is far too pessimistic, as data has little of the slowest eigenvectors. So a
 //! millisecond or two are spent on the first levels: short fits end within it, and the [decay](super::decay) of errors
 //! predicts the end of the others.

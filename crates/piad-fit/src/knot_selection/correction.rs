@@ -8,7 +8,7 @@
 //! bend to a parameter that was only guessed. Parameters stay increasing: none goes more than a part
 //! of the way to its neighbours. The first one stays, and on open curves the last one.
 
-use super::line::KnotLine;
+use super::breaks::Breaks;
 use super::values::Values;
 use crate::data::points::Points;
 
@@ -18,7 +18,7 @@ const PART: f64 = 0.4;
 /// The parameters after one step.
 pub(crate) fn corrected(values: &Values, control_points: &Points, points: &Points) -> Vec<f64> {
     let (line, t) = (values.line(), values.parameters());
-    let Some(lower) = KnotLine::new(line.degree() - 1, line.is_closed(), line.breaks().to_vec())
+    let Some(lower) = Breaks::new(line.degree() - 1, line.is_closed(), line.breaks().to_vec())
     else {
         return t.to_vec();
     };
@@ -56,7 +56,7 @@ pub(crate) fn corrected(values: &Values, control_points: &Points, points: &Point
 }
 
 /// The control points of the derivative of one coordinate, over the same breaks.
-fn derivative(line: &KnotLine, lower: &KnotLine, x: &[f64]) -> Vec<f64> {
+fn derivative(line: &Breaks, lower: &Breaks, x: &[f64]) -> Vec<f64> {
     let degree = line.degree();
     (0..lower.control_points())
         .map(|j| {

@@ -14,8 +14,8 @@
 
 use std::sync::Arc;
 
+use super::breaks::Breaks;
 use super::gram::{Cholesky, Gram};
-use super::line::KnotLine;
 use super::values::Values;
 use crate::basis::quadrature::{Row, node_rows};
 use crate::data::points::Points;
@@ -149,13 +149,13 @@ fn gram(values: &Values, weights: Option<&[f64]>, bending: &[Row]) -> Gram {
 }
 
 /// How many control points are fixed at each end.
-pub(super) fn fixed_ends(line: &KnotLine) -> usize {
+pub(super) fn fixed_ends(line: &Breaks) -> usize {
     usize::from(!line.is_closed())
 }
 
 /// The control points of the segment from the first datum to the last one, at the speed of the
 /// parameters; of a closed curve the first datum.
-pub(super) fn start(line: &KnotLine, points: &Points) -> Points {
+pub(super) fn start(line: &Breaks, points: &Points) -> Points {
     let count = line.control_points();
     let breaks = line.breaks();
     let (low, high) = (breaks[0], breaks[line.spans()]);

@@ -1,6 +1,6 @@
 //! New knots in the middle of the spans that need them.
 
-use super::line::KnotLine;
+use super::breaks::Breaks;
 use super::monitor::span_maxima;
 
 /// Spans whose distance is below this part of the largest wait: they mostly follow from their
@@ -12,12 +12,12 @@ const SHARE: f64 = 0.05;
 /// for. `None` if no knot can be inserted: if the data would not determine the fit, or there would
 /// be more than `limit` control points.
 pub(crate) fn grown(
-    line: &KnotLine,
+    line: &Breaks,
     t: &[f64],
     distances: &[f64],
     tolerance: f64,
     (limit, most): (usize, usize),
-) -> Option<KnotLine> {
+) -> Option<Breaks> {
     let starts = line.starts(t);
     let maxima = span_maxima(&starts, distances);
     let worst = maxima.iter().copied().fold(0.0, f64::max);
@@ -39,7 +39,7 @@ pub(crate) fn grown(
         let mut breaks = line.breaks().to_vec();
         breaks.extend(asked.into_iter().map(middle));
         breaks.sort_by(f64::total_cmp);
-        let grown = KnotLine::new(line.degree(), line.is_closed(), breaks)?;
+        let grown = Breaks::new(line.degree(), line.is_closed(), breaks)?;
         (grown.control_points() <= limit && grown.is_determined(t)).then_some(grown)
     })
 }

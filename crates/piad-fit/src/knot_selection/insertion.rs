@@ -5,12 +5,12 @@
 //! that these knots enclose (the Oslo algorithm; Cohen, Lyche, Riesenfeld 1980). One new knot by
 //! itself is Boehm's. It costs O(p²) for each control point, however many knots are inserted.
 
-use super::line::KnotLine;
+use super::breaks::Breaks;
 use crate::data::points::Points;
 
 /// The control points of the same curve over `fine` knots, which must hold all of the `coarse`
 /// ones.
-pub(crate) fn refine(coarse: &KnotLine, fine: &KnotLine, control_points: &Points) -> Points {
+pub(crate) fn refine(coarse: &Breaks, fine: &Breaks, control_points: &Points) -> Points {
     Points::from_lanes(
         control_points
             .lanes()
@@ -20,7 +20,7 @@ pub(crate) fn refine(coarse: &KnotLine, fine: &KnotLine, control_points: &Points
 }
 
 /// The same for one coordinate.
-pub(crate) fn refine_line(coarse: &KnotLine, fine: &KnotLine, x: &[f64]) -> Vec<f64> {
+pub(crate) fn refine_line(coarse: &Breaks, fine: &Breaks, x: &[f64]) -> Vec<f64> {
     let degree = coarse.degree();
     let (start, end) = (coarse.breaks()[0], coarse.breaks()[coarse.spans()]);
     let period = end - start;
@@ -52,7 +52,7 @@ pub(crate) fn refine_line(coarse: &KnotLine, fine: &KnotLine, x: &[f64]) -> Vec<
 }
 
 /// The span of a parameter, at the end of the line the last one; near `guess` it is found at once.
-fn span_of(line: &KnotLine, t: f64, guess: usize) -> usize {
+fn span_of(line: &Breaks, t: f64, guess: usize) -> usize {
     let breaks = line.breaks();
     let holds = |span: usize| breaks[span] <= t && t < breaks[span + 1];
     let near = (guess..line.spans().min(guess + 3)).find(|&span| holds(span));
@@ -64,12 +64,7 @@ fn span_of(line: &KnotLine, t: f64, guess: usize) -> usize {
 
 /// The blossom of the polynomial on a span at p arguments, by de Boor's scheme, of its p + 1
 /// control points.
-fn blossom(
-    line: &KnotLine,
-    span: usize,
-    local: &mut [f64],
-    argument: impl Fn(usize) -> f64,
-) -> f64 {
+fn blossom(line: &Breaks, span: usize, local: &mut [f64], argument: impl Fn(usize) -> f64) -> f64 {
     let degree = line.degree();
     for r in 0..degree {
         let t = argument(r);

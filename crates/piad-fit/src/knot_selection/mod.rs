@@ -47,16 +47,16 @@
 //! parametric B-spline curves and surfaces*, CAGD 4 (1987).
 
 mod attempt;
+pub(crate) mod breaks;
 pub(crate) mod correction;
 pub(crate) mod equations;
 mod gram;
 pub(crate) mod growth;
 pub(crate) mod guide;
 pub(crate) mod insertion;
-pub(crate) mod line;
+pub(super) mod knot_conversion;
 pub(crate) mod minimax;
 pub(crate) mod monitor;
-pub(super) mod placed;
 pub(crate) mod placement;
 mod pruning;
 pub(crate) mod schedule;
@@ -68,7 +68,7 @@ pub(crate) mod values;
 
 use std::sync::Arc;
 
-use self::line::KnotLine;
+use self::breaks::Breaks;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 
@@ -86,7 +86,7 @@ pub(crate) struct Options {
     /// Whether parameters move to the foot points of their data.
     pub correct_parameters: bool,
     /// The curve to begin with; without it one of p + 1 control points.
-    pub first: Option<(KnotLine, Points)>,
+    pub first: Option<(Breaks, Points)>,
     /// Whether levels are minima alone, without steps of plain least squares between them: where
     /// more is to be obeyed or weighed than these do.
     pub minima_alone: bool,
@@ -98,7 +98,7 @@ pub(crate) struct Options {
 #[derive(Clone, Debug)]
 pub(crate) struct Level {
     /// The knots.
-    pub line: KnotLine,
+    pub line: Breaks,
     /// The control points.
     pub control_points: Points,
     /// The distances from the data.

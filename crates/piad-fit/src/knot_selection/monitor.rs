@@ -16,7 +16,7 @@
 //! The same density gives knots for any number of control points, and an estimate of how many a
 //! tolerance needs: p and one for each share of τ^(1/(p+1)).
 
-use super::line::{KnotLine, control_points_beyond_spans};
+use super::breaks::{Breaks, control_points_beyond_spans};
 use crate::data::bounds::Extent;
 
 /// Spans count as if their distance were at least this part of the largest, so that none grows
@@ -35,7 +35,7 @@ pub(crate) struct Monitor {
 impl Monitor {
     /// Of the distances at the parameters, which spans start at `starts`. With `damping` below one
     /// knots go only that part of the way.
-    pub(crate) fn new(line: &KnotLine, starts: &[usize], distances: &[f64], damping: f64) -> Self {
+    pub(crate) fn new(line: &Breaks, starts: &[usize], distances: &[f64], damping: f64) -> Self {
         let most = span_maxima(starts, distances);
         let largest = most.iter().copied().fold(0.0, f64::max);
         let power = damping / (line.degree() + 1) as f64;
@@ -78,7 +78,7 @@ impl Monitor {
 
     /// Knots for so many control points, at equal shares; `None` if they are too close to be told
     /// apart.
-    pub(crate) fn place(&self, control_points: usize) -> Option<KnotLine> {
+    pub(crate) fn place(&self, control_points: usize) -> Option<Breaks> {
         let beyond = control_points_beyond_spans(self.degree, self.closed);
         let spans = control_points.checked_sub(beyond)?;
         let mut sums = vec![0.0];
@@ -99,7 +99,7 @@ impl Monitor {
             breaks.push((1.0 - part) * low + part * high);
         }
         breaks.push(self.breaks[self.breaks.len() - 1]);
-        KnotLine::new(self.degree, self.closed, breaks)
+        Breaks::new(self.degree, self.closed, breaks)
     }
 }
 
@@ -113,7 +113,7 @@ pub(crate) fn span_maxima(starts: &[usize], distances: &[f64]) -> Vec<f64> {
 
 /// How many control points would have distances of at most `tolerance`, if each span were divided
 /// by itself.
-pub(crate) fn needed(line: &KnotLine, maxima: &[f64], tolerance: f64) -> usize {
+pub(crate) fn needed(line: &Breaks, maxima: &[f64], tolerance: f64) -> usize {
     let power = 1.0 / (line.degree() + 1) as f64;
     let shares: f64 = maxima.iter().map(|e| (e / tolerance).powf(power)).sum();
     let beyond = control_points_beyond_spans(line.degree(), line.is_closed());

@@ -1,6 +1,6 @@
 //! Knots from a density, which the data must be able to determine.
 
-use super::line::{KnotLine, control_points_beyond_spans};
+use super::breaks::{Breaks, control_points_beyond_spans};
 use super::monitor::Monitor;
 use crate::basis::knots;
 
@@ -10,7 +10,7 @@ const TOWARDS_DATA: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Knots for so many control points, as the density asks for; where it asks for more knots than
 /// there are data, nearer to the data.
-pub(crate) fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<KnotLine> {
+pub(crate) fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<Breaks> {
     if control_points == t.len() {
         // One for each datum: other knots hardly determine the fit.
         return even(monitor, t, control_points).filter(|line| line.is_determined(t));
@@ -24,14 +24,14 @@ pub(crate) fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Opti
         let asked = asked.as_ref().unwrap_or(&even);
         let pairs = asked.breaks().iter().zip(even.breaks());
         let breaks = pairs.map(|(a, b)| (1.0 - part) * a + part * b);
-        let line = KnotLine::new(even.degree(), even.is_closed(), breaks.collect())?;
+        let line = Breaks::new(even.degree(), even.is_closed(), breaks.collect())?;
         line.is_determined(t).then_some(line)
     })
 }
 
 /// Knots that follow the data (PT97 (9.68)–(9.69)), with a control point for each datum averages of
 /// them (PT97 (9.8)).
-pub(super) fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<KnotLine> {
+pub(super) fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<Breaks> {
     let (degree, closed) = (monitor.degree(), monitor.is_closed());
     let spans = control_points.checked_sub(control_points_beyond_spans(degree, closed))?;
     let breaks = if closed {
@@ -52,5 +52,5 @@ pub(super) fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Optio
         };
         all[degree..=degree + spans].to_vec()
     };
-    KnotLine::new(degree, closed, breaks)
+    Breaks::new(degree, closed, breaks)
 }

@@ -15,14 +15,14 @@
 //! So much of it as cancels the jump of the curve is what the removal costs (Lyche, Mørken, *Knot
 //! removal for parametric B-spline curves and surfaces*, CAGD 4 (1987)).
 
-use super::line::KnotLine;
+use super::breaks::Breaks;
 use crate::data::points::Points;
 
 /// The knots without one of them, the cheapest removals first.
 pub(super) fn fewer<'a>(
-    line: &'a KnotLine,
+    line: &'a Breaks,
     control_points: &Points,
-) -> impl Iterator<Item = KnotLine> + use<'a> {
+) -> impl Iterator<Item = Breaks> + use<'a> {
     let mut order: Vec<(f64, usize)> = costs(line, control_points)
         .into_iter()
         .zip(1..line.spans())
@@ -31,12 +31,12 @@ pub(super) fn fewer<'a>(
     order.into_iter().filter_map(|(_, place)| {
         let mut breaks = line.breaks().to_vec();
         breaks.remove(place);
-        KnotLine::new(line.degree(), line.is_closed(), breaks)
+        Breaks::new(line.degree(), line.is_closed(), breaks)
     })
 }
 
 /// What the removal of each knot between the ends costs, but for a factor that is the same for all.
-fn costs(line: &KnotLine, control_points: &Points) -> Vec<f64> {
+fn costs(line: &Breaks, control_points: &Points) -> Vec<f64> {
     let mut jumps = vec![0.0; line.spans() - 1];
     for lane in control_points.lanes() {
         let highest = highest_derivative(line, lane);
@@ -58,7 +58,7 @@ fn costs(line: &KnotLine, control_points: &Points) -> Vec<f64> {
 }
 
 /// The p-th derivative on each span, where the whole length is one.
-fn highest_derivative(line: &KnotLine, lane: &[f64]) -> Vec<f64> {
+fn highest_derivative(line: &Breaks, lane: &[f64]) -> Vec<f64> {
     let (degree, length) = (line.degree(), length(line));
     let functions = line.spans() + degree;
     let mut x: Vec<f64> = (0..functions)
@@ -74,7 +74,7 @@ fn highest_derivative(line: &KnotLine, lane: &[f64]) -> Vec<f64> {
     x
 }
 
-fn length(line: &KnotLine) -> f64 {
+fn length(line: &Breaks) -> f64 {
     line.breaks()[line.spans()] - line.breaks()[0]
 }
 
@@ -97,9 +97,9 @@ mod tests {
             for unit in [1e-290, 1.0, 1e290] {
                 let at = |numbers: &[f64]| numbers.iter().map(|x| x * unit).collect::<Vec<f64>>();
                 let coarse = at(&[0.0, 0.7, 1.0, 2.1, 3.3, 3.4, 5.0]);
-                let coarse = KnotLine::new(degree, closed, coarse).unwrap();
+                let coarse = Breaks::new(degree, closed, coarse).unwrap();
                 let fine = at(&[0.0, 0.7, 1.0, 2.1, 2.6, 3.3, 3.4, 5.0]);
-                let fine = KnotLine::new(degree, closed, fine).unwrap();
+                let fine = Breaks::new(degree, closed, fine).unwrap();
                 let numbers = |seed: f64| {
                     (0..coarse.control_points()).map(move |i| unit * (seed * i as f64).sin())
                 };

@@ -12,9 +12,9 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::attempt::Attempt;
+use super::breaks::{Breaks, control_points_beyond_spans};
 use super::correction::corrected;
 use super::equations::Minimum;
-use super::line::{KnotLine, control_points_beyond_spans};
 use super::minimax::Weights;
 use super::monitor::{Monitor, needed, span_maxima};
 use super::placement::place;
@@ -293,7 +293,7 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// How many control points a largest distance asks for, if it is the same everywhere.
-    fn asked(&self, line: &KnotLine, largest: f64) -> usize {
+    fn asked(&self, line: &Breaks, largest: f64) -> usize {
         let beyond = control_points_beyond_spans(line.degree(), line.is_closed());
         let power = 1.0 / (line.degree() + 1) as f64;
         let factor = (largest / self.options.tolerance).powf(power);
@@ -317,7 +317,7 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// A level at the present parameters.
-    fn level(&self, line: KnotLine, values: &Values, control_points: Points) -> Arc<Level> {
+    fn level(&self, line: Breaks, values: &Values, control_points: Points) -> Arc<Level> {
         let parameters = Arc::clone(&self.parameters);
         self.level_at(line, values, control_points, parameters)
     }
@@ -325,7 +325,7 @@ impl<M: Minimum> Schedule<M> {
     /// A level at some parameters.
     fn level_at(
         &self,
-        line: KnotLine,
+        line: Breaks,
         values: &Values,
         control_points: Points,
         parameters: Arc<Vec<f64>>,
@@ -344,7 +344,7 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// Makes a level and hands it out.
-    fn issue_new(&mut self, line: KnotLine, values: &Values, control_points: Points) {
+    fn issue_new(&mut self, line: Breaks, values: &Values, control_points: Points) {
         let level = self.level(line, values, control_points);
         self.issue(level);
     }

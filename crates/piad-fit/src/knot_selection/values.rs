@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::line::KnotLine;
+use super::breaks::Breaks;
 use crate::data::blocks::{BLOCK, Block};
 use crate::data::distances::{Distances, measure};
 use kernels::{add, evaluate, invert_widths, multiply, multiply_all, with_width};
@@ -25,7 +25,7 @@ const GROUPS: usize = 12;
 /// them, of those of its span on.
 #[derive(Clone, Debug)]
 pub(crate) struct Values {
-    line: KnotLine,
+    line: Breaks,
     t: Arc<Vec<f64>>,
     /// Where the parameters of each span start.
     starts: Vec<usize>,
@@ -51,7 +51,7 @@ struct Group {
 
 impl Values {
     /// Evaluates all functions at increasing parameters.
-    pub(crate) fn new(line: &KnotLine, t: &Arc<Vec<f64>>) -> Self {
+    pub(crate) fn new(line: &Breaks, t: &Arc<Vec<f64>>) -> Self {
         let (starts, width, knots) = (line.starts(t), line.degree() + 1, line.knots());
         let parts = parts(&starts);
         let mut all = Self {
@@ -79,7 +79,7 @@ impl Values {
     }
 
     /// The knots.
-    pub(crate) fn line(&self) -> &KnotLine {
+    pub(crate) fn line(&self) -> &Breaks {
         &self.line
     }
 

@@ -254,8 +254,8 @@ impl LineMap for Triangular {
 mod tests {
     use nalgebra::{DMatrix, DVector};
 
-    use crate::linear::rows::Rows;
     use super::*;
+    use crate::linear::rows::Rows;
 
     fn entry(i: usize, j: usize) -> f64 {
         ((3 * i + 7 * j) as f64).sin() + 0.3

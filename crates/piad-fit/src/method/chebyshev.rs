@@ -16,9 +16,9 @@ use super::divergence;
 use super::eigenvalues;
 use super::equations::Equations;
 use super::recurrence::Recurrence;
-use super::rehearsal;
 use super::relaxation::Relaxation;
 use super::scheme::{Demand, Progress, Scheme};
+use super::trial_run;
 use super::update::{Change, State, Update};
 use crate::about::About;
 use crate::data::points::Points;
@@ -79,8 +79,8 @@ impl Scheme for Chebyshev {
 
     /// Takes shorter intervals, unless steps by the least eigenvalue keep distances low.
     fn complete(&self, equations: &mut Equations) {
-        for interval in rehearsal::safe_intervals(equations) {
-            if rehearsal::stays_low(self, equations) {
+        for interval in trial_run::safe_intervals(equations) {
+            if trial_run::stays_low(self, equations) {
                 return;
             }
             let forecast = &mut equations.forecast;

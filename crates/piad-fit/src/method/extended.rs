@@ -11,7 +11,7 @@
 //! n from `U P`, with n the highest index of a control point. On surfaces `U = U_u ⊗ U_v`, and it
 //! takes m + n + 1 levels with highest indices m and n, not (m + 1)(n + 1). The error is not
 //! monotone: it can grow by many orders of magnitude before it vanishes, and rounding of that is
-//! what is left; a rehearsal finds out how much. For B-splines R is banded: O(n p²) to prepare, O(n
+//! what is left; a trial run finds out how much. For B-splines R is banded: O(n p²) to prepare, O(n
 //! p) for each level; that of closed ones has full columns at its end.
 //!
 //! Levels between depend on the order of the columns in the decomposition. It is the natural one, so
@@ -22,8 +22,8 @@ use std::sync::Arc;
 
 use super::equations::Equations;
 use super::linear::Linear;
-use super::rehearsal;
 use super::scheme::{Demand, Scheme};
+use super::trial_run;
 use super::update::Update;
 use crate::about::About;
 use crate::data::points::Points;
@@ -107,9 +107,9 @@ impl Scheme for Extended {
         Transform::Orthogonal(u.orthogonal(), v.map(|v| v.orthogonal()))
     }
 
-    /// How much rounding will leave, by a rehearsal.
+    /// How much rounding will leave, by a trial run.
     fn complete(&self, equations: &mut Equations) {
-        equations.forecast.rounding = rehearsal::left_by_rounding(self, equations);
+        equations.forecast.rounding = trial_run::left_by_rounding(self, equations);
     }
 
     /// `U P`, which is one level ahead, unless the data are asked for.

@@ -34,7 +34,7 @@
 //! - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
 //! - `equations`: `B X = P` and the transform of a method; `plain`: the loop as it is written down;
 //! - `eigenvalues`: forecasts by the least eigenvalue; `divergence`: whether a relaxation diverges;
-//! - `rehearsal`: fits in advance.
+//! - `trial_run`: fits in advance.
 
 mod adaptive;
 mod chebyshev;
@@ -52,12 +52,12 @@ mod local;
 mod omega;
 pub(crate) mod plain;
 mod recurrence;
-mod rehearsal;
 pub(super) mod relaxation;
 mod scheme;
 mod selection;
 mod threshold;
 mod transpose;
+mod trial_run;
 pub(super) mod update;
 mod weighted;
 
@@ -69,8 +69,8 @@ pub use adaptive::Adaptive;
 pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
-pub(super) use least_squares::obeying::Obeying;
-pub(super) use least_squares::obeying_surface::ObeyingSurface;
+pub(super) use least_squares::constrained::Constrained;
+pub(super) use least_squares::constrained_surface::ConstrainedSurface;
 pub use least_squares::{
     AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
     MOST_CONDITIONS, Variant, Wanted,

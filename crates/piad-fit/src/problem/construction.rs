@@ -23,7 +23,7 @@ use crate::data::missing::Missing;
 use crate::data::points::Points;
 use crate::ends::chosen;
 use crate::invalid::{Axis, Invalid, Place};
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 use crate::parameters::{LARGEST, Parametrization, Parametrized, parameters, rescale};
 
 impl Direction {
@@ -99,7 +99,7 @@ pub(crate) fn first_line(
     breaks: Option<&[f64]>,
     most: usize,
     axis: Axis,
-) -> Result<(KnotLine, Arc<Vec<f64>>), Invalid> {
+) -> Result<(Breaks, Arc<Vec<f64>>), Invalid> {
     chosen::are_chosen(&choice, axis)?;
     let BasisChoice::BSpline { degree, .. } = choice.basis else {
         return Err(Invalid::automatic_knots(axis));
@@ -115,8 +115,8 @@ pub(crate) fn first_line(
     let (first, last) = (values[0], values[values.len() - 1]);
     let end = if choice.closed { first + period } else { last };
     let line = match breaks {
-        Some(breaks) => KnotLine::new(degree, choice.closed, breaks.to_vec()),
-        None => KnotLine::coarsest(degree, choice.closed, first, end),
+        Some(breaks) => Breaks::new(degree, choice.closed, breaks.to_vec()),
+        None => Breaks::coarsest(degree, choice.closed, first, end),
     };
     let line = line.ok_or(Invalid::parameter_range(axis))?;
     Ok((line, values))

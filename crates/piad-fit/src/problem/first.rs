@@ -8,7 +8,7 @@ use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
 use crate::invalid::{Axis, Invalid};
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 use crate::method::{Automatic as Settings, LeastSquares};
 use crate::setup::Setup;
 
@@ -57,8 +57,8 @@ fn first_scattered(
     }
     let direction = Direction::scattered(choice, (parameters, free), axis)?;
     let line = match breaks {
-        Some(breaks) => KnotLine::new(degree, false, breaks.to_vec()),
-        None => KnotLine::of(&direction),
+        Some(breaks) => Breaks::new(degree, false, breaks.to_vec()),
+        None => Breaks::of(&direction),
     };
     let line = line.ok_or(Invalid::parameter_range(axis))?;
     Ok(line.direction(direction.parameters))
@@ -73,7 +73,7 @@ pub(crate) fn finer(setup: &Setup, request: &Request) -> Option<Setup> {
         false => [rows, columns],
     };
     let halved = |direction: &Direction, most: usize| {
-        let line = KnotLine::of(direction)?.halved()?;
+        let line = Breaks::of(direction)?.halved()?;
         let fits = line.control_points() <= most;
         fits.then(|| line.direction(Arc::clone(&direction.parameters)))
     };
@@ -108,9 +108,9 @@ pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usi
     let by_data = data * (2 * width + 10 + 2 * dimension + 2);
     let by_control_points = most * (5 * dimension + 4 * width);
     // Points one by one, the values at each of them, and the vectors of conjugate gradients.
-    let obeying = match setup.v() {
+    let constrained = match setup.v() {
         Some(_) if !settings.is_plain_surface() => data * (2 * width + 3 * dimension + 8) + FACTOR,
         _ => 0,
     };
-    (by_data + by_control_points + obeying) * size_of::<f64>()
+    (by_data + by_control_points + constrained) * size_of::<f64>()
 }

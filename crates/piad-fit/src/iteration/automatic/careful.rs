@@ -6,13 +6,13 @@ use std::sync::Arc;
 use super::schedules::{Fit, Schedules, surface_options};
 use crate::geometry::between::{self, Excursion};
 use crate::knot_selection::Options;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::equations;
 use crate::knot_selection::guide::Guide;
-use crate::knot_selection::line::KnotLine;
-use crate::knot_selection::placed::in_lines;
+use crate::knot_selection::knot_conversion::in_lines;
 use crate::knot_selection::schedule::Schedule;
 use crate::knot_selection::surface::{Data, GridData, SurfaceSchedule};
-use crate::method::ObeyingSurface;
+use crate::method::ConstrainedSurface;
 use crate::problem::Problem;
 
 /// How fair a curve with points between its data is, so that it has no spikes between these: a multiple of the energy of
@@ -41,7 +41,7 @@ impl Schedules {
             let data: Box<dyn Data> = match problem.is_scattered() {
                 // Where it is given, there is no more of it.
                 _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
-                true => Box::new(ObeyingSurface::fair(setup, settings)),
+                true => Box::new(ConstrainedSurface::fair(setup, settings)),
                 false => {
                     let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
                     let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());
@@ -55,7 +55,7 @@ impl Schedules {
             ))));
         }
         let problem = &*now.problem;
-        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+        let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
         let first = in_lines(&now.control_points, &lines);
         let u = problem.u();
         let guide = Guide::new(problem.data(), &u.parameters, u.period());

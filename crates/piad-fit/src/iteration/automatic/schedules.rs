@@ -7,17 +7,17 @@ use crate::data::distances::Distances;
 use crate::data::points::Points;
 use crate::geometry::norms::FitError;
 use crate::interrupt;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::equations::{self, Minimum};
 use crate::knot_selection::guide::Guide;
-use crate::knot_selection::line::KnotLine;
-use crate::knot_selection::placed::{in_directions, in_lines};
+use crate::knot_selection::knot_conversion::{in_directions, in_lines};
 use crate::knot_selection::schedule::Schedule;
 use crate::knot_selection::surface::{
     Data, GridData, ScatteredData, SurfaceOptions, SurfaceSchedule,
 };
 use crate::knot_selection::values::{MANY, Values};
 use crate::knot_selection::{Level, Options};
-use crate::method::{Automatic as Settings, LeastSquares, Obeying, ObeyingSurface};
+use crate::method::{Automatic as Settings, Constrained, ConstrainedSurface, LeastSquares};
 use crate::problem::Problem;
 use crate::termination::Outcome;
 
@@ -34,7 +34,7 @@ pub(super) struct Fit {
 pub(super) enum Schedules {
     /// With points between the data, or without.
     Curve(Box<Schedule<equations::LeastSquares>>, Option<Guide>),
-    Obeying(Box<Schedule<Obeying>>),
+    Constrained(Box<Schedule<Constrained>>),
     Surface(Box<SurfaceSchedule>),
     /// With some fairness where none was asked for.
     FairSurface(Box<SurfaceSchedule>),
@@ -46,7 +46,7 @@ impl Schedules {
     /// The schedule of a fit.
     pub(super) fn new(problem: &Problem, settings: &LeastSquares, automatic: &Settings) -> Self {
         let points = Arc::clone(problem.data());
-        let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
+        let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
         let first = problem.start().map(|start| in_lines(start, &lines));
         let u = problem.u();
         if let Some(v) = problem.v() {
@@ -54,7 +54,7 @@ impl Schedules {
             let tolerance = problem.tolerance();
             let data: Box<dyn Data> = match problem.is_scattered() {
                 _ if !settings.is_plain_surface() => {
-                    Box::new(ObeyingSurface::new(problem.setup(), settings))
+                    Box::new(ConstrainedSurface::new(problem.setup(), settings))
                 }
                 false => Box::new(GridData::new(points, problem.grid(), parameters)),
                 true => Box::new(ScatteredData::new(&points, &parameters, tolerance)),
@@ -85,7 +85,7 @@ impl Schedules {
             let schedule = Schedule::new(points, parameters, options, minimum);
             return Self::Curve(Box::new(schedule), None);
         }
-        let minimum = Obeying::new(problem.setup(), settings);
+        let minimum = Constrained::new(problem.setup(), settings);
         if let (None, Some(line)) = (&options.first, lines.into_iter().next()) {
             let values = Values::new(&line, &parameters);
             let Some(coarsest) = Minimum::minimum(&minimum, &values, None) else {
@@ -93,7 +93,7 @@ impl Schedules {
             };
             options.first = Some((line, coarsest));
         }
-        Self::Obeying(Box::new(Schedule::new(
+        Self::Constrained(Box::new(Schedule::new(
             points, parameters, options, minimum,
         )))
     }
@@ -109,7 +109,7 @@ impl Schedules {
                 let level = schedule.next_level();
                 level.map(|level| Arc::new(guide.of_data(&level)))
             }
-            Self::Obeying(schedule) => schedule.next_level(),
+            Self::Constrained(schedule) => schedule.next_level(),
             Self::Nowhere => return None,
             Self::Surface(schedule) | Self::FairSurface(schedule) => {
                 let level = schedule.next_level()?;
@@ -142,7 +142,7 @@ impl Schedules {
     pub(super) fn outcome(&self) -> Option<Outcome> {
         match self {
             Self::Curve(schedule, _) => schedule.outcome(),
-            Self::Obeying(schedule) => schedule.outcome(),
+            Self::Constrained(schedule) => schedule.outcome(),
             Self::Surface(schedule) | Self::FairSurface(schedule) => schedule.outcome(),
             Self::Nowhere => Some(Outcome::Overflow),
         }
@@ -157,8 +157,8 @@ pub(super) fn surface_options(
 ) -> SurfaceOptions {
     let directions: Vec<&Direction> = problem.directions().collect();
     let of = |axis: usize| directions[axis.min(directions.len() - 1)];
-    let lines: Vec<KnotLine> = problem.directions().filter_map(KnotLine::of).collect();
-    let lines = <[KnotLine; 2]>::try_from(lines).ok();
+    let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
+    let lines = <[Breaks; 2]>::try_from(lines).ok();
     SurfaceOptions {
         degrees: [0, 1].map(|axis| of(axis).basis.degree()),
         periods: [0, 1].map(|axis| of(axis).period()),
@@ -182,7 +182,7 @@ fn among_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 impl Fit {
     fn new(
         whole: &Arc<Problem>,
-        lines: &[KnotLine],
+        lines: &[Breaks],
         parameters: &[Arc<Vec<f64>>],
         control_points: &Points,
         distances: &Distances,

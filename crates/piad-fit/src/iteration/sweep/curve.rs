@@ -15,7 +15,7 @@ use crate::data::blocks::{BLOCK, Block, Squares};
 /// ones.
 pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
     let Vectors { x, step } = pass.source;
-    let [room] = part.rooms else { return };
+    let [workspace] = part.workspaces else { return };
     let first = part.lines.start;
     let mut start = first;
     let mut squares = Squares::new();
@@ -30,7 +30,7 @@ pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, mut part: Part<'_>) {
             steps.for_each(|(next, last)| next.copy_from_slice(last));
         }
         let next = match pass.way {
-            Way::Measure => ranges(room.back.lanes_mut(), 0..end - start),
+            Way::Measure => ranges(workspace.back.lanes_mut(), 0..end - start),
             _ => ranges(&mut part.x, to),
         };
         let mut rows = Rows {

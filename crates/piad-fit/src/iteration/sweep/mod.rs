@@ -29,7 +29,7 @@
 //! # Parts
 //!
 //! - `buffers`: the control points of two levels, and `pass`: what all threads of a pass share;
-//! - `parts`: what a thread writes, and `room`: where it works;
+//! - `parts`: what a thread writes, and `workspace`: where it works;
 //! - `fused`: the innermost loop, of all coordinates, over `vectors`;
 //! - `curve` and `surface`: a level in one pass;
 //! - `tiles`: several levels of a curve in one pass.
@@ -39,12 +39,12 @@ mod curve;
 mod fused;
 mod parts;
 mod pass;
-mod room;
 mod surface;
 #[cfg(test)]
 mod tests;
 mod tiles;
 mod vectors;
+mod workspace;
 
 use std::sync::Arc;
 
@@ -58,7 +58,7 @@ use crate::method::relaxation::{Relaxation, Step};
 use buffers::{Returned, Vectors};
 use parts::{LANES, Part};
 use pass::{Pass, Way};
-use room::Room;
+use workspace::Workspace;
 
 pub use pass::LEVELS;
 
@@ -118,7 +118,7 @@ pub struct Sweep {
     /// The norms of the blocks of each level of a pass.
     blocks: Vec<Vec<Block>>,
     /// Working space of each part.
-    rooms: Vec<Room>,
+    workspaces: Vec<Workspace>,
     /// Scratch space of transforms.
     scratch: Vec<f64>,
     plan: Plan,
@@ -178,7 +178,7 @@ impl Sweep {
             norms: Norms::new(problem, None),
             layout,
             blocks: vec![vec![Block::default(); layout.count()]],
-            rooms: Vec::new(),
+            workspaces: Vec::new(),
             scratch: vec![0.0; scratch],
             plan: Plan {
                 parts: plan.parts.clamp(1, grid.rows.div_ceil(lines)),
@@ -290,9 +290,10 @@ impl Sweep {
             tile: self.plan.tile,
             way,
         };
-        self.rooms.resize_with(self.plan.parts, Room::default);
-        let rooms = self.rooms.iter_mut();
-        rooms.for_each(|room| room.prepare(&pass, self.plan.levels));
+        self.workspaces
+            .resize_with(self.plan.parts, Workspace::default);
+        let workspaces = self.workspaces.iter_mut();
+        workspaces.for_each(|workspace| workspace.prepare(&pass, self.plan.levels));
         let blocks = &mut self.blocks;
         blocks.resize_with(blocks.len().max(steps.len()), || {
             vec![Block::default(); self.layout.count()]
@@ -301,7 +302,7 @@ impl Sweep {
             &pass,
             (&mut self.spare, &mut self.returned),
             blocks,
-            &mut self.rooms,
+            &mut self.workspaces,
         );
         part.divide(&|part: Part| match pass.data.dimension() {
             1 => sweep::<1>(&pass, part),

@@ -1,7 +1,7 @@
 //! What a pass writes, divided among threads.
 //!
 //! A part is consecutive lines of the grid (of a curve, points) with the blocks of their errors.
-//! Parts are halved until there is one for each room, so that all borrow disjoint slices of the
+//! Parts are halved until there is one for each workspace, so that all borrow disjoint slices of the
 //! same arrays, without locks. They begin and end with whole blocks, so that sums do not depend on
 //! the division:
 //!
@@ -14,7 +14,7 @@ use std::ops::Range;
 
 use super::buffers::{Returned, Vectors};
 use super::pass::{LEVELS, Pass, Way};
-use super::room::Room;
+use super::workspace::Workspace;
 use crate::data::blocks::Block;
 use crate::data::points::Points;
 
@@ -34,7 +34,7 @@ pub(super) struct Part<'a> {
     /// The blocks of each level of the pass.
     pub blocks: [&'a mut [Block]; LEVELS],
     /// The working space of each part that this one is to be divided into.
-    pub rooms: &'a mut [Room],
+    pub workspaces: &'a mut [Workspace],
     /// The points of a line.
     columns: usize,
     /// How many whole lines are how many whole blocks.
@@ -47,7 +47,7 @@ impl<'a> Part<'a> {
         pass: &Pass<'_>,
         (target, returned): (&'a mut Vectors, &mut Returned),
         blocks: &'a mut [Vec<Block>],
-        rooms: &'a mut [Room],
+        workspaces: &'a mut [Workspace],
     ) -> Self {
         let columns = pass.v.map_or(1, |v| v.columns());
         let mut blocks = blocks.iter_mut();
@@ -63,39 +63,39 @@ impl<'a> Part<'a> {
             x: std::array::from_fn(|_| slice(x.next())),
             step: std::array::from_fn(|_| slice(step.next())),
             blocks: std::array::from_fn(|_| slice(blocks.next())),
-            rooms,
+            workspaces,
             columns,
             unit: pass.layout.unit(),
         }
     }
 
-    /// Divides the part into one for each room, and does the work of all of them, on as many
+    /// Divides the part into one for each workspace, and does the work of all of them, on as many
     /// threads as the pool has.
     pub(super) fn divide(self, work: &(impl Fn(Part<'_>) + Sync)) {
-        if self.rooms.len() <= 1 {
+        if self.workspaces.len() <= 1 {
             return work(self);
         }
         let (left, right) = self.halves();
         rayon::join(|| left.divide(work), || right.divide(work));
     }
 
-    /// Two parts of about as many lines, with half of the rooms each.
+    /// Two parts of about as many lines, with half of the workspaces each.
     fn halves(self) -> (Self, Self) {
         let (lines, parts) = self.unit;
-        let half = self.rooms.len() / 2;
-        let units = self.lines.len().div_ceil(lines) * half / self.rooms.len();
+        let half = self.workspaces.len() / 2;
+        let units = self.lines.len().div_ceil(lines) * half / self.workspaces.len();
         let middle = (self.lines.start + units * lines).min(self.lines.end);
         let points = (middle - self.lines.start) * self.columns;
         let (x, other_x) = split(self.x, points);
         let (step, other_step) = split(self.step, points);
         let (blocks, other_blocks) = split(self.blocks, units * parts);
-        let (rooms, other_rooms) = self.rooms.split_at_mut(half);
+        let (workspaces, other_rooms) = self.workspaces.split_at_mut(half);
         let left = Self {
             lines: self.lines.start..middle,
             x,
             step,
             blocks,
-            rooms,
+            workspaces,
             ..self
         };
         let right = Self {
@@ -103,7 +103,7 @@ impl<'a> Part<'a> {
             x: other_x,
             step: other_step,
             blocks: other_blocks,
-            rooms: other_rooms,
+            workspaces: other_rooms,
             ..left
         };
         (left, right)

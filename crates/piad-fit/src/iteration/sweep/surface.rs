@@ -13,7 +13,7 @@ use pulp::{Arch, NullaryFnOnce};
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
 use super::pass::{Pass, Way};
-use super::room::pieces;
+use super::workspace::pieces;
 use crate::data::blocks::{Block, Squares, Sums};
 use crate::data::points::Points;
 use crate::linear::banded::Banded;
@@ -72,13 +72,15 @@ fn segment<const D: usize>(
     let row = points.start / line;
     let along = points.start % line..(points.end - 1) % line + 1;
     let origin = part.lines.start * line;
-    let [room] = &mut *part.rooms else { return };
+    let [workspace] = &mut *part.workspaces else {
+        return;
+    };
     let reached = reached(v, along.clone());
-    combine_all(pass, row, line, reached.clone(), &mut room.front);
+    combine_all(pass, row, line, reached.clone(), &mut workspace.front);
     let to = points.start - origin..points.end - origin;
     let mut step = ranges::<D>(&mut part.step, to.clone());
     let next = match pass.way {
-        Way::Measure => ranges(room.back.lanes_mut(), 0..to.len()),
+        Way::Measure => ranges(workspace.back.lanes_mut(), 0..to.len()),
         _ => ranges(&mut part.x, to),
     };
     if let Some(last) = &pass.source.step {
@@ -87,7 +89,7 @@ fn segment<const D: usize>(
         steps.for_each(|(next, last)| next.copy_from_slice(last));
     }
     let mut rows = Rows {
-        x: columns(&room.front, 0..(reached.end - reached.start) as usize),
+        x: columns(&workspace.front, 0..(reached.end - reached.start) as usize),
         base: reached.start,
         data: columns(pass.data, points.clone()),
         own: columns(&pass.source.x, points),

@@ -24,19 +24,19 @@ use super::buffers::Vectors;
 use super::fused::Rows;
 use super::parts::{Part, columns, ranges};
 use super::pass::Pass;
-use super::room::{Room, margin, pieces};
+use super::workspace::{Workspace, margin, pieces};
 use crate::data::blocks::{BLOCK, Block, Squares, Sums};
 
 /// A tile on its way through the levels.
 struct Tile<'a, 'b> {
     pass: &'a Pass<'a>,
-    room: &'b mut Room,
+    workspace: &'b mut Workspace,
     /// The points that it is to compute, without its margins.
     points: Range<i64>,
-    /// The point that stands first in the room. On closed curves points before the first one are
+    /// The point that stands first in the workspace. On closed curves points before the first one are
     /// those at the end, and points behind the last one those at the start.
     base: i64,
-    /// Whether the control points of the first level have been copied to the room, rather than read
+    /// Whether the control points of the first level have been copied to the workspace, rather than read
     /// from where they are.
     loaded: bool,
 }
@@ -49,17 +49,17 @@ pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
         mut x,
         mut step,
         blocks,
-        rooms,
+        workspaces,
         ..
     } = part;
-    let [room] = rooms else { return };
+    let [workspace] = workspaces else { return };
     let levels = pass.steps.len();
     let margin = margin(pass, levels);
     for start in lines.clone().step_by(pass.tile) {
         let end = lines.end.min(start + pass.tile);
         let mut tile = Tile {
             pass,
-            room: &mut *room,
+            workspace: &mut *workspace,
             points: start as i64..end as i64,
             base: start as i64 - margin as i64,
             loaded: false,
@@ -75,7 +75,7 @@ pub(super) fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
         let to = start - lines.start..end - lines.start;
         let blocks = &mut blocks[levels - 1][first..first + count];
         tile.last_level(ranges::<D>(&mut x, to.clone()), blocks);
-        let steps = tile.room.step.lanes().iter().zip(&mut step);
+        let steps = tile.workspace.step.lanes().iter().zip(&mut step);
         for (from, step) in steps {
             step[to.clone()].copy_from_slice(&from[margin..margin + to.len()]);
         }
@@ -96,12 +96,12 @@ impl Tile<'_, '_> {
             let local = (points.start - base) as usize..(points.end - base) as usize;
             let from = first..first + local.len();
             if self.loaded {
-                for (to, x) in self.room.front.lanes_mut().iter_mut().zip(x.lanes()) {
+                for (to, x) in self.workspace.front.lanes_mut().iter_mut().zip(x.lanes()) {
                     to[local.clone()].copy_from_slice(&x[from.clone()]);
                 }
             }
             let lanes = step.iter().flat_map(|step| step.lanes());
-            for (to, step) in self.room.step.lanes_mut().iter_mut().zip(lanes) {
+            for (to, step) in self.workspace.step.lanes_mut().iter_mut().zip(lanes) {
                 to[local.clone()].copy_from_slice(&step[from.clone()]);
             }
         }
@@ -137,7 +137,7 @@ impl Tile<'_, '_> {
                 *block = Block::new(row, squares, &sums);
             }
         }
-        std::mem::swap(&mut self.room.front, &mut self.room.back);
+        std::mem::swap(&mut self.workspace.front, &mut self.workspace.back);
     }
 
     /// Computes the next level at points that belong to consecutive rows of B, from `row` on.
@@ -150,11 +150,14 @@ impl Tile<'_, '_> {
         squares: &mut [f64],
     ) -> Sums {
         let Self {
-            pass, room, base, ..
+            pass,
+            workspace,
+            base,
+            ..
         } = self;
         let local = (points.start - *base) as usize..(points.end - *base) as usize;
         let rows = row..row + local.len();
-        let Room { front, back, step } = &mut **room;
+        let Workspace { front, back, step } = &mut **workspace;
         let (x, base, own) = if level > 0 || self.loaded {
             let base = *base - (points.start - row as i64);
             (&*front, base, local.clone())
@@ -177,7 +180,10 @@ impl Tile<'_, '_> {
     /// Computes the norms of the last level, and copies its control points to where they belong.
     fn last_level<const D: usize>(&mut self, mut to: [&mut [f64]; D], blocks: &mut [Block]) {
         let Self {
-            pass, room, base, ..
+            pass,
+            workspace,
+            base,
+            ..
         } = self;
         let level = pass.steps.len();
         let first = self.points.start;
@@ -189,10 +195,10 @@ impl Tile<'_, '_> {
             let own = (start - first) as usize..(end - first) as usize;
             let squares = squares.first(rows.len());
             let mut given = Rows::<D> {
-                x: columns(&room.front, 0..room.front.len()),
+                x: columns(&workspace.front, 0..workspace.front.len()),
                 base: *base,
                 data: columns(pass.data, rows.clone()),
-                own: columns(&room.front, local),
+                own: columns(&workspace.front, local),
                 next: ranges(&mut to, own),
                 step: [(); D].map(|()| &mut [][..]),
                 squares,

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use super::super::equations::{self, Minimum};
 use super::super::growth::grown;
 use super::super::insertion::refine;
-use super::super::line::KnotLine;
 use super::super::steps::Steps;
 use super::super::values::Values;
 use super::{GAIN, Level, ROUNDING, SLOW, STEPS, STEPS_ALONE, Schedule, Stage};
 use crate::data::points::Points;
+use crate::knot_selection::breaks::Breaks;
 use crate::termination::Outcome;
 
 impl<M: Minimum> Schedule<M> {
@@ -29,7 +29,7 @@ impl<M: Minimum> Schedule<M> {
 
     /// The given curve; or p + 1 control points, at data points that are as far from each other, of
     /// fewer data on the segment between the ends.
-    fn first(&mut self) -> Option<(KnotLine, Values, Points)> {
+    fn first(&mut self) -> Option<(Breaks, Values, Points)> {
         if let Some((line, control_points)) = self.options.first.take() {
             let values = Values::new(&line, &self.parameters);
             return Some((line, values, control_points));
@@ -37,7 +37,7 @@ impl<M: Minimum> Schedule<M> {
         let (degree, closed) = (self.options.degree, self.options.period.is_some());
         let (first, last) = (self.parameters[0], self.parameters[self.points.len() - 1]);
         let end = self.options.period.map_or(last, |period| first + period);
-        let line = KnotLine::coarsest(degree, closed, first, end)?;
+        let line = Breaks::coarsest(degree, closed, first, end)?;
         let count = line.control_points();
         let control_points = if self.points.len() <= count {
             equations::start(&line, &self.points)

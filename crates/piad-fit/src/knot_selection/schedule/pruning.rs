@@ -7,7 +7,7 @@ use super::super::minimax::Weights;
 use super::super::pruning::fewer;
 use super::super::values::Values;
 use super::{Level, NEAR, Schedule, WEIGHINGS};
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 
 /// Single knots leave where there are fewer data than this for each control point.
 const SPARSE: usize = 8;
@@ -44,12 +44,7 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// A level over other knots than the best one has, at its parameters.
-    fn over(
-        &mut self,
-        line: KnotLine,
-        best: &Level,
-        weights: Option<&[f64]>,
-    ) -> Option<Arc<Level>> {
+    fn over(&mut self, line: Breaks, best: &Level, weights: Option<&[f64]>) -> Option<Arc<Level>> {
         self.prunings = self.prunings.checked_sub(1)?;
         if !line.is_determined(&best.parameters) {
             return None;

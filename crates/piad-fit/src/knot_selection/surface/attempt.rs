@@ -1,7 +1,7 @@
 //! An attempt with some number of control points of each direction.
 
 use super::{Data, Fit};
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::monitor::Monitor;
 use crate::knot_selection::placement::{even, place};
 
@@ -20,7 +20,7 @@ const DAMPING: f64 = 0.7;
 pub(super) struct Attempt {
     counts: [usize; 2],
     /// The knots of the last fit.
-    lines: [KnotLine; 2],
+    lines: [Breaks; 2],
     /// What the next knots come from.
     monitors: [Monitor; 2],
     /// Whether the first knots follow the data.
@@ -55,7 +55,7 @@ impl Attempt {
     }
 
     /// The knots to be tried next, if the data can determine such.
-    pub(super) fn lines(&self, data: &dyn Data) -> Option<[KnotLine; 2]> {
+    pub(super) fn lines(&self, data: &dyn Data) -> Option<[Breaks; 2]> {
         let place = |axis: usize| {
             let (monitor, count) = (&self.monitors[axis], self.counts[axis]);
             if self.begins_even && self.tries == 0 {

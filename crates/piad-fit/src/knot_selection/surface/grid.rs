@@ -19,8 +19,8 @@ use super::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, SurfaceOptions};
 use crate::data::distances::Distances;
 use crate::data::grid::Grid;
 use crate::data::points::{Points, normalizing_scale};
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::equations::{LeastSquares, Minimum};
-use crate::knot_selection::line::KnotLine;
 use crate::knot_selection::values::Values;
 
 /// Both directions together may leave the tolerance: each about this part of it.
@@ -67,7 +67,7 @@ impl GridData {
 
     /// The fits of all lines of a direction, and the largest distance that they leave at each
     /// parameter.
-    fn project(&self, axis: usize, line: &KnotLine, fairness: f64) -> Option<(Points, Vec<f64>)> {
+    fn project(&self, axis: usize, line: &Breaks, fairness: f64) -> Option<(Points, Vec<f64>)> {
         let (points, t) = (&self.curves[axis], &self.parameters[axis]);
         let values = Values::new(line, t);
         let fits = minimum(points, &values, fairness)?;
@@ -93,7 +93,7 @@ impl GridData {
     }
 
     /// The least-squares surface with so much fairness in each direction.
-    fn nearest_with(&self, lines: &[KnotLine; 2], fairness: f64) -> Option<Nearest> {
+    fn nearest_with(&self, lines: &[Breaks; 2], fairness: f64) -> Option<Nearest> {
         let columns = self.grid.columns;
         let dimension = self.points.dimension();
         let (along, left_u) = self.project(0, &lines[0], fairness)?;
@@ -126,7 +126,7 @@ impl Data for GridData {
     }
 
     /// With the most fairness with which it is within the tolerance, if it is to be fair.
-    fn nearest(&self, lines: &[KnotLine; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
         let Some(tolerance) = self.fair_within else {
             return self.nearest_with(lines, 0.0);
         };
@@ -141,7 +141,7 @@ impl Data for GridData {
         nearest
     }
 
-    fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {
+    fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
         let Grid {
             rows: height,
             columns: width,
@@ -165,7 +165,7 @@ impl Data for GridData {
     }
 
     /// The one that leaves more.
-    fn prefers(&self, fit: &Fit, _finer: &[KnotLine; 2]) -> usize {
+    fn prefers(&self, fit: &Fit, _finer: &[Breaks; 2]) -> usize {
         let most = |axis: usize| fit.left[axis].iter().copied().fold(0.0, f64::max);
         usize::from(most(1) > most(0))
     }

@@ -1,16 +1,11 @@
 //! The lines of grids as curves: what holds for a curve holds for all lines of a direction at once.
 
 use crate::data::points::Points;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::insertion::refine;
-use crate::knot_selection::line::KnotLine;
 
 /// The control points of the same surface with more knots in a direction, `fine`.
-pub(super) fn refined(
-    lines: &[KnotLine; 2],
-    points: &Points,
-    axis: usize,
-    fine: &KnotLine,
-) -> Points {
+pub(super) fn refined(lines: &[Breaks; 2], points: &Points, axis: usize, fine: &Breaks) -> Points {
     let coarse = &lines[axis];
     let [rows, columns] = [0, 1].map(|axis| lines[axis].control_points());
     let dimension = points.dimension();

@@ -9,7 +9,7 @@
 //! - [`Data`]: what the schedule asks of the data. [`grid`]: a grid of points, which is fitted one
 //!   direction after the other; [`scattered`]: points without order, whose matrix is that of
 //!   [`rows`], by conjugate [`gradients`].
-//! - [`lines`]: the lines of grids as curves in many dimensions; [`follow`]: where a surface starts
+//! - [`lines`]: the lines of grids as curves in many dimensions; [`transfer`]: where a surface starts
 //!   over other knots.
 //!
 //! # What can be relied on
@@ -21,7 +21,6 @@
 //! - The last level is within the tolerance if any was, with the fewest control points found.
 
 mod attempt;
-mod follow;
 mod gradients;
 pub(crate) mod grid;
 mod lines;
@@ -29,16 +28,17 @@ mod rows;
 pub(crate) mod scattered;
 pub(crate) mod schedule;
 mod search;
+mod transfer;
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use super::line::KnotLine;
+use super::breaks::Breaks;
 use super::monitor::{Monitor, needed, span_maxima};
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 
-use follow::following;
+use transfer::following;
 
 pub(crate) use grid::GridData;
 pub(crate) use scattered::ScatteredData;
@@ -56,17 +56,17 @@ pub(crate) struct SurfaceOptions {
     /// The most control points of each direction; never more than data.
     pub max_control_points: [usize; 2],
     /// The surface to begin with; without it that of the coarsest knots.
-    pub first: Option<([KnotLine; 2], Points)>,
+    pub first: Option<([Breaks; 2], Points)>,
     /// The coarsest knots with which there is a surface; without them those of p + 1 × q + 1 control
     /// points.
-    pub coarsest: Option<[KnotLine; 2]>,
+    pub coarsest: Option<[Breaks; 2]>,
 }
 
 /// A surface on the way.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceLevel {
     /// The knots in u and in v.
-    pub lines: [KnotLine; 2],
+    pub lines: [Breaks; 2],
     /// The control points, row by row.
     pub control_points: Points,
     /// The distances from the data, in their order.
@@ -85,7 +85,7 @@ impl SurfaceLevel {
     }
 
     /// The control points over these lines of about the same surface.
-    pub(crate) fn over(&self, lines: &[KnotLine; 2]) -> Points {
+    pub(crate) fn over(&self, lines: &[Breaks; 2]) -> Points {
         match self.lines == *lines {
             true => self.control_points.clone(),
             false => following(&self.lines, &self.control_points, lines),
@@ -106,22 +106,18 @@ pub(crate) trait Data: Debug + Send + Sync {
 
     /// The control points nearest to the data by the sum of squares, if the data determine them,
     /// and what each direction leaves. They may depend on the surface that they are to follow.
-    fn nearest(&self, lines: &[KnotLine; 2], from: Option<&SurfaceLevel>) -> Option<Nearest>;
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest>;
 
     /// The same, however long it takes, where as many control points as data are to lead to all of them.
-    fn nearest_of_all(
-        &self,
-        lines: &[KnotLine; 2],
-        from: Option<&SurfaceLevel>,
-    ) -> Option<Nearest> {
+    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
         self.nearest(lines, from)
     }
 
     /// The distances of the surface of some control points from the data.
-    fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances;
+    fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances;
 
     /// In which direction more knots gain more, if each has some.
-    fn prefers(&self, fit: &Fit, finer: &[KnotLine; 2]) -> usize;
+    fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize;
 
     /// Whether something else than the data keeps the surface away from them, however many control
     /// points it has.

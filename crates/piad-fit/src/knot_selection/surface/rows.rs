@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::values::Values;
 
 /// The number of points that one thread takes at a time.
@@ -30,7 +30,7 @@ pub(super) struct Sites {
 /// The functions of a direction that can differ from zero at each of its parameters.
 #[derive(Debug)]
 struct Functions {
-    line: KnotLine,
+    line: Breaks,
     width: usize,
     /// The first of them.
     firsts: Vec<u32>,
@@ -38,7 +38,7 @@ struct Functions {
 }
 
 impl Functions {
-    fn new(line: &KnotLine, t: &Arc<Vec<f64>>) -> Self {
+    fn new(line: &Breaks, t: &Arc<Vec<f64>>) -> Self {
         let (firsts, values) = Values::new(line, t).into_rows();
         Self {
             line: line.clone(),
@@ -70,7 +70,7 @@ pub(super) struct Rows<'a> {
 
 impl<'a> Rows<'a> {
     /// Evaluates the functions over some knots.
-    pub(super) fn new(sites: &'a Sites, lines: &[KnotLine; 2]) -> Self {
+    pub(super) fn new(sites: &'a Sites, lines: &[Breaks; 2]) -> Self {
         Self {
             u: Functions::new(&lines[0], &sites.parameters[0]),
             v: Functions::new(&lines[1], &sites.parameters[1]),

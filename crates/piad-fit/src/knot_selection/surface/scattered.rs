@@ -13,7 +13,7 @@ use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 
 /// A root of the mean square below this part of the tolerance does not have to fall any more.
 const ENOUGH: f64 = 1e-3;
@@ -84,7 +84,7 @@ impl ScatteredData {
     }
 
     /// For each direction, the largest distance that a surface leaves at each of its parameters.
-    pub(crate) fn left(&self, lines: &[KnotLine; 2], control_points: &Points) -> [Vec<f64>; 2] {
+    pub(crate) fn left(&self, lines: &[Breaks; 2], control_points: &Points) -> [Vec<f64>; 2] {
         let squares = self.squares(&Rows::new(&self.sites, lines), control_points);
         [0, 1].map(|axis| {
             let mut left = vec![0.0; self.sites.parameters[axis].len()];
@@ -100,7 +100,7 @@ impl ScatteredData {
     fn nearest_by(
         &self,
         effort: impl Fn(&Rows<'_>) -> Effort,
-        lines: &[KnotLine; 2],
+        lines: &[Breaks; 2],
         from: Option<&SurfaceLevel>,
     ) -> Nearest {
         let rows = Rows::new(&self.sites, lines);
@@ -144,19 +144,15 @@ impl Data for ScatteredData {
         counts[0].saturating_mul(counts[1]) <= self.most
     }
 
-    fn nearest(&self, lines: &[KnotLine; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
         Some(self.nearest_by(|_| Effort::USUAL, lines, from))
     }
 
-    fn nearest_of_all(
-        &self,
-        lines: &[KnotLine; 2],
-        from: Option<&SurfaceLevel>,
-    ) -> Option<Nearest> {
+    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
         Some(self.nearest_by(Effort::whole, lines, from))
     }
 
-    fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {
+    fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
         let rows = Rows::new(&self.sites, lines);
         let sorted = self.squares(&rows, control_points);
         let mut squares = vec![0.0; sorted.len()];
@@ -167,7 +163,7 @@ impl Data for ScatteredData {
     }
 
     /// The one where a step lowers the sum of squares more, for each new control point.
-    fn prefers(&self, fit: &Fit, finer: &[KnotLine; 2]) -> usize {
+    fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize {
         let level = &fit.level;
         let rows = Rows::new(&self.sites, &level.lines);
         let lanes = level.control_points.lanes().iter().zip(self.points.lanes());

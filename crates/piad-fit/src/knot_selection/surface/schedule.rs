@@ -8,8 +8,8 @@ use super::lines::refined;
 use super::search::Search;
 use super::{Data, Fit, Nearest, SurfaceLevel, SurfaceOptions};
 use crate::data::points::Points;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::growth::grown;
-use crate::knot_selection::line::KnotLine;
 use crate::termination::Outcome;
 
 /// Where something keeps a surface away from its data, so many times more knots that lower the root of
@@ -134,7 +134,7 @@ impl SurfaceSchedule {
             let (start, last) = (*t.first()?, *t.last()?);
             let period = self.options.periods[axis];
             let end = period.map_or(last, |period| start + period);
-            KnotLine::coarsest(self.options.degrees[axis], period.is_some(), start, end)
+            Breaks::coarsest(self.options.degrees[axis], period.is_some(), start, end)
         };
         let lines = match self.options.coarsest.take() {
             Some([u, v]) => [Some(u), Some(v)],
@@ -243,7 +243,7 @@ impl SurfaceSchedule {
     }
 
     /// More knots in the direction that gains more, or else in the other one.
-    fn finer(&mut self, fit: &Fit) -> Option<(usize, KnotLine)> {
+    fn finer(&mut self, fit: &Fit) -> Option<(usize, Breaks)> {
         let (most, now) = (self.most(), fit.level.counts());
         let share = self.data.share() * self.options.tolerance;
         let with_limits = |axis: usize, limits: (usize, usize)| {
@@ -344,13 +344,13 @@ impl SurfaceSchedule {
     }
 
     /// The least-squares surface over some knots, if the data determine it.
-    fn fit(&self, lines: [KnotLine; 2]) -> Option<Fit> {
+    fn fit(&self, lines: [Breaks; 2]) -> Option<Fit> {
         let nearest = self.data.nearest(&lines, self.last.as_deref())?;
         self.fit_of(lines, nearest)
     }
 
     /// A least-squares surface with its distances, if they are finite.
-    fn fit_of(&self, lines: [KnotLine; 2], nearest: Nearest) -> Option<Fit> {
+    fn fit_of(&self, lines: [Breaks; 2], nearest: Nearest) -> Option<Fit> {
         let level = self.level(lines, nearest.control_points);
         level.distances.max.is_finite().then(|| Fit {
             level,
@@ -359,7 +359,7 @@ impl SurfaceSchedule {
     }
 
     /// The level of some control points.
-    fn level(&self, lines: [KnotLine; 2], control_points: Points) -> Arc<SurfaceLevel> {
+    fn level(&self, lines: [Breaks; 2], control_points: Points) -> Arc<SurfaceLevel> {
         let distances = self.data.distances(&lines, &control_points);
         Arc::new(SurfaceLevel {
             lines,

@@ -8,8 +8,8 @@ mod table;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::breaks::Breaks;
 use super::equations::LeastSquares;
-use super::line::KnotLine;
 use super::schedule::Schedule;
 use super::{Level, Options};
 use crate::data::points::Points;
@@ -102,7 +102,7 @@ pub(super) fn valid(points: &Points, levels: &[Arc<Level>]) {
 }
 
 /// Whether knots were inserted, and all others stayed.
-pub(super) fn is_refined(coarse: &KnotLine, fine: &KnotLine) -> bool {
+pub(super) fn is_refined(coarse: &Breaks, fine: &Breaks) -> bool {
     let mut breaks = fine.breaks().iter();
     let stayed = coarse
         .breaks()

@@ -1,8 +1,8 @@
 //! What can be relied on, of usual data and of unusual ones.
 
 use super::*;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::insertion::refine;
-use crate::knot_selection::line::KnotLine;
 use crate::knot_selection::values::Values;
 
 /// The same fit twice, to the last bit.
@@ -71,8 +71,8 @@ fn insertion_does_not_change_the_curve() {
             let mut finer = vec![0.2, 0.7, 1.05, 2.0, 2.1, 6.99];
             finer.extend(&breaks);
             finer.sort_by(f64::total_cmp);
-            let coarse = KnotLine::new(degree, closed, breaks).unwrap();
-            let fine = KnotLine::new(degree, closed, finer).unwrap();
+            let coarse = Breaks::new(degree, closed, breaks).unwrap();
+            let fine = Breaks::new(degree, closed, finer).unwrap();
             let x: Vec<f64> = (0..coarse.control_points())
                 .map(|j| (j as f64 * 1.7).sin() * 3.0)
                 .collect();

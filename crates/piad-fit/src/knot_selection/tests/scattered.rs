@@ -173,7 +173,7 @@ fn closed_directions() {
     assert_eq!(outcome, Some(Outcome::Converged));
     assert_eq!(levels[0].counts(), [4, 4]);
     let last = levels.last().unwrap();
-    assert!(last.lines.iter().all(KnotLine::is_closed));
+    assert!(last.lines.iter().all(Breaks::is_closed));
     let (open, _) = fit(&points, &parameters, bicubic(1e-3));
     assert!(last.count() < open.last().unwrap().count());
     for i in 0..50 {

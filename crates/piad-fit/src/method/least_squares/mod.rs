@@ -27,12 +27,12 @@
 //! - [`constraints`]: what every level obeys.
 
 mod conjugate;
+pub(crate) mod constrained;
+pub(crate) mod constrained_surface;
 pub(crate) mod constraints;
 mod end;
 mod fairness;
 mod gaps;
-pub(crate) mod obeying;
-pub(crate) mod obeying_surface;
 mod objective;
 mod settings;
 mod solver;

@@ -5,12 +5,12 @@
 
 use std::sync::Arc;
 
-use super::line::KnotLine;
+use super::breaks::Breaks;
 use crate::basis::Basis;
 use crate::basis::direction::Direction;
 use crate::data::points::Points;
 
-impl KnotLine {
+impl Breaks {
     /// The knots of a direction, if they are simple ones.
     pub(crate) fn of(direction: &Direction) -> Option<Self> {
         let degree = direction.basis.degree();
@@ -45,25 +45,25 @@ impl KnotLine {
 }
 
 /// The control points of directions, from those of a schedule.
-pub(crate) fn in_directions(points: &Points, lines: &[KnotLine]) -> Points {
-    turned(points, lines, KnotLine::turn)
+pub(crate) fn in_directions(points: &Points, lines: &[Breaks]) -> Points {
+    turned(points, lines, Breaks::turn)
 }
 
 /// The control points of a schedule, from those of directions.
-pub(crate) fn in_lines(points: &Points, lines: &[KnotLine]) -> Points {
+pub(crate) fn in_lines(points: &Points, lines: &[Breaks]) -> Points {
     turned(points, lines, |line| {
         (line.control_points() - line.turn()) % line.control_points()
     })
 }
 
 /// The control points of a curve or of a grid, rotated in each direction.
-fn turned(points: &Points, lines: &[KnotLine], turn: impl Fn(&KnotLine) -> usize) -> Points {
+fn turned(points: &Points, lines: &[Breaks], turn: impl Fn(&Breaks) -> usize) -> Points {
     let turns: Vec<usize> = lines.iter().map(turn).collect();
     if turns.iter().all(|turn| *turn == 0) {
         return points.clone();
     }
-    let rows = lines.first().map_or(1, KnotLine::control_points);
-    let columns = lines.get(1).map_or(1, KnotLine::control_points);
+    let rows = lines.first().map_or(1, Breaks::control_points);
+    let columns = lines.get(1).map_or(1, Breaks::control_points);
     let [along, across] = [0, 1].map(|axis| turns.get(axis).copied().unwrap_or(0));
     Points::from_lanes(points.lanes().iter().map(|lane| {
         let place = |k: usize| {

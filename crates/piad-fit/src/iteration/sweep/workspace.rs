@@ -10,7 +10,7 @@ use crate::linear::banded::Banded;
 
 /// The working space of a part, d arrays each.
 #[derive(Clone, Debug)]
-pub(super) struct Room {
+pub(super) struct Workspace {
     /// Tiles: the control points of a tile at some level, with its margins. Surfaces: a part of a
     /// line of `B_u X`.
     pub front: Points,
@@ -21,7 +21,7 @@ pub(super) struct Room {
     pub step: Points,
 }
 
-impl Default for Room {
+impl Default for Workspace {
     fn default() -> Self {
         let none = || Points::new(0);
         Self {
@@ -32,8 +32,8 @@ impl Default for Room {
     }
 }
 
-impl Room {
-    /// Makes room for a pass, unless there is enough from an earlier one. `levels` is the most
+impl Workspace {
+    /// Makes workspace for a pass, unless there is enough from an earlier one. `levels` is the most
     /// levels that a pass has.
     pub(super) fn prepare(&mut self, pass: &Pass<'_>, levels: usize) {
         let tile = pass.tile + 2 * margin(pass, levels);
@@ -61,7 +61,7 @@ pub(super) fn margin(pass: &Pass<'_>, levels: usize) -> usize {
     ((levels + 1) * pass.u.reach()).next_multiple_of(LANES)
 }
 
-/// The room for a part of a line of `B_u X`: a block, and the columns that its rows of `B_v` reach
+/// The workspace for a part of a line of `B_u X`: a block, and the columns that its rows of `B_v` reach
 /// on both sides.
 fn line(v: &Banded) -> usize {
     BLOCK + 2 * v.reach()

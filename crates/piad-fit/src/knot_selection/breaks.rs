@@ -12,13 +12,13 @@ use std::sync::Arc;
 
 /// The knots of one direction.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct KnotLine {
+pub(crate) struct Breaks {
     degree: usize,
     closed: bool,
     breaks: Vec<f64>,
 }
 
-impl KnotLine {
+impl Breaks {
     /// Knots at some breaks, which must increase; `None` if they do not, or if a closed curve has
     /// too few of them for its degree.
     pub(crate) fn new(degree: usize, closed: bool, breaks: Vec<f64>) -> Option<Self> {

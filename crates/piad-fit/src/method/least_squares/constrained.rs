@@ -12,9 +12,9 @@ use super::settings::{LeastSquares, Variant};
 use super::steps::Steps;
 use super::{solver, start};
 use crate::data::points::Points;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::equations::Minimum;
-use crate::knot_selection::line::KnotLine;
-use crate::knot_selection::placed::{in_directions, in_lines};
+use crate::knot_selection::knot_conversion::{in_directions, in_lines};
 use crate::knot_selection::values::Values;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::transform::Transform;
@@ -31,12 +31,12 @@ const STEPS: usize = 200;
 
 /// What is minimized, over any knots.
 #[derive(Clone, Debug)]
-pub(crate) struct Obeying {
+pub(crate) struct Constrained {
     setup: Arc<Setup>,
     settings: LeastSquares,
 }
 
-impl Obeying {
+impl Constrained {
     /// Of a curve or a surface.
     pub(crate) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
         Self {
@@ -67,7 +67,7 @@ impl Obeying {
     /// that takes many steps goes on from control points near it.
     pub(crate) fn minimum(
         &self,
-        lines: &[KnotLine],
+        lines: &[Breaks],
         near: Option<&Points>,
         weights: Option<&[f64]>,
     ) -> Option<Points> {
@@ -116,7 +116,7 @@ impl Obeying {
     }
 }
 
-impl Minimum for Obeying {
+impl Minimum for Constrained {
     fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points> {
         self.minimum(std::slice::from_ref(values.line()), None, weights)
     }

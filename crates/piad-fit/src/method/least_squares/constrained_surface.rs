@@ -4,30 +4,30 @@
 
 use std::sync::Arc;
 
-use super::obeying::Obeying;
+use super::constrained::Constrained;
 use super::settings::{Fairness, LeastSquares};
 use crate::data::distances::Distances;
 use crate::data::points::Points;
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
 use crate::setup::Setup;
 
 /// The data of a surface, and what is minimized.
 #[derive(Debug)]
-pub(crate) struct ObeyingSurface {
+pub(crate) struct ConstrainedSurface {
     scattered: ScatteredData,
     /// What is minimized; with less and less fairness, of which the first is taken that is within the tolerance.
-    obeying: Vec<Obeying>,
+    constrained: Vec<Constrained>,
     tolerance: f64,
     /// Whether a fairness term keeps the surface away from its data.
     fair: bool,
 }
 
-impl ObeyingSurface {
+impl ConstrainedSurface {
     pub(crate) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
         Self {
             scattered: ScatteredData::new(setup.data(), &point_by_point(setup), setup.tolerance()),
-            obeying: vec![Obeying::new(setup, settings)],
+            constrained: vec![Constrained::new(setup, settings)],
             tolerance: setup.tolerance(),
             fair: settings.has_energy(),
         }
@@ -40,7 +40,7 @@ impl ObeyingSurface {
             ..settings.clone()
         };
         Self {
-            obeying: FAIRNESS.map(|it| Obeying::new(setup, &with(it))).into(),
+            constrained: FAIRNESS.map(|it| Constrained::new(setup, &with(it))).into(),
             fair: true,
             ..Self::new(setup, settings)
         }
@@ -49,11 +49,11 @@ impl ObeyingSurface {
     /// The nearest surface with so much fairness.
     fn nearest_by(
         &self,
-        obeying: &Obeying,
-        lines: &[KnotLine; 2],
+        constrained: &Constrained,
+        lines: &[Breaks; 2],
         near: Option<&Points>,
     ) -> Option<Nearest> {
-        let control_points = obeying.minimum(lines, near, None)?;
+        let control_points = constrained.minimum(lines, near, None)?;
         Some(Nearest {
             left: self.scattered.left(lines, &control_points),
             control_points,
@@ -76,7 +76,7 @@ fn point_by_point(setup: &Setup) -> [Arc<Vec<f64>>; 2] {
     [Arc::new(rows.collect()), Arc::new(columns.collect())]
 }
 
-impl Data for ObeyingSurface {
+impl Data for ConstrainedSurface {
     fn parameters(&self, axis: usize) -> &[f64] {
         self.scattered.parameters(axis)
     }
@@ -89,11 +89,11 @@ impl Data for ObeyingSurface {
         self.scattered.allows(counts)
     }
 
-    fn nearest(&self, lines: &[KnotLine; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
         let near = from.map(|level| level.over(lines));
         let mut nearest = None;
-        for obeying in &self.obeying {
-            nearest = self.nearest_by(obeying, lines, near.as_ref());
+        for constrained in &self.constrained {
+            nearest = self.nearest_by(constrained, lines, near.as_ref());
             let points = nearest.as_ref().map(|it| &it.control_points);
             let distances = points.map(|points| self.distances(lines, points));
             if distances.is_some_and(|it| it.max <= self.tolerance) {
@@ -103,11 +103,11 @@ impl Data for ObeyingSurface {
         nearest
     }
 
-    fn distances(&self, lines: &[KnotLine; 2], control_points: &Points) -> Distances {
+    fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
         self.scattered.distances(lines, control_points)
     }
 
-    fn prefers(&self, fit: &Fit, finer: &[KnotLine; 2]) -> usize {
+    fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize {
         self.scattered.prefers(fit, finer)
     }
 

@@ -6,13 +6,13 @@
 //! degree distances of 400 points rise by 10⁸⁸. How far they rise depends on the whole matrix, so
 //! that the quickest way to know it is to try.
 //!
-//! A rehearsal is made with the data of the fit, by the plain loop, when a system is made. It is
+//! A trial run is made with the data of the fit, by the plain loop, when a system is made. It is
 //! limited by a number of multiplications, so that it never takes longer than a moment.
 
 use super::equations::Equations;
 use super::scheme::Scheme;
 
-/// The most multiplications of a rehearsal: a moment.
+/// The most multiplications of a trial run: a moment.
 const WORK: usize = 50_000_000;
 
 /// About how large a distance rounding leaves at the end of an extended fit, in data units, if it

@@ -8,17 +8,17 @@ use std::sync::Arc;
 
 use super::lines::flipped;
 use crate::data::points::Points;
-use crate::knot_selection::line::KnotLine;
+use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::values::Values;
 
 /// The control points over `lines` of about the surface that has these ones over others, `before`.
 pub(super) fn following(
-    before: &[KnotLine; 2],
+    before: &[Breaks; 2],
     control_points: &Points,
-    lines: &[KnotLine; 2],
+    lines: &[Breaks; 2],
 ) -> Points {
     let maps = [0, 1].map(|axis| Map::new(&before[axis], &lines[axis]));
-    let counts = |lines: &[KnotLine; 2]| [0, 1].map(|axis| lines[axis].control_points());
+    let counts = |lines: &[Breaks; 2]| [0, 1].map(|axis| lines[axis].control_points());
     let [rows, columns] = counts(before);
     let [new_rows, new_columns] = counts(lines);
     let lanes = control_points.lanes().iter();
@@ -38,7 +38,7 @@ struct Map {
 }
 
 impl Map {
-    fn new(from: &KnotLine, to: &KnotLine) -> Self {
+    fn new(from: &Breaks, to: &Breaks) -> Self {
         let values = (from != to).then(|| {
             let sites = greville(to);
             let mut order: Vec<usize> = (0..sites.len()).collect();
@@ -67,7 +67,7 @@ impl Map {
 }
 
 /// The Greville abscissa of each control point, between the ends of the parameters.
-fn greville(line: &KnotLine) -> Vec<f64> {
+fn greville(line: &Breaks) -> Vec<f64> {
     let (low, high) = (line.breaks()[0], line.breaks()[line.spans()]);
     let degree = line.degree();
     let mean = |j: usize| {
