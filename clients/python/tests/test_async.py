@@ -126,7 +126,8 @@ def test_mistakes_are_the_same(server: Server) -> None:
             task = asyncio.create_task(client.fit(MANY, basis="bernstein", max_iterations=2))
             line = inspect.currentframe().f_lineno - 1  # type: ignore[union-attr]
             await asyncio.gather(task, asyncio.wait_for(client.fit(MANY, basis="bernstein", max_iterations=3), 30))
-        assert [(it.filename, it.lineno) for it in told] == [(__file__, line), (__file__, line + 2)]
+        # Either of the two may end first.
+        assert sorted((it.filename, it.lineno) for it in told) == [(__file__, line), (__file__, line + 2)]
 
     with_client(server, work)
     with pytest.raises(ValueError, match="one attempt"):
