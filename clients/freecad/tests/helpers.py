@@ -144,8 +144,8 @@ def _remember(kind: type) -> None:
     """Has a class of panels tell what it makes."""
     make = kind.__init__
 
-    def making(self: Any, *arguments: Any) -> None:
-        make(self, *arguments)
+    def making(self: Any, *arguments: Any, **named: Any) -> None:
+        make(self, *arguments, **named)
         _panels.append(self)
 
     kind.__init__ = making
