@@ -19,7 +19,7 @@ use clap::Parser;
 use piad_fit::basis::{BasisChoice, Knots};
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::{
-    DirectionChoice, Iteration, Problem, Request, System, Tolerance, Weights, parameters,
+    DirectionChoice, Iteration, Problem, Request, System, Tolerance, parameters,
 };
 use piad_fit::invalid::Axis;
 use piad_fit::method::Method;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use piad_fit::basis::{BasisChoice, Knots};
 use piad_fit::data::{Grid, Points};
-use piad_fit::engine::{DirectionChoice, Problem, Request, System, Tolerance, Weights};
+use piad_fit::engine::{DirectionChoice, Problem, Request, System, Tolerance};
 use piad_fit::method::Method;
 use piad_fit::parameters::Parametrization;
 

@@ -1,14 +1,11 @@
 //! Samples for unit tests.
 
-use std::sync::Arc;
-
 use crate::job::outline::{Label, Outline};
 use crate::job::state::Status;
 use crate::job::store::Record;
 use piad_fit::basis::{BasisChoice, End, Ends, Knots};
 use piad_fit::data::{Grid, Points};
-use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance, Weights};
-use piad_fit::method::Method;
+use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance};
 use piad_fit::parameters::Parametrization;
 
 /// A curve through 20 points of a sine.

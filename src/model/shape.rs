@@ -20,7 +20,6 @@ use piad_fit::basis::MAX_DEGREE;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::{DirectionChoice, Request, Weights};
 use piad_fit::invalid::Axis;
-use piad_fit::method::Method;
 use piad_fit::parameters::{Parametrization, Scattered};
 
 /// A curve through data points.

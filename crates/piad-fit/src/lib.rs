@@ -110,7 +110,8 @@ pub(crate) mod setup;
 mod shape;
 pub(crate) mod termination;
 pub(crate) mod warning;
-#[cfg(all(test, feature = "serde"))]
+#[cfg(feature = "serde")]
+#[cfg(test)]
 mod written;
 
 pub use data::{Grid, Points};

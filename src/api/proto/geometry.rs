@@ -241,7 +241,6 @@ mod tests {
     use piad_fit::data::Grid;
     use piad_fit::engine::DirectionChoice;
     use piad_fit::engine::{Request, Tolerance, Weights};
-    use piad_fit::method::Method;
     use piad_fit::parameters::Parametrization;
 
     /// Nets that are written by hand, in one piece or several, are what the contract says.

@@ -33,7 +33,6 @@ pub fn checked(problem: &Problem, control_points: &Points) -> Result<Nurbs, Expo
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
 
     use super::*;
     use piad_fit::basis::BasisChoice;
@@ -41,8 +40,7 @@ mod tests {
     use piad_fit::basis::{End, Ends};
     use piad_fit::data::Grid;
     use piad_fit::engine::DirectionChoice;
-    use piad_fit::engine::{Request, Tolerance, Weights};
-    use piad_fit::method::Method;
+    use piad_fit::engine::{Request, Tolerance};
     use piad_fit::parameters::Parametrization;
 
     const SQUARE: [[f64; 2]; 5] = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 3.0], [0.0, 2.0]];
@@ -68,7 +66,7 @@ mod tests {
             ..Request::new(
                 points,
                 Grid {
-                    rows: points.len(),
+                    rows: SQUARE.len(),
                     columns: 1,
                 },
                 u,

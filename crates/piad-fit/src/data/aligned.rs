@@ -159,10 +159,13 @@ impl FromIterator<f64> for Lane {
     }
 }
 
-/// Written as its bytes, little-endian, which binary formats copy as they are.
+/// Written as its bytes, little-endian, which binary formats copy as they are; as numbers in formats for people.
 #[cfg(feature = "serde")]
 impl Serialize for Lane {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if serializer.is_human_readable() {
+            return serializer.collect_seq(self.iter());
+        }
         let mut bytes = vec![0; size_of_val(&self[..])];
         let (places, _) = bytes.as_chunks_mut();
         for (place, x) in places.iter_mut().zip(self) {
@@ -175,6 +178,9 @@ impl Serialize for Lane {
 #[cfg(feature = "serde")]
 impl<'de> Deserialize<'de> for Lane {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            return Ok(Vec::<f64>::deserialize(deserializer)?.into_iter().collect());
+        }
         let (numbers, rest) = <&[u8]>::deserialize(deserializer)?.as_chunks();
         if !rest.is_empty() {
             return Err(D::Error::custom("a number is cut off"));
