@@ -1,4 +1,29 @@
-//! Progressive iterative approximation: the numerics, with no knowledge of jobs or of the wire.
+//! Fits Bézier, B-spline and NURBS curves and surfaces to points by progressive iterative approximation (PIA).
+//!
+//! The points are the first control points; each iteration adds to every control point the vector from the curve to its
+//! data point. The crate is pure and deterministic: it does no input or output, reads no clock and needs no unsafe
+//! code.
+//!
+//! # Example
+//!
+//! A cubic B-spline through five points, by classical PIA:
+//!
+//! ```
+//! use piad_fit::{Fit, Method};
+//!
+//! let points = [[0.0, 0.0], [1.0, 2.0], [3.0, 3.0], [5.0, 2.0], [6.0, 0.0]];
+//! let fit = Fit::curve(&points).method(Method::Global).tolerance(1e-9).prepare()?;
+//! for level in fit.levels() {
+//!     println!("{}: {:e}", level.iteration, level.error.max);
+//! }
+//! let curve = fit.solve()?;
+//! let t = fit.parameters()[2];
+//! assert!((curve.eval(t)[1] - 3.0).abs() <= 1e-9);
+//! println!("{:?} {:?}", curve.eval(t), curve.derivative(t));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`programs`] has ten more.
 //!
 //! # The one loop
 //!
@@ -38,27 +63,6 @@
 //!   end an iteration with an outcome, never with a panic.
 //! - Everything that can be wrong with a problem is found before the first level, with its place.
 //! - Memory and time are known from the sizes, before anything is computed.
-//!
-//! # Example
-//!
-//! A cubic B-spline through points of a sine, by classical PIA:
-//!
-//! ```
-//! use piad_fit::{Fit, Method};
-//!
-//! let points: Vec<[f64; 2]> = (0..20).map(|i| 0.3 * f64::from(i)).map(|x| [x, x.sin()]).collect();
-//! let fit = Fit::curve(&points).method(Method::Global).tolerance(1e-9).prepare()?;
-//! for level in fit.levels() {
-//!     println!("{}: {:e}", level.iteration, level.error.max);
-//! }
-//! let curve = fit.solve()?;
-//! let t = fit.parameters()[7];
-//! assert!((curve.eval(t)[1] - points[7][1]).abs() <= 1e-9);
-//! println!("{:?} {:?}", curve.eval(t), curve.derivative(t));
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
-//!
-//! More of them: [`programs`].
 //!
 //! # Map, in the order in which a fit is made
 //!

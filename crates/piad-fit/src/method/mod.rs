@@ -1,4 +1,4 @@
-//! The methods: one file for each, in which all that is particular to it stands together.
+//! The methods with their settings.
 //!
 //! Every method is a choice of level 0 and of the transform U in `X ← X + U (P − B X)` (Deng13):
 //!
@@ -15,26 +15,26 @@
 //! | `direct` | B⁻¹ | P | at level 1 | PT97, section 9.2.1 |
 //! | `least_squares` | D Aᵀ | sampled data | to the minimum | Deng, Lin 2014 |
 //! | `custom` | any matrix | P | if ρ(I − U B) < 1 | Deng13, Theorem 2.1 |
-//!
-//! What a method is for the rest of the crate is the trait `Scheme`: its checks, its demand of memory,
-//! its forecast, its transform, its level 0, its update, its stop rule and its warnings. Functions
-//! of it that a method does not have are those of classical PIA.
-//!
-//! # To add a method
-//!
-//! Write a file with a type that implements `Scheme`, whose documentation gives its formula and its
-//! source, and add a line to each of [`Method`], `Method::scheme` and [`METHODS`]. Nothing else in
-//! the crate tells methods apart.
-//!
-//! # What methods share
-//!
-//! - `linear`: the update with a fixed linear map U; `recurrence`: that of the Chebyshev
-//!   semi-iteration;
-//! - `selection`: updates that move only some control points;
-//! - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
-//! - `equations`: `B X = P` and the transform of a method; `plain`: the loop as it is written down;
-//! - `eigenvalues`: forecasts by the least eigenvalue; `divergence`: whether a relaxation diverges;
-//! - `trial_run`: fits in advance.
+
+// What a method is for the rest of the crate is the trait `Scheme`: its checks, its demand of memory,
+// its forecast, its transform, its level 0, its update, its stop rule and its warnings. Functions
+// of it that a method does not have are those of classical PIA.
+//
+// # To add a method
+//
+// Write a file with a type that implements `Scheme`, whose documentation gives its formula and its
+// source, and add a line to each of `Method`, `Method::scheme` and `METHODS`. Nothing else in
+// the crate tells methods apart.
+//
+// # What methods share
+//
+// - `linear`: the update with a fixed linear map U; `recurrence`: that of the Chebyshev
+//   semi-iteration;
+// - `selection`: updates that move only some control points;
+// - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
+// - `equations`: `B X = P` and the transform of a method; `plain`: the loop as it is written down;
+// - `eigenvalues`: forecasts by the least eigenvalue; `divergence`: whether a relaxation diverges;
+// - `trial_run`: fits in advance.
 
 mod adaptive;
 mod chebyshev;

@@ -40,7 +40,7 @@ pub struct LeastSquares {
     pub data_weights: Option<Arc<[f64]>>,
 }
 
-/// A fit that chooses its knots by itself (`crate::knot_selection`).
+/// Settings of a fit that chooses the number of its control points and its knots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Automatic {
