@@ -16,7 +16,7 @@ const SURFACE: usize = 40;
 /// The names of coordinates.
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
-/// So many samples are evaluated at a time.
+/// The number of samples that are evaluated at a time.
 const CHUNK: usize = 256;
 
 /// A table that is written in parts: a line with names (`t,x,y` of a curve, `u,v,x,y,z` of a

@@ -29,7 +29,7 @@ pub(super) struct Deviations {
 }
 
 impl Deviations {
-    /// The distances of all data points, or of every so many-th row and column.
+    /// The distances of all data points, or of those in every `stride`-th row and column.
     pub(super) fn of(problem: &Problem, nurbs: &Nurbs) -> Self {
         match (problem.v(), &nurbs.v) {
             (Some(across), Some(knots)) if problem.is_scattered() => {
@@ -81,7 +81,7 @@ fn grid(problem: &Problem, nurbs: &Nurbs, across: Option<(&Direction, &KnotVecto
     }
 }
 
-/// Of every so many-th row and column there are at most so many points.
+/// The smallest stride of rows and columns that leaves at most `most` points.
 pub(super) fn stride(Grid { rows, columns }: Grid, most: usize) -> usize {
     let mut stride = 1;
     while rows.div_ceil(stride) * columns.div_ceil(stride) > most {

@@ -106,7 +106,7 @@ impl Serialize for Coordinates {
     }
 }
 
-/// Points beyond the limit are counted up to so many times the limit.
+/// Points beyond the limit are counted up to this multiple of it.
 const COUNTED: usize = 2;
 
 /// Says that there are too many points, if there are.
@@ -269,7 +269,7 @@ impl<'de> DeserializeSeed<'de> for GridRow<'_> {
 struct PointSeed<'a> {
     gathered: &'a RefCell<Gathered>,
     under: Under,
-    /// Whether there was a number instead of a point.
+    /// True if there was a number instead of a point.
     heights: &'a Cell<bool>,
 }
 

@@ -18,7 +18,7 @@ impl Grid {
         self.rows * self.columns
     }
 
-    /// Whether there are rows of points: a curve and scattered points have one column, and surfaces of
+    /// Returns true if there are rows of points: a curve and scattered points have one column, and surfaces of
     /// rows have two at least.
     pub fn is_rows(self) -> bool {
         self.columns != 1

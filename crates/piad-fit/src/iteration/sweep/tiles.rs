@@ -36,7 +36,7 @@ struct Tile<'a, 'b> {
     /// The point that stands first in the workspace. On closed curves points before the first one are
     /// those at the end, and points behind the last one those at the start.
     base: i64,
-    /// Whether the control points of the first level have been copied to the workspace, rather than read
+    /// True if the control points of the first level have been copied to the workspace, rather than read
     /// from where they are.
     loaded: bool,
 }

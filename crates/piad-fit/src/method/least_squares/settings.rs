@@ -49,7 +49,7 @@ pub struct Automatic {
 }
 
 impl LeastSquares {
-    /// With at most so many control points in both directions, and as few as will do.
+    /// With at most u × v control points, and as few of them as the tolerance needs.
     pub fn automatic(u: usize, v: usize) -> Self {
         Self {
             automatic: Some(Automatic::default()),
@@ -57,8 +57,8 @@ impl LeastSquares {
         }
     }
 
-    /// Whether the schedule of knots can take steps of plain least squares: nothing is to be obeyed but
-    /// the end points, and nothing weighed but the data.
+    /// Returns true if the schedule of knots can take steps of plain least squares: there are no constraints but
+    /// the end points, and no fairness.
     pub(crate) fn is_plain(&self) -> bool {
         self.constraints.is_empty() && !self.has_energy() && self.ends != EndPoints::Free
     }
