@@ -211,6 +211,7 @@ struct Distances {
     std::optional<double> homogeneous;  // homogeneous fits: the largest one in homogeneous coordinates
     std::optional<double> gradient;     // least squares: zero at the minimum
     std::optional<double> transformed;  // extended fits: how far a control point moves in the next iteration
+    std::optional<double> between;      // at the end: by how much the fit leaves its data between neighbours
 };
 
 // One direction of a fit: that of a curve, or u or v of a surface.
@@ -321,6 +322,7 @@ struct Deviation {
     Index at;
     std::map<int, double> percentiles;  // of 50, 90, 95 and 99 per cent
     std::vector<double> distances;      // of each data point, if they were asked for; NaN of a missing one
+    std::vector<double> between;        // likewise, by how much the fit leaves the data in each gap beyond their freedom
 };
 
 // A file of a result or an iteration, such as STEP.
@@ -562,6 +564,7 @@ inline Distances read_distances(const Json& value) {
     distances.homogeneous = field<double>(value, "homogeneous");
     distances.gradient = field<double>(value, "gradient");
     distances.transformed = field<double>(value, "transformed");
+    distances.between = field<double>(value, "between");
     return distances;
 }
 
@@ -1566,6 +1569,7 @@ public:
             deviation.at = detail::read_index(value.at("at"));
             for (const auto& [name, distance] : value.at("percentiles").items()) deviation.percentiles[std::stoi(name)] = detail::number(distance);
             if (list) deviation.distances = detail::numbers(value.at("distances"));
+            if (list && value.contains("between")) deviation.between = detail::numbers(value.at("between"));
             return deviation;
         });
     }

@@ -936,7 +936,8 @@ namespace Piad
             At = Internal.Json.Index(json, "at");
         }
 
-        /// <summary>All of it, with percentiles and the distance of each point (`list`).</summary>
+        /// <summary>All of it, with percentiles, the distance of each point, and by how much the fit leaves the data in each gap between
+        /// them (`list`).</summary>
         public JObject Json { get; private set; }
 
         /// <summary>The number of the iteration.</summary>

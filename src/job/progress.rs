@@ -69,10 +69,12 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
         Reason::Rounding => format!("distances do not fall any more, for rounding: {left}"),
         Reason::Diverging => format!("distances grow, as the step is too long: {left}"),
         Reason::Between => match levels.last.found {
-            Some(Warning::Between(excursion)) => format!(
-                "the fit is within the tolerance at the data, but {excursion}: use a larger tolerance, fairness, or a \
-                 number of control points"
-            ),
+            Some(warning @ Warning::Between(_)) => {
+                format!(
+                    "the fit has converged at the data, but {}",
+                    warning.detail()
+                )
+            }
             _ => format!(
                 "a fit within the tolerance at the data leaves them where there are none, and one that does not is not \
                  within it: {left}; use a larger tolerance, fairness, or a number of control points"

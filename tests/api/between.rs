@@ -30,6 +30,14 @@ fn from_polygon(samples: &Value, polygon: &[[f64; 2]]) -> f64 {
     points.map(distance).fold(0.0, f64::max)
 }
 
+/// The numbers of lists in lists.
+fn numbers(of: &Value) -> Vec<f64> {
+    match of.as_array() {
+        Some(list) => list.iter().flat_map(numbers).collect(),
+        None => vec![of.as_f64().unwrap()],
+    }
+}
+
 fn codes(of: &Value) -> Vec<&str> {
     let all = of["warnings"].as_array().unwrap().iter();
     all.map(|it| it["code"].as_str().unwrap()).collect()
@@ -57,37 +65,75 @@ async fn an_outline_with_long_edges_stays_near_them() {
     }
 }
 
+/// Runge's function at equal steps of [-1, 1].
+fn runge(count: usize) -> Vec<f64> {
+    let x = |i: usize| 2.0 * i as f64 / (count - 1) as f64 - 1.0;
+    (0..count)
+        .map(|i| 1.0 / (1.0 + 25.0 * x(i) * x(i)))
+        .collect()
+}
+
+/// Polynomials through Runge's function leave it near its ends. The distances were computed with numpy from the
+/// definition, in steps of a sixteenth of each gap.
+#[tokio::test]
+async fn polynomials_leave_runges_function() {
+    let server = Server::start().await;
+    for (count, expected) in [
+        (12, 0.539_932_180_405_81),
+        (16, 2.088_147_065_199_9),
+        (20, 8.568_870_042_65),
+    ] {
+        let points: Vec<[f64; 1]> = runge(count).into_iter().map(|y| [y]).collect();
+        let job = json!({
+            "curve": {"points": points, "parameters": "uniform", "basis": {"kind": "bernstein"}},
+            "method": "direct",
+        });
+        let fitted = server.fit(&job).await;
+        assert_eq!(fitted["reason"], "between", "{fitted}");
+        let between = fitted["error"]["between"].as_f64().unwrap();
+        // The condition of the matrix times rounding.
+        assert!(
+            (between / expected - 1.0).abs() < 1e-9,
+            "{count}: {between}"
+        );
+    }
+}
+
 /// The warning is there when the fit has ended, with the place and the distances.
 #[tokio::test]
 async fn fits_that_leave_their_points_are_warned_of() {
     let server = Server::start().await;
-    let heights: Vec<Vec<[f64; 3]>> = (0..6)
-        .map(|i| {
-            (0..7)
-                .map(|j| {
-                    [
-                        f64::from(i),
-                        f64::from(j),
-                        if (i, j) == (2, 3) { 1e3 } else { 0.0 },
-                    ]
-                })
-                .collect()
-        })
-        .collect();
+    let runge = runge(16);
+    let row = |i: usize| {
+        let point = |j: usize| [i as f64, j as f64, runge[i] * runge[j]];
+        (0..runge.len()).map(point).collect::<Vec<_>>()
+    };
+    let heights: Vec<Vec<[f64; 3]>> = (0..runge.len()).map(row).collect();
     let jobs = [
         (
             json!({"curve": {"points": bracket(), "parameters": "uniform", "basis": {"kind": "bernstein"}}, "method": "direct"}),
             "/curve/points/",
         ),
         (
-            json!({"surface": {"points": heights}, "method": "direct"}),
+            json!({"surface": {"points": heights, "basis": {"kind": "bernstein"}}, "method": "direct"}),
             "/surface/points/",
         ),
     ];
     for (job, pointer) in jobs {
         let fitted = server.fit(&job).await;
-        assert_eq!(fitted["state"], "converged", "{fitted}");
+        assert_eq!(
+            (&fitted["state"], &fitted["reason"]),
+            (&json!("stalled"), &json!("between")),
+            "{fitted}"
+        );
         assert!(codes(&fitted).contains(&"between_points"), "{fitted}");
+        // It is known of the last iteration alone, once a fit has ended.
+        assert!(
+            fitted["error"]["between"].as_f64().unwrap() > 1.0,
+            "{fitted}"
+        );
+        let last = format!("{}/iterations/last", base(&fitted));
+        assert!(server.json(&last).await["error"]["between"].is_null());
         let mut warnings = fitted["warnings"].as_array().unwrap().iter();
         let warning = warnings.find(|it| it["code"] == "between_points").unwrap();
         let input = server.json(&format!("{}/input", base(&fitted))).await;
@@ -96,8 +142,25 @@ async fn fits_that_leave_their_points_are_warned_of() {
             at.starts_with(pointer) && input.pointer(at).is_some(),
             "{warning}"
         );
+        let list = server
+            .json(&format!("{}/deviation?list=true", base(&fitted)))
+            .await;
+        let each: Vec<f64> = numbers(&list["between"]);
+        let gaps = if pointer == "/curve/points/" {
+            bracket().len() - 1
+        } else {
+            15 * 15
+        };
+        assert_eq!(each.len(), gaps);
+        // In large steps a part of it is missed.
+        let most = each.iter().copied().fold(0.0, f64::max);
+        let between = fitted["error"]["between"].as_f64().unwrap();
+        assert!(
+            (0.75 * between..=between).contains(&most),
+            "{most} of {between}"
+        );
         let detail = warning["detail"].as_str().unwrap();
-        for part in ["between point ", " apart, the fit is ", "fairness"] {
+        for part in ["between point ", " of freedom", "fairness"] {
             assert!(detail.contains(part), "{detail}");
         }
         let events = server.get(&format!("{}/events", base(&fitted)));
@@ -108,6 +171,7 @@ async fn fits_that_leave_their_points_are_warned_of() {
             story.job
         );
         assert_eq!(story.end["warnings"], fitted["warnings"]);
+        assert_eq!(story.end["error"], fitted["error"]);
         // Also of a stream that begins before the fit.
         let live = server.stream(&job).await;
         assert_eq!(live.end["warnings"], fitted["warnings"]);
@@ -118,6 +182,10 @@ async fn fits_that_leave_their_points_are_warned_of() {
         .collect();
     let fitted = server.fit(&json!({"curve": {"points": even}})).await;
     assert!(codes(&fitted).is_empty(), "{fitted}");
+    assert_eq!(
+        (&fitted["state"], &fitted["error"]["between"]),
+        (&json!("converged"), &json!(0.0))
+    );
 }
 
 /// A tube that is projected to a plane.

@@ -308,7 +308,8 @@ async fn surfaces_are_fitted_with_a_basis_for_each_direction() {
             "stop": {"tolerance": 1e-3, "max_iterations": 100_000},
         }))
         .await;
-    assert_eq!(story.state(), "converged");
+    // Degree 8 in one direction and centripetal parameters in the other: the surface swings between the points.
+    assert_eq!(story.end["reason"], "between");
     assert_eq!(story.job["degree"], json!({"u": 8, "v": 2}));
     assert_eq!(
         story.job["basis"],

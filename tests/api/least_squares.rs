@@ -182,7 +182,9 @@ async fn control_points_without_data_stay() {
                 "stop": {"tolerance": 1e-6, "max_iterations": 2000},
             }))
             .await;
-        assert!(!["cg", "direct"].contains(&variant) || story.state() == "converged");
+        // The curve swings where there are no data.
+        let is_within = story.state() == "converged" || story.end["reason"] == "between";
+        assert!(!["cg", "direct"].contains(&variant) || is_within);
         let first = &story.iterations[0]["control_points"];
         let last = &story.iterations.last().unwrap()["control_points"];
         // B-spline 6 lives on [0.4, 0.8], where there are no data.
@@ -237,13 +239,16 @@ async fn nearly_as_many_control_points_as_data() {
         [(6.0 * t).cos() * (1.0 + t), (6.0 * t).sin(), t]
     };
     let points: Vec<_> = (0..1000).map(point).collect();
-    for count in [999, 998, 995, 990] {
+    for count in [999, 998, 995, 990, 900] {
         for variant in ["direct", "cg"] {
             let method =
                 json!({"kind": "least_squares", "control_points": count, "variant": variant});
             let job = json!({"curve": {"points": points}, "method": method});
             let job = server.fit(&job).await;
-            assert_eq!(job["state"], "converged", "{count} {variant}: {job:#}");
+            // Hardly fewer than data leave the curve free between the first ones, by up to a million times its size.
+            let is_within =
+                job["state"] == "converged" || (count > 900 && job["reason"] == "between");
+            assert!(is_within, "{count} {variant}: {job:#}");
             // The curve is smooth, and these are a thousand points of it: more digits than asked for.
             let most = if variant == "direct" { 1e-8 } else { 5e-6 };
             assert!(number(&job["error"]["max"]) < most, "{count} {variant}");

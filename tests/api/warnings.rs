@@ -306,9 +306,9 @@ async fn chebyshev_steps_keep_distances_low() {
         let codes = warnings(&story.job);
         let found = codes.iter().any(|(code, _)| code == "shorter_interval");
         assert_eq!(found, warned, "{} {codes:?}", job["curve"]["basis"]);
-        if !warned {
-            assert_eq!(story.state(), "converged");
-        }
+        // Even degrees with knots at the data swing between them.
+        let is_within = story.state() == "converged" || story.end["reason"] == "between";
+        assert!(warned || is_within, "{}", story.end);
     }
 
     // Nearly singular: points hardly meet the supports of their functions, `u_i < t_i < u_{i+4}`.

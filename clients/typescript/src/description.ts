@@ -1891,7 +1891,7 @@ export interface components {
              *     hundredth of the error, and `global` is nearer in the first ones.
              *     `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
              *     points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
-             *     `between_points`: the fit leaves neighbouring points by more than they are apart. `folded_parameters`: points of a
+             *     `between_points`: the fit leaves its data between neighbours by more than these leave it free. `folded_parameters`: points of a
              *     surface with nearly the same parameters are far from each other, so that no surface is near both. There may be others in later versions.
              * @example few_points
              * @example even_degree
@@ -2051,6 +2051,12 @@ export interface components {
              *     moves in the next iteration; of homogeneous fits in homogeneous coordinates.
              */
             transformed?: number;
+            /**
+             * Format: double
+             * @description At the end of fits of curves and grids: by how much the fit leaves its data between neighbours, beyond the freedom
+             *     that these leave; 0 if it does so nowhere.
+             */
+            between?: number;
         };
         /**
          * @description Paths of a job.
@@ -3184,6 +3190,11 @@ export interface components {
             percentiles: components["schemas"]["Percentiles"];
             /** @description The distance of each data point; with `list=true`. */
             distances?: components["schemas"]["Distances"];
+            /**
+             * @description By how much the curve leaves the data in each gap between neighbours, and the surface in each cell of a grid,
+             *     beyond the freedom that the data leave there; with `list=true`. Scattered points have no neighbours.
+             */
+            between?: components["schemas"]["Distances"];
         };
         /**
          * @description Distances that so many per cent of the data do not exceed.
@@ -3217,7 +3228,8 @@ export interface components {
             99: number;
         };
         /**
-         * @description Distances in the order of the data: a list, or rows and columns of a grid; null where a point is missing.
+         * @description Distances in the order of the data or of the gaps between them: a list, or rows and columns of a grid; null where a
+         *     point is missing.
          * @example [
          *       0.002,
          *       0.0004,

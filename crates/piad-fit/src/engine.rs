@@ -24,6 +24,11 @@ pub use crate::warning::Warning;
 /// after which any level of any problem has other bits.
 pub const KERNEL: u32 = 2;
 
+/// Fits that leave their data between neighbours.
+pub mod between {
+    pub use crate::geometry::between::excesses;
+}
+
 /// B-splines by the Cox–de Boor recurrence.
 pub mod bspline {
     pub use crate::basis::bspline::{evaluate, find_span};

@@ -48,7 +48,7 @@ pub(crate) fn job(job: &Job) -> pb::Job {
         stop: Some(stop(outline)),
         stream: stream_options(outline),
         iteration: level.map(|level| level.iteration as u64),
-        error: level.map(|level| distances(&level.error, &outline.method)),
+        error: level.map(|level| last_distances(&level, &outline.method)),
         progress: status.progress(outline),
         created_at: Some(time(outline.created)),
         started_at: status.started.map(time),
@@ -133,6 +133,15 @@ pub(crate) fn distances(error: &FitError, method: &Method) -> pb::Distances {
         homogeneous: error.homogeneous,
         gradient: error.gradient,
         transformed: error.transformed,
+        between: None,
+    }
+}
+
+/// Those of the last level of a job so far, with what is known of it between its data.
+fn last_distances(level: &Level, method: &Method) -> pb::Distances {
+    pb::Distances {
+        between: level.between,
+        ..distances(&level.error, method)
     }
 }
 
@@ -176,17 +185,15 @@ pub(crate) fn deviation(
     deviation: Deviation,
     list: bool,
 ) -> pb::GetDeviationResponse {
+    let listed = |distances: Vec<f64>| if list { distances } else { Vec::new() };
     pb::GetDeviationResponse {
         iteration: iteration as u64,
         max: deviation.max,
         rms: deviation.rms,
         at: count(deviation.at),
         percentiles: deviation.percentiles.to_vec(),
-        distances: if list {
-            deviation.distances
-        } else {
-            Vec::new()
-        },
+        distances: listed(deviation.distances),
+        between: listed(deviation.between),
     }
 }
 
@@ -263,7 +270,7 @@ pub(crate) fn end(job: &Job, status: &Status) -> Content {
         state: names::state(status.state).into(),
         reason: names::reason(status.reason).into(),
         iterations: level.map_or(0, |level| level.iteration as u64),
-        error: level.map(|level| distances(&level.error, &job.outline().method)),
+        error: level.map(|level| last_distances(&level, &job.outline().method)),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         problem: status.failure.map(problem),
         detail: status.detail(job.outline()).unwrap_or_default(),

@@ -45,6 +45,7 @@ export class Fit {
   #job: Promise<Job> | null = null;
   #input: Promise<api.JobRequest> | null = null;
   #data: Promise<Data> | null = null;
+  #excesses: Promise<readonly number[]> | null = null;
 
   /** `axes` are those of the jobs on the screen. */
   constructor(client: Client, job: Job | string, changed: () => void, axes: () => readonly Axes[]) {
@@ -92,6 +93,20 @@ export class Fit {
     });
     this.#data.catch(() => {});
     return this.#data;
+  }
+
+  /**
+   * By how much an iteration leaves its data in each gap between neighbours, or cell of a grid: asked once, of the last
+   * one of a fit that has ended for it; else there are none.
+   */
+  excesses(k: number): Promise<readonly number[]> {
+    if (this.end?.reason !== "between" || k !== this.latest) return Promise.resolve([]);
+    this.#excesses ??= this.known()
+      .then((job) => job.deviation({ iteration: k, list: true, signal: this.signal }))
+      .then(({ between = [] }) => (between as (number | readonly number[])[]).flat())
+      // Some have no nearest points.
+      .catch(() => []);
+    return this.#excesses;
   }
 
   /** Forgets the job; the server goes on. */

@@ -80,8 +80,24 @@ export function heatOf(distance: number, near: number, far: number): number {
   return Math.min(1, Math.log(distance / near) / Math.log(far / near));
 }
 
-/** The distances of the data as colours of the samples of a surface. */
-export function heatAt(data: Data, lengths: Float64Array, samples: Samples, near: number, far: number): Float32Array {
+/** By how much the fit leaves its data at each sample: as in the gap, or cell of a grid, that it lies in. */
+export function excessAt(data: Data, excesses: readonly number[], samples: Samples): Float64Array {
+  const [first, second] = samples.parameters as [Float64Array, Float64Array | undefined];
+  const gaps = (axis: 0 | 1, samples: Float64Array) => {
+    const own = data.parameters[axis]!;
+    const count = Math.max(1, own.length - (data.closed[axis] ? 0 : 1));
+    return { count, of: Array.from(samples, (t) => Math.min(count - 1, Math.floor(among(own, t, samples.at(-1)!)))) };
+  };
+  const along = gaps(0, first);
+  const across = second === undefined ? { count: 1, of: [0] } : gaps(1, second);
+  return Float64Array.from({ length: along.of.length * across.of.length }, (_, i) => {
+    const [row, column] = [along.of[Math.floor(i / across.of.length)]!, across.of[i % across.of.length]!];
+    return excesses[row * across.count + column] ?? 0;
+  });
+}
+
+/** The distances of the data, and by how much the surface leaves these at each sample, as colours of the samples. */
+export function heatAt(data: Data, lengths: Float64Array, excesses: Float64Array | null, samples: Samples, near: number, far: number): Float32Array {
   const grid = { rows: data.rows, columns: data.columns, values: lengths, u: data.parameters[0]!, v: data.parameters[1]! };
   const field = data.isScattered ? binned(data, lengths) : grid;
   const heat = new Float32Array(samples.rows * samples.columns);
@@ -94,7 +110,8 @@ export function heatAt(data: Data, lengths: Float64Array, samples: Samples, near
     for (let j = 0; j < samples.columns; j++, to++) {
       const [b, t] = columns[j]!;
       const value = (r: number, c: number) => log[(r % field.rows) * field.columns + (c % field.columns)] || 0;
-      heat[to] = (1 - s) * ((1 - t) * value(a, b) + t * value(a, b + 1)) + s * ((1 - t) * value(a + 1, b) + t * value(a + 1, b + 1));
+      const at = (1 - s) * ((1 - t) * value(a, b) + t * value(a, b + 1)) + s * ((1 - t) * value(a + 1, b) + t * value(a + 1, b + 1));
+      heat[to] = Math.max(at, heatOf(excesses?.[to] ?? 0, near, far));
     }
   }
   return heat;

@@ -20,6 +20,8 @@ export interface Picture {
   readonly control: Points | null;
   /** Pairs of points: from the fit at the parameter of a data point to that, enlarged. */
   readonly spikes: Float32Array | null;
+  /** Pairs of points: parts of the curve that leave the data between neighbours. */
+  readonly astray: Float32Array | null;
   /** Pairs of points, from the curve outwards, and the line through their ends. */
   readonly comb: { readonly teeth: Float32Array; readonly edge: Float32Array } | null;
   readonly heat: Float32Array | null;
@@ -30,6 +32,7 @@ export class Figure {
   picture: Picture | null = null;
   readonly #group = new Group();
   readonly #curve = new FatLine(3, 2e-5);
+  readonly #astray = new FatLine(5, 2.5e-5);
   readonly #surface = new Surface();
   readonly #data = new Dots(6e-5);
   readonly #polygon = new FatLine(1.25, 1e-5);
@@ -48,7 +51,7 @@ export class Figure {
 
   constructor() {
     // What comes later lies over what came before, where both are at the same depth.
-    const order: Object3D[] = [this.#surface, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#control, this.#data, this.#marker];
+    const order: Object3D[] = [this.#surface, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#astray, this.#control, this.#data, this.#marker];
     order.forEach((object, i) => {
       object.renderOrder = i;
       object.visible = false;
@@ -103,6 +106,7 @@ export class Figure {
     this.#morph.go(samples.positions, lasts, now);
     if (control !== null) this.#controlMorph.go(control.positions, lasts, now);
     if (picture.spikes !== null) this.#spikes.setSegments(picture.spikes);
+    if (picture.astray !== null) this.#astray.setSegments(picture.astray);
     if (picture.comb !== null) {
       this.#teeth.setSegments(picture.comb.teeth);
       this.#edge.setPoints(picture.comb.edge);
@@ -133,6 +137,7 @@ export class Figure {
     const { picture } = this;
     const isSurface = (picture?.samples.rows ?? 1) > 1;
     this.#curve.visible = picture !== null && !isSurface;
+    this.#astray.visible = picture?.astray != null;
     this.#surface.visible = picture !== null && isSurface && !picture.isAway;
     this.#surface.setZebra(layers.zebra);
     this.#data.visible = layers.data;
@@ -152,6 +157,7 @@ export class Figure {
     this.#polygon.setColor(color.net, 0.75);
     this.#net.setColor(color.net, 0.65);
     this.#spikes.setColor(palette.heat[3] ?? color.accent);
+    this.#astray.setColor(palette.heat[4] ?? color.accent);
     this.#teeth.setColor(own, 0.28);
     this.#edge.setColor(own, 0.55);
   }
@@ -159,6 +165,7 @@ export class Figure {
   setSize(width: number, height: number, ratio: number, palette: Palette): void {
     const slim = Math.min(width, height) < 420 ? 0.85 : 1;
     this.#curve.setSize(width, height, ratio, 3.25 * slim);
+    this.#astray.setSize(width, height, ratio, 4.5 * slim);
     this.#polygon.setSize(width, height, ratio, 1.25);
     this.#spikes.setSize(width, height, ratio, 1.75);
     this.#teeth.setSize(width, height, ratio, 1);

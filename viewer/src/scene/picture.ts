@@ -4,7 +4,7 @@ import { curvature, round125 } from "../fit/comb.js";
 import { type Data, chosen } from "../fit/data.js";
 import type { Fit } from "../fit/fit.js";
 import { type Points, type Samples, sampling } from "../fit/geometry.js";
-import { type Distances, distances, heatAt } from "../fit/judge.js";
+import { type Distances, distances, excessAt, heatAt } from "../fit/judge.js";
 import type { Layers } from "../state.js";
 import type { Picture } from "./figure.js";
 
@@ -42,22 +42,24 @@ const TEETH = 1500;
 /** Asks for what is drawn of an iteration. */
 export async function pictureOf(fit: Fit, data: Data, k: number, look: Look): Promise<Judged> {
   const { layers } = look;
-  const [samples, control] = await Promise.all([
+  const [samples, control, excesses] = await Promise.all([
     fit.gallery.samples(k, samplesOf(data, look), precise(data, layers), data.axes),
     layers.polygon && data.dimension > 1 ? fit.gallery.control(k, data.axes) : null,
+    fit.excesses(k),
   ]);
-  return judged(fit, data, k, samples, control, layers, look.largest);
+  return judged(fit, data, k, samples, control, layers, look.largest, excesses);
 }
 
 /** What is drawn of samples that are here. */
-export function judged(fit: Fit, data: Data, k: number, samples: Samples, control: Points | null, layers: Layers, largest = 0): Judged {
+export function judged(fit: Fit, data: Data, k: number, samples: Samples, control: Points | null, layers: Layers, largest = 0, excesses: readonly number[] = []): Judged {
   const level = fit.levels[k];
   const needed = (layers.spikes || layers.heat) && data.exact.length > 0;
   const far = needed && level !== undefined ? distances(data, samples, level.error.max ?? Infinity) : null;
   const [near, most] = range(fit);
   const spikes = layers.spikes && far !== null ? spikesOf(data, far, Math.max(largest, level?.error.max ?? 1)) : null;
   const comb = layers.comb && !data.isSurface ? combOf(data, samples) : null;
-  const heat = layers.heat && far !== null && data.isSurface ? heatAt(data, far.lengths, samples, near, most) : null;
+  const between = excesses.length > 0 && data.exact.length > 0 ? excessAt(data, excesses, samples) : null;
+  const heat = layers.heat && far !== null && data.isSurface ? heatAt(data, far.lengths, between, samples, near, most) : null;
   return {
     k,
     samples,
@@ -66,6 +68,7 @@ export function judged(fit: Fit, data: Data, k: number, samples: Samples, contro
     distances: far,
     spikes: spikes?.segments ?? null,
     spikeScale: spikes?.scale ?? 0,
+    astray: between !== null && !data.isSurface ? astrayOf(between, samples, near) : null,
     comb,
     combScale: comb?.scale ?? 0,
     heat,
@@ -113,6 +116,14 @@ function spikesOf(data: Data, { at }: Distances, largest: number): { segments: F
     }
   }
   return { segments, scale };
+}
+
+/** The segments of a curve between samples where it leaves its data by more than is near. */
+function astrayOf(excesses: Float64Array, { positions }: Samples, near: number): Float32Array {
+  const from = Array.from(excesses.keys()).filter((i) => i + 1 < excesses.length && excesses[i]! > near);
+  const segments = new Float32Array(from.length * 6);
+  from.forEach((i, at) => segments.set(positions.subarray(i * 3, i * 3 + 6), at * 6));
+  return segments;
 }
 
 function combOf(data: Data, samples: Samples): { teeth: Float32Array; edge: Float32Array; scale: number } {

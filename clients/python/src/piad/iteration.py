@@ -38,6 +38,8 @@ class Distances:
     """Least squares: zero at the minimum."""
     transformed: Optional[float] = None
     """Extended fits with `transformed_error`: how far a control point moves in the next iteration."""
+    between: Optional[float] = None
+    """At the end: by how much the fit leaves its data between neighbours, beyond the freedom that these leave."""
 
     @property
     def brief(self) -> str:
@@ -48,7 +50,7 @@ class Distances:
     def from_json(cls, value: Mapping[str, Any]) -> Distances:
         """Reads `error`."""
         at = value["at"]
-        names = ("fixed_max", "homogeneous", "gradient", "transformed")
+        names = ("fixed_max", "homogeneous", "gradient", "transformed", "between")
         more = {name: value.get(name) for name in names}
         return cls(value["max"], value["rms"], value["sum"], _index(at), **more)
 
@@ -67,6 +69,8 @@ class Deviation:
     """What 50, 90, 95 and 99 per cent of the distances do not exceed."""
     distances: Any = None
     """Of each data point, if they were asked for: an array, or nested lists without numpy; of a missing point NaN or None."""
+    between: Any = None
+    """By how much the fit leaves the data in each gap between neighbours, or cell of a grid, beyond their freedom."""
 
     def __repr__(self) -> str:
         return f"<piad.Deviation of iteration {self.iteration}: at most {self.max:.3e}, rms {self.rms:.3e}>"
@@ -75,10 +79,10 @@ class Deviation:
     def from_json(cls, value: Mapping[str, Any]) -> Deviation:
         """Reads the answer."""
         percentiles = {int(name): number for name, number in value["percentiles"].items()}
-        distances = value.get("distances")
-        if np is not None and distances is not None:
-            distances = np.asarray(distances, dtype=float)
-        return cls(value["iteration"], value["max"], value["rms"], _index(value["at"]), percentiles, distances)
+        lists = [value.get("distances"), value.get("between")]
+        if np is not None:
+            lists = [None if it is None else np.asarray(it, dtype=float) for it in lists]
+        return cls(value["iteration"], value["max"], value["rms"], _index(value["at"]), percentiles, *lists)
 
 
 def _index(value: Any) -> Index:

@@ -39,11 +39,10 @@ impl Deviations {
         }
     }
 
-    /// The largest distance, if it is finite and there is one.
-    pub(super) fn most(&self) -> Option<f64> {
+    /// The largest distance.
+    pub(super) fn most(&self) -> f64 {
         let known = self.distances.iter().copied().filter(|it| !it.is_nan());
-        let most = known.fold(0.0, f64::max);
-        (most > 0.0 && most.is_finite()).then_some(most)
+        known.fold(0.0, f64::max)
     }
 }
 

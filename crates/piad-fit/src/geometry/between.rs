@@ -1,17 +1,16 @@
-//! Between the data: curves and surfaces that are further from two neighbouring points than these are apart.
+//! Between the data: curves and surfaces that leave them between neighbours.
 //!
 //! Errors at the data say nothing of what is between them. There the straight line between two points of a curve, and
-//! the bilinear patch between four of a grid, are what the data say, as far as the points are apart. A curve that is
-//! further away from them, at the same parameter, leaves its data.
-//!
-//! Points of one coordinate and grids may go beyond a flat place beside a steep one: there the distance of the
-//! neighbours is the largest among those of a gap and of the gaps around it.
+//! the bilinear patch between four of a grid, are what the data say, but for the [`freedom`](super::freedom) that they
+//! leave where they bend. A curve that is further away from them than that leaves its data.
 
 use std::fmt;
 
 use super::evaluation::Geometry;
+use super::freedom;
 use crate::basis::direction::Direction;
-use crate::data::points::Points;
+use crate::data::grid::Grid;
+use crate::data::points::{Points, normalizing_scale};
 use crate::setup::Setup;
 
 /// Places at which gaps and spans are looked at, as parts of them.
@@ -23,12 +22,15 @@ const PLACES_OF_SURFACES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Only the middle is looked at where there are more gaps than this.
 const MANY: usize = 100_000;
 
-/// Gaps and cells in which the fit is away from its data by more than this part of what is allowed are looked at in
-/// [`CLOSER`] steps: the places that are looked at first miss up to a quarter of a bump.
+/// Gaps and cells in which the fit is away from its data by more than this part of the largest distance, or of what is
+/// allowed, are looked at in [`CLOSER`] steps: the places that are looked at first miss up to a quarter of a bump.
 const DOUBTFUL: f64 = 0.7;
 
 /// See [`DOUBTFUL`].
 const CLOSER: usize = 16;
+
+/// The sides of a cell are parallel if the sine of their angle has a square below this.
+const SINGULAR: f64 = 1e-9;
 
 /// About how many places are evaluated at a time.
 const AT_ONCE: usize = 16_384;
@@ -39,43 +41,47 @@ const AT_ONCE: usize = 16_384;
 pub struct Excursion {
     /// The data point before it, of a surface that with the lowest indices.
     pub index: usize,
-    /// How far the fit is from the straight line, or the bilinear patch, between the neighbours.
+    /// How far the fit is from the segment, or the bilinear patch, between the neighbours.
     pub distance: f64,
-    /// How far the neighbours are apart.
-    pub apart: f64,
+    /// How far it may be, but for its distances at the data: the freedom that these leave.
+    pub free: f64,
 }
 
 impl Excursion {
-    /// The place where a fit leaves its neighbours by most beyond what they are apart and what is `allowed`; `None` if
-    /// there is none, or if data have no neighbours as they are scattered.
+    /// The place where a fit leaves its neighbours by most beyond their freedom; `None` if it does so nowhere, or if data
+    /// have no neighbours as they are scattered. Places where it is far less than is `allowed` are looked at roughly.
     pub(crate) fn of(setup: &Setup, control_points: &Points, allowed: f64) -> Option<Self> {
         if setup.is_scattered() {
             return None;
         }
         let gaps = Gaps::new(setup);
-        let apart = gaps.apart();
-        let mut doubtful: Vec<usize> = Vec::new();
-        gaps.each_distance(control_points, |cell, distance| {
-            if distance > DOUBTFUL * (apart[cell] + allowed) && doubtful.last() != Some(&cell) {
-                doubtful.push(cell);
-            }
-        });
-        doubtful.sort_unstable();
-        doubtful.dedup();
-        let mut farthest: Option<(f64, Self)> = None;
-        gaps.each_distance_in(&doubtful, control_points, |cell, distance| {
-            let (index, apart) = (gaps.first(cell), apart[cell]);
-            let excess = distance - apart - allowed;
-            if excess > farthest.map_or(0.0, |(most, _)| most) {
-                let excursion = Self {
-                    index,
-                    distance,
-                    apart,
-                };
-                farthest = Some((excess, excursion));
-            }
-        });
-        farthest.map(|(_, excursion)| excursion)
+        let freedom = gaps.freedom();
+        let mut distances = gaps.distances(control_points);
+        let farthest = |distances: &[f64]| {
+            let all = distances.iter().zip(&freedom).enumerate();
+            let all = all.map(|(cell, (distance, free))| Self {
+                index: gaps.first(cell),
+                distance: *distance,
+                free: *free,
+            });
+            all.filter(|it| it.excess() > 0.0).reduce(|most, it| {
+                match it.excess() > most.excess() {
+                    true => it,
+                    false => most,
+                }
+            })
+        };
+        let most = farthest(&distances).map_or(0.0, Self::excess);
+        let may_be_farther =
+            |cell: &usize| distances[*cell] > DOUBTFUL * (freedom[*cell] + most.max(allowed));
+        let doubtful: Vec<usize> = (0..gaps.count()).filter(may_be_farther).collect();
+        gaps.look_closer(control_points, &doubtful, &mut distances);
+        farthest(&distances)
+    }
+
+    /// By how much the fit is further away than the data leave it free.
+    pub fn excess(self) -> f64 {
+        self.distance - self.free
     }
 }
 
@@ -84,14 +90,30 @@ impl fmt::Display for Excursion {
         let Self {
             index,
             distance,
-            apart,
+            free,
         } = self;
         write!(
             f,
-            "between point {index} and its neighbours, which are {apart:.3e} apart, the fit is {distance:.3e} away from \
-             them"
+            "between point {index} and its neighbours the fit is {distance:.3e} away from straight lines, where the data \
+             leave it {free:.3e} of freedom"
         )
     }
+}
+
+/// By how much a fit leaves its data in each gap between neighbours beyond their freedom, of grids in each cell, row by
+/// row; zero where it does not. Scattered data have no gaps.
+pub fn excesses(setup: &Setup, control_points: &Points) -> Vec<f64> {
+    if setup.is_scattered() {
+        return Vec::new();
+    }
+    let gaps = Gaps::new(setup);
+    let pairs = gaps
+        .distances(control_points)
+        .into_iter()
+        .zip(gaps.freedom());
+    pairs
+        .map(|(distance, free)| (distance - free).max(0.0))
+        .collect()
 }
 
 /// How far a surface of scattered data leaves their bounding box, as a part of its diagonal.
@@ -250,23 +272,71 @@ impl<'a> Gaps<'a> {
         self.along.count() * self.across.count()
     }
 
-    /// How far the corners of each cell are apart, infinitely where one of them is missing.
-    fn apart(&self) -> Vec<f64> {
+    /// The freedom of each cell: that which its bends leave, but no more than its corners are apart, and infinite where
+    /// one of these is missing.
+    fn freedom(&self) -> Vec<f64> {
         let missing = self.setup.missing();
+        let is_whole = |cell: usize| {
+            let corners = self.corners(cell);
+            missing.is_none_or(|missing| !corners.iter().flatten().any(|&i| missing.contains(i)))
+        };
+        let (mut bends, apart) = (self.bends(), self.apart());
+        self.pass_on(&mut bends);
+        let pairs = bends.into_iter().zip(apart).enumerate();
+        let free = pairs.map(|(cell, (bend, apart))| match is_whole(cell) {
+            true => freedom::of_bend(bend).min(apart),
+            false => f64::INFINITY,
+        });
+        free.collect()
+    }
+
+    /// Passes values of cells on to those beside them.
+    fn pass_on(&self, values: &mut [f64]) {
+        freedom::pass_on(values, self.across.count(), self.setup.u(), self.setup.v());
+    }
+
+    /// The bend of each cell, of grids the sum of those along its rows and its columns.
+    fn bends(&self) -> Vec<f64> {
+        let (setup, points) = (self.setup, self.points);
+        let u = setup.u().explicit_parameters();
+        let Some(v) = setup.v() else {
+            let indices: Vec<usize> = (0..points.len()).collect();
+            return freedom::bends(points, &indices, &u);
+        };
+        let Grid { rows, columns } = setup.grid();
+        let t = v.explicit_parameters();
+        let of_row = |row: usize| {
+            let indices: Vec<usize> = (0..columns).map(|column| row * columns + column).collect();
+            freedom::bends(points, &indices, &t)
+        };
+        let of_column = |column: usize| {
+            let indices: Vec<usize> = (0..rows).map(|row| row * columns + column).collect();
+            freedom::bends(points, &indices, &u)
+        };
+        let of_rows: Vec<Vec<f64>> = (0..rows).map(of_row).collect();
+        let of_columns: Vec<Vec<f64>> = (0..columns).map(of_column).collect();
+        let of_cell = |cell: usize| {
+            let (along, across) = (cell / self.across.count(), cell % self.across.count());
+            let [[first, second], [low, high]] = [self.along.ends[along], self.across.ends[across]];
+            let of_rows = of_rows[first][across].max(of_rows[second][across]);
+            of_rows + of_columns[low][along].max(of_columns[high][along])
+        };
+        (0..self.count()).map(of_cell).collect()
+    }
+
+    /// How far the corners of each cell, or of one of those around it, are apart at most, and a part of that of others, which
+    /// is passed on: fits go beyond a flat place beside a steep one.
+    fn apart(&self) -> Vec<f64> {
         let own = |cell: usize| {
             let [[a, b], [c, d]] = self.corners(cell);
-            if missing.is_some_and(|missing| [a, b, c, d].iter().any(|&i| missing.contains(i))) {
-                return f64::INFINITY;
-            }
             let pairs = [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)];
             let distance = |(i, j)| self.points.distance(i, j);
             pairs.into_iter().map(distance).fold(0.0, f64::max)
         };
         let own: Vec<f64> = (0..self.count()).map(own).collect();
-        match self.setup.v().is_none() && self.points.dimension() > 1 {
-            true => own,
-            false => self.largest_around(&own),
-        }
+        let mut most = self.largest_around(&own);
+        self.pass_on(&mut most);
+        most
     }
 
     /// The largest among each cell and those around it.
@@ -283,39 +353,35 @@ impl<'a> Gaps<'a> {
         (0..own.len()).map(largest).collect()
     }
 
-    /// Each cell with the distance at each of its places.
-    fn each_distance(&self, control_points: &Points, mut visit: impl FnMut(usize, f64)) {
+    /// The largest distance in each cell at the places of its lines.
+    fn distances(&self, control_points: &Points) -> Vec<f64> {
+        let mut distances = vec![0.0_f64; self.count()];
         let geometry = Geometry::new(self.setup, control_points);
         let across = &self.across.places;
         for along in self.along.places.chunks((AT_ONCE / across.len()).max(1)) {
-            self.distances_at(&geometry, along, across, &mut visit);
+            self.measure(&geometry, along, across, &mut distances);
         }
+        distances
     }
 
-    /// Some cells with the distances at places in small steps.
-    fn each_distance_in(
-        &self,
-        cells: &[usize],
-        control_points: &Points,
-        mut visit: impl FnMut(usize, f64),
-    ) {
+    /// Looks at some cells in small steps.
+    fn look_closer(&self, control_points: &Points, cells: &[usize], distances: &mut [f64]) {
         let geometry = Geometry::new(self.setup, control_points);
         let columns = self.across.count();
         for cell in cells {
-            let (along, across) = (
-                self.along.closer(cell / columns),
-                self.across.closer(cell % columns),
-            );
-            self.distances_at(&geometry, &along, &across, &mut visit);
+            let along = self.along.closer(cell / columns);
+            let across = self.across.closer(cell % columns);
+            self.measure(&geometry, &along, &across, distances);
         }
     }
 
-    fn distances_at(
+    /// Raises the distances of cells to those at places.
+    fn measure(
         &self,
         geometry: &Geometry<'_>,
         along: &[Place],
         across: &[Place],
-        visit: &mut impl FnMut(usize, f64),
+        distances: &mut [f64],
     ) {
         let parameters =
             |places: &[Place]| places.iter().map(|it| it.parameter).collect::<Vec<_>>();
@@ -325,20 +391,84 @@ impl<'a> Gaps<'a> {
             .flat_map(|a| across.iter().map(move |b| (a, b)));
         for (index, (a, b)) in pairs.enumerate() {
             let cell = a.gap * self.across.count() + b.gap;
-            visit(cell, self.distance(cell, [a.part, b.part], &fit, index));
+            let distance = self.distance(cell, [a.part, b.part], &fit, index);
+            distances[cell] = distances[cell].max(distance);
         }
     }
 
-    /// How far point `index` of a fit is from the bilinear patch between the corners of a cell, at parts of it.
-    fn distance(&self, cell: usize, [s, r]: [f64; 2], fit: &Points, index: usize) -> f64 {
-        let [[a, b], [c, d]] = self.corners(cell);
+    /// How far point `index` of a fit is from the bilinear patch between the corners of a cell, or the segment between two
+    /// points: from that place on it which is nearest, but for values of functions, which are compared at the same
+    /// parameters.
+    fn distance(&self, cell: usize, at: [f64; 2], fit: &Points, index: usize) -> f64 {
+        let corners = self.corners(cell);
+        let at = match fit.dimension() {
+            1 => at,
+            _ => self.nearest(corners, at, fit, index),
+        };
         let lanes = fit.lanes().iter().zip(self.points.lanes());
-        let differences = lanes.map(|(fit, data)| {
-            let low = (1.0 - r) * data[a] + r * data[b];
-            let high = (1.0 - r) * data[c] + r * data[d];
-            fit[index] - ((1.0 - s) * low + s * high)
-        });
+        let differences = lanes.map(|(fit, data)| fit[index] - Patch::new(corners, data).value(at));
         differences.fold(0.0, f64::hypot)
+    }
+
+    /// The parts of a cell at which its patch is nearest, by one step of Gauss and Newton: exactly of segments.
+    fn nearest(
+        &self,
+        corners: [[usize; 2]; 2],
+        at: [f64; 2],
+        fit: &Points,
+        index: usize,
+    ) -> [f64; 2] {
+        let lanes = || fit.lanes().iter().zip(self.points.lanes());
+        let slopes = lanes().flat_map(|(_, data)| Patch::new(corners, data).slopes(at));
+        // Squares of lengths of any unit stay within the range of numbers.
+        let unit = normalizing_scale(slopes.fold(0.0, |most: f64, slope| most.max(slope.abs())));
+        let mut normal = [[0.0; 2]; 2];
+        let mut moments = [0.0; 2];
+        for (fit, data) in lanes() {
+            let patch = Patch::new(corners, data);
+            let difference = (fit[index] - patch.value(at)) * unit;
+            let slopes = patch.slopes(at).map(|slope| slope * unit);
+            for i in 0..2 {
+                moments[i] += slopes[i] * difference;
+                for j in 0..2 {
+                    normal[i][j] += slopes[i] * slopes[j];
+                }
+            }
+        }
+        let determinant = normal[0][0] * normal[1][1] - normal[0][1] * normal[1][0];
+        let step = match determinant > SINGULAR * normal[0][0] * normal[1][1] {
+            true => [
+                (moments[0] * normal[1][1] - moments[1] * normal[0][1]) / determinant,
+                (moments[1] * normal[0][0] - moments[0] * normal[1][0]) / determinant,
+            ],
+            // Segments have one direction, and so have cells whose sides are parallel.
+            false if normal[0][0] > 0.0 => [moments[0] / normal[0][0], 0.0],
+            false => [0.0; 2],
+        };
+        [0, 1].map(|i| (at[i] + step[i]).clamp(0.0, 1.0))
+    }
+}
+
+/// One coordinate of a bilinear patch.
+struct Patch([[f64; 2]; 2]);
+
+impl Patch {
+    fn new(corners: [[usize; 2]; 2], data: &[f64]) -> Self {
+        Self(corners.map(|pair| pair.map(|corner| data[corner])))
+    }
+
+    fn value(&self, [s, r]: [f64; 2]) -> f64 {
+        let [low, high] = self.0.map(|[left, right]| (1.0 - r) * left + r * right);
+        (1.0 - s) * low + s * high
+    }
+
+    /// Its derivatives in both directions.
+    fn slopes(&self, [s, r]: [f64; 2]) -> [f64; 2] {
+        let [[a, b], [c, d]] = self.0;
+        [
+            (1.0 - r) * (c - a) + r * (d - b),
+            (1.0 - s) * (b - a) + s * (d - c),
+        ]
     }
 }
 

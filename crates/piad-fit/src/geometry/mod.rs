@@ -3,13 +3,14 @@
 //! - `evaluation`: points and control nets in any basis; `samples`: points at equal steps of the parameters;
 //! - `nurbs`: the B-spline form that CAD kernels store;
 //! - `norms`: distances from the data at their parameters; `foot`: nearest points, and the distances from them;
-//! - `between`: curves and surfaces that leave their data between neighbours; `fold`: parameters of scattered points
-//!   that fold.
+//! - `between`: curves and surfaces that leave their data between neighbours, by more than their `freedom`;
+//! - `fold`: parameters of scattered points that fold.
 
 pub(crate) mod between;
 pub(crate) mod evaluation;
 pub(crate) mod fold;
 pub(crate) mod foot;
+pub(crate) mod freedom;
 pub(crate) mod norms;
 pub(crate) mod nurbs;
 pub(crate) mod samples;

@@ -52,9 +52,19 @@ impl Iteration {
         largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
     }
 
-    /// Whether the iteration ends at the current level, and why. A minimum above a tolerance that was
-    /// asked for is no success.
+    /// Whether the iteration ends at the current level, and why. A fit that leaves its data between neighbours has not
+    /// succeeded, whatever its distances at the data.
     pub fn outcome(&self) -> Option<Outcome> {
+        match self.outcome_at_data()? {
+            Outcome::Converged | Outcome::Minimum if self.leaving().is_some() => {
+                Some(Outcome::Stalled(Reason::Between))
+            }
+            outcome => Some(outcome),
+        }
+    }
+
+    /// The same by the distances at the data. A minimum above a tolerance that was asked for is no success.
+    pub(super) fn outcome_at_data(&self) -> Option<Outcome> {
         match self.ending() {
             Some(Outcome::Minimum) if self.system.problem().has_goal() => {
                 Some(Outcome::Stalled(match self.is_rounding() {

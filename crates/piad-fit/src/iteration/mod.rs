@@ -26,7 +26,7 @@ pub(crate) mod limit;
 pub(crate) mod sweep;
 pub(crate) mod system;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::method::update::Update;
 use super::problem::Problem;
@@ -42,6 +42,9 @@ use automatic::Automatic;
 use decay::Decay;
 use sweep::{Measured, Sweep};
 use system::System;
+
+/// Between data a fit may be further away than at them by this factor.
+const MORE_BETWEEN: f64 = 2.0;
 
 /// A level of the iteration: how far the curve of these control points is from the data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +62,9 @@ pub struct Level {
     pub bad_weight: Option<(usize, f64)>,
     /// The level at which the fit will end, by what is known at this level.
     pub predicted: Option<usize>,
+    /// At the last level of curves and grids: by how much it leaves its data between neighbours, beyond the freedom that
+    /// these leave, in data units.
+    pub between: Option<f64>,
     /// At the last level: what is doubtful about it, where the data do not show it.
     pub found: Option<Warning>,
 }
@@ -77,6 +83,8 @@ pub struct Iteration {
     decrease: f64,
     /// The errors of the levels so far, for the prediction.
     decay: Decay,
+    /// Where this level leaves its data between neighbours, once that has been looked for.
+    excursion: OnceLock<Option<Excursion>>,
 }
 
 /// Who computes the levels.
@@ -144,12 +152,14 @@ impl Iteration {
                 moved: 0,
                 bad_weight: None,
                 predicted: None,
+                between: None,
                 found: None,
             },
             first_length: length,
             length,
             decrease: 1.0,
             decay: Decay::default(),
+            excursion: OnceLock::new(),
         };
         iteration.decay.record(0, error.max);
         iteration.level.bad_weight = iteration.bad_weight();
@@ -169,6 +179,7 @@ impl Iteration {
             system: Arc::clone(&self.system),
             engine,
             decay: self.decay.clone(),
+            excursion: self.excursion.clone(),
             ..*self
         })
     }
@@ -311,15 +322,37 @@ impl Iteration {
 
     /// At the last level, looks at what the fit does between its data, and at what keeps it from its tolerance.
     pub fn look_closer(&mut self) {
-        let (problem, largest) = (self.problem(), self.level.error.max);
-        let allowed = largest.max(problem.tolerance());
-        let excursion = Excursion::of(problem, self.control_points(), allowed);
-        let fold = || match largest > problem.tolerance() {
+        let problem = self.problem();
+        let fold = || match self.level.error.max > problem.tolerance() {
             true => Fold::of(problem),
             false => None,
         };
-        let between = excursion.map(Warning::Between);
-        self.level.found = between.or_else(|| fold().map(Warning::Folded));
+        let between = self.leaving().map(Warning::Between);
+        let found = between.or_else(|| fold().map(Warning::Folded));
+        let excess = self.excursion().map_or(0.0, Excursion::excess);
+        self.level.between = (!problem.is_scattered() && excess.is_finite()).then_some(excess);
+        self.level.found = found;
+    }
+
+    /// Where this level is furthest from its data between neighbours, beyond their freedom.
+    fn excursion(&self) -> Option<Excursion> {
+        *self
+            .excursion
+            .get_or_init(|| Excursion::of(self.problem(), self.control_points(), self.allowed()))
+    }
+
+    /// The same, if it is further away than it may be.
+    pub(super) fn leaving(&self) -> Option<Excursion> {
+        let allowed = self.allowed();
+        self.excursion().filter(|it| it.excess() > allowed)
+    }
+
+    /// How far beyond the freedom of its data a fit may be: the tolerance, or what it is from them; a little further between
+    /// two data points than at both.
+    fn allowed(&self) -> f64 {
+        let FitError { max, fixed_max, .. } = self.level.error;
+        let at_data = fixed_max.unwrap_or(max).max(max);
+        self.problem().tolerance().max(MORE_BETWEEN * at_data)
     }
 
     /// Computes several levels in one pass over memory, and returns how many were taken: fewer, if
@@ -336,7 +369,8 @@ impl Iteration {
             let (error, length) = sweep.measured(index);
             self.reach(sweep.control_points().len(), error, length);
             visit(self.level);
-            if self.outcome().is_some() && index + 1 < count {
+            // Control points are those of the last of these levels.
+            if self.outcome_at_data().is_some() && index + 1 < count {
                 if let Engine::Sweep(sweep) = &mut self.engine {
                     sweep.retake(&self.system, count, index + 1);
                 }
@@ -362,8 +396,10 @@ impl Iteration {
             moved,
             bad_weight: self.bad_weight(),
             predicted: None,
+            between: None,
             found: None,
         };
+        self.excursion = OnceLock::new();
         self.decay.record(self.level.iteration, error.max);
         self.level.predicted = self.predicted();
     }

@@ -17,6 +17,7 @@ use std::sync::Arc;
 use super::Level;
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
+use crate::geometry::freedom::{length, limited};
 
 /// Where the points between two data lie, as parts of the parameters.
 const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
@@ -212,19 +213,6 @@ impl<'a> Line<'a> {
         let half = one.iter().zip(&other).map(|(a, b)| 0.5 * (a - b));
         (mean, half.fold(0.0, f64::hypot))
     }
-}
-
-fn length(vector: &[f64]) -> f64 {
-    vector.iter().copied().fold(0.0, f64::hypot)
-}
-
-/// The same vector, but no longer than this.
-fn limited(mut vector: Vec<f64>, longest: f64) -> Vec<f64> {
-    let length = length(&vector);
-    if length > longest {
-        vector.iter_mut().for_each(|x| *x *= longest / length);
-    }
-    vector
 }
 
 #[cfg(test)]

@@ -31,6 +31,10 @@ pub(crate) struct DeviationView {
     /// The distance of each data point; with `list=true`.
     #[serde(skip_serializing_if = "Option::is_none")]
     distances: Option<Distances>,
+    /// By how much the curve leaves the data in each gap between neighbours, and the surface in each cell of a grid,
+    /// beyond the freedom that the data leave there; with `list=true`. Scattered points have no neighbours.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    between: Option<Distances>,
 }
 
 /// Distances that so many per cent of the data do not exceed.
@@ -51,7 +55,8 @@ struct Percentiles {
     ninety_nine: f64,
 }
 
-/// Distances in the order of the data: a list, or rows and columns of a grid; null where a point is missing.
+/// Distances in the order of the data or of the gaps between them: a list, or rows and columns of a grid; null where a
+/// point is missing.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [[0.002, 0.0004, 0.0011]]))]
 #[serde(untagged)]
@@ -69,15 +74,21 @@ impl DeviationView {
         list: bool,
     ) -> Self {
         let [half, ninety, ninety_five, ninety_nine] = deviation.percentiles;
-        let distances = &deviation.distances;
-        let distances = list.then(|| match problem.v().is_some() && !problem.is_scattered() {
-            false => Distances::List(distances.clone()),
-            true => {
+        let gridded = problem.v().filter(|_| !problem.is_scattered());
+        let listed = |distances: &Vec<f64>, columns: Option<usize>| match columns {
+            None => Distances::List(distances.clone()),
+            Some(columns) => {
                 let known = |&distance: &f64| (!distance.is_nan()).then_some(distance);
-                let rows = distances.chunks(problem.grid().columns);
+                let rows = distances.chunks(columns);
                 Distances::Rows(rows.map(|row| row.iter().map(known).collect()).collect())
             }
-        });
+        };
+        let (columns, cells) = (
+            gridded.map(|_| problem.grid().columns),
+            gridded.map(|v| v.explicit_parameters().len() - 1),
+        );
+        let distances = list.then(|| listed(&deviation.distances, columns));
+        let between = (list && !problem.is_scattered()).then(|| listed(&deviation.between, cells));
         Self {
             iteration,
             max: deviation.max,
@@ -90,6 +101,7 @@ impl DeviationView {
                 ninety_nine,
             },
             distances,
+            between,
         }
     }
 }

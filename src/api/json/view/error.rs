@@ -9,7 +9,7 @@ use super::examples;
 use crate::api::json::plain::never_null;
 use crate::job::outline::Outline;
 use crate::model::settings::Index;
-use piad_fit::engine::Problem;
+use piad_fit::engine::{Level, Problem};
 use piad_fit::geometry::FitError;
 use piad_fit::method::Method;
 
@@ -68,6 +68,10 @@ pub(crate) struct ErrorView {
     /// moves in the next iteration; of homogeneous fits in homogeneous coordinates.
     #[serde(skip_serializing_if = "Option::is_none")]
     transformed: Option<f64>,
+    /// At the end of fits of curves and grids: by how much the fit leaves its data between neighbours, beyond the freedom
+    /// that these leave; 0 if it does so nowhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    between: Option<f64>,
 }
 
 /// The index of a data point of a problem.
@@ -88,6 +92,15 @@ impl ErrorView {
             homogeneous: error.homogeneous,
             gradient: error.gradient,
             transformed: error.transformed,
+            between: None,
+        }
+    }
+
+    /// Those of the last level of a job so far, with what is known of it between its data.
+    pub(super) fn of_last(level: &Level, of: impl Into<Arrangement>) -> Self {
+        Self {
+            between: level.between,
+            ..Self::new(&level.error, of)
         }
     }
 }

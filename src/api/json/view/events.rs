@@ -197,7 +197,7 @@ pub(crate) fn end(job: &Job, status: &Status) -> Bytes {
         reason: status.reason.map(Reason::name),
         detail: status.detail(job.outline()),
         iterations: level.map_or(0, |level| level.iteration),
-        error: level.map(|level| ErrorView::new(&level.error, job.outline())),
+        error: level.map(|level| ErrorView::of_last(&level, job.outline())),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
         warnings: WarningView::of(job.outline(), status.levels.as_ref()),
         links: job.is_kept().then(|| EndLinks {

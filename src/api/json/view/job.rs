@@ -100,7 +100,7 @@ impl<'a> JobView<'a> {
                 rate: forecast.and_then(|it| it.rate),
                 iterations: level.and_then(|level| level.predicted),
             },
-            error: level.map(|level| ErrorView::new(&level.error, outline)),
+            error: level.map(|level| ErrorView::of_last(&level, outline)),
             progress: status.progress(outline),
             created_at: outline.created,
             started_at: status.started,

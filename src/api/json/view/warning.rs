@@ -28,7 +28,7 @@ pub(crate) struct WarningView {
     /// hundredth of the error, and `global` is nearer in the first ones.
     /// `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
     /// points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
-    /// `between_points`: the fit leaves neighbouring points by more than they are apart. `folded_parameters`: points of a
+    /// `between_points`: the fit leaves its data between neighbours by more than these leave it free. `folded_parameters`: points of a
     /// surface with nearly the same parameters are far from each other, so that no surface is near both. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,

@@ -36,7 +36,7 @@ pub(super) fn scene(
     };
     let heat = measured.map(|it| {
         let sites = nurbs.u.sites(pieces.len());
-        heat::of_pieces(problem, &it.deviations, it.most, &sites)
+        heat::of_pieces(problem, it, &sites)
     });
     Scene::Curve(pieces, heat.unwrap_or_default())
 }

@@ -1,6 +1,10 @@
 //! How far the data are, along a curve and over a surface: the largest distance of the data points of
-//! each piece, and where a piece has none, what lies between the points around it.
+//! each piece, and where a piece has none, what lies between the points around it; or by how much the fit leaves the
+//! data between neighbours, if that is more.
 
+use std::ops::RangeInclusive;
+
+use super::measured::Measured;
 use super::scale::Heat;
 use crate::export::deviation::Deviations;
 use piad_fit::engine::nurbs::SpanParameter;
@@ -9,23 +13,30 @@ use piad_fit::engine::{Direction, Problem};
 /// The heat of the pieces of a curve between sites.
 pub(super) fn of_pieces(
     problem: &Problem,
-    deviations: &Deviations,
-    most: f64,
+    measured: &Measured,
     sites: &[SpanParameter],
 ) -> Vec<Heat> {
+    let deviations = &measured.deviations;
     let line = Line::new(problem.u(), &deviations.u, sites);
     let mut values = line.spread(&deviations.distances);
     fill(&mut values, 1);
-    values.into_iter().map(|it| Heat::of(it, most)).collect()
+    for (value, gaps) in values.iter_mut().zip(gaps(problem.u(), sites)) {
+        *value = measured.between[gaps]
+            .iter()
+            .copied()
+            .fold(*value, f64::max);
+    }
+    let heat = |value| Heat::of(value, measured.most);
+    values.into_iter().map(heat).collect()
 }
 
 /// The heat of the faces of a surface between sites, row by row.
 pub(super) fn of_faces(
     problem: &Problem,
-    deviations: &Deviations,
-    most: f64,
+    measured: &Measured,
     (rows, columns): (&[SpanParameter], &[SpanParameter]),
 ) -> Vec<Heat> {
+    let deviations = &measured.deviations;
     let Some(across) = problem.v() else {
         return Vec::new();
     };
@@ -47,7 +58,40 @@ pub(super) fn of_faces(
         }
     };
     fill(&mut values, width);
-    values.into_iter().map(|it| Heat::of(it, most)).collect()
+    if !measured.between.is_empty() {
+        let cells = across.explicit_parameters().len() - 1;
+        let (along, across) = (gaps(problem.u(), rows), gaps(across, columns));
+        let faces = along
+            .iter()
+            .flat_map(|u| across.iter().map(move |v| (u, v)));
+        for (value, (u, v)) in values.iter_mut().zip(faces) {
+            for row in u.clone() {
+                let cells = &measured.between[row * cells..][v.clone()];
+                *value = cells.iter().copied().fold(*value, f64::max);
+            }
+        }
+    }
+    let heat = |value| Heat::of(value, measured.most);
+    values.into_iter().map(heat).collect()
+}
+
+/// The gaps between the data of a direction that each piece between sites touches.
+fn gaps(direction: &Direction, sites: &[SpanParameter]) -> Vec<RangeInclusive<usize>> {
+    let parameters = direction.explicit_parameters();
+    let last = parameters.len() - 2;
+    let gap = |t: f64| {
+        // A closed direction may begin in its last gap.
+        let turn = direction.period().filter(|_| t < parameters[0]);
+        let t = t + turn.unwrap_or(0.0);
+        let after = parameters.partition_point(|it| *it <= t);
+        after.saturating_sub(1).min(last)
+    };
+    let pieces = sites.windows(2).map(|ends| {
+        let width = ends[1].t - ends[0].t;
+        let [from, to] = [0.01, 0.99].map(|part| gap(ends[0].t + part * width));
+        from..=to.max(from)
+    });
+    pieces.collect()
 }
 
 /// The parameters of data points in one direction, and the pieces between which they lie.

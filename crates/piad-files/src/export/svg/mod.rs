@@ -17,7 +17,6 @@ mod style;
 mod surface;
 mod view;
 
-use super::deviation::Deviations;
 use super::error::ExportError;
 use super::fitted::Fitted;
 use super::nurbs::Nurbs;
@@ -39,8 +38,7 @@ const TITLE: usize = 84;
 pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
     let (problem, options) = (fitted.problem, fitted.options);
     let view = Projection::of(nurbs);
-    let deviations = Deviations::of(problem, nurbs);
-    let measured = deviations.most().map(|most| Measured { deviations, most });
+    let measured = Measured::of(fitted, nurbs);
     let mut scene = match &nurbs.v {
         None => curve::scene(problem, nurbs, &view, options.samples, measured.as_ref()),
         Some(v) => surface::scene(

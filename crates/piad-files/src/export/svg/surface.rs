@@ -58,8 +58,7 @@ pub(super) fn scene(
     };
     let rows = along(&nurbs.u, samples.map(|grid| grid.rows));
     let columns = along(v, samples.map(|grid| grid.columns));
-    let heat =
-        measured.map(|it| heat::of_faces(problem, &it.deviations, it.most, (&rows, &columns)));
+    let heat = measured.map(|it| heat::of_faces(problem, it, (&rows, &columns)));
     let mut parts = faces(nurbs, (&rows, &columns), view, &heat.unwrap_or_default());
     if shows_net(nurbs) {
         parts.extend(edges(nurbs, view));

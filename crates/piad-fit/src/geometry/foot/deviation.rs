@@ -10,6 +10,7 @@
 use super::{NoFootPoints, nearest};
 use crate::data::points::Points;
 use crate::data::quantiles::Position;
+use crate::geometry::between::excesses;
 use crate::geometry::nurbs::Nurbs;
 use crate::setup::Setup;
 
@@ -30,6 +31,9 @@ pub struct Deviation {
     pub percentiles: [f64; PERCENTILES.len()],
     /// The distance of each point, row by row; NaN where a point is missing.
     pub distances: Vec<f64>,
+    /// By how much the fit leaves the data in each gap between neighbours beyond their freedom, of grids in each cell,
+    /// row by row; empty for scattered data.
+    pub between: Vec<f64>,
 }
 
 impl Deviation {
@@ -67,6 +71,7 @@ impl Deviation {
             at: distances.iter().position(|&d| d == max).unwrap_or(0),
             percentiles: PERCENTILES.each_ref().map(percentile),
             distances,
+            between: excesses(setup, control_points),
         })
     }
 }

@@ -85,13 +85,17 @@ impl Schedules {
 }
 
 impl Fit {
-    /// Returns true if it is far from its data where there are none: further than neighbours are apart, or, of
+    /// Returns true if it is far from its data where there are none: by more than these leave it free, or, of
     /// scattered data, outside their bounding box by more than this part of its diagonal.
     pub(super) fn leaves(&self, part: f64) -> bool {
         let (problem, points) = (&*self.problem, &*self.control_points);
         match problem.is_scattered() {
             true => between::outside(problem, points) > part,
-            false => Excursion::of(problem, points, problem.tolerance()).is_some(),
+            false => {
+                let allowed = problem.tolerance();
+                let excursion = Excursion::of(problem, points, allowed);
+                excursion.is_some_and(|it| it.excess() > allowed)
+            }
         }
     }
 }

@@ -1,0 +1,176 @@
+//! How far data leave a curve or surface free between neighbours.
+//!
+//! The straight line between two data points, and the bilinear patch between four of a grid, is what the data say
+//! there, as far as they are straight. Where they bend they leave freedom. The measure of it is the *bend* of a gap:
+//! how far a cubic with the derivatives of parabolas through three successive data (Bessel) is from the straight line.
+//! No derivative would lead further than one and a half times the longer of the chords beside it.
+//! An interpolating spline passes a part of a bend on to the next gap, and of that again, by the largest root of the
+//! Euler–Frobenius polynomial of its degree (.268 for cubics: Schoenberg, *Cardinal spline interpolation*, 1973).
+
+use crate::basis::Basis;
+use crate::basis::direction::Direction;
+use crate::data::points::Points;
+
+/// The freedom of a gap is that many times its bend: so far from straight lines are cubics that interpolate white noise.
+const FACTOR: f64 = 4.0;
+
+/// The first and the last gap of an open line bend by that many times as much: nothing goes on there.
+const FACTOR_OF_ENDS: f64 = 2.0;
+
+/// The greatest ratio of a derivative, over the width of a gap, to the chords beside it.
+const LONGEST: f64 = 1.5;
+
+/// The largest roots of the Euler–Frobenius polynomials of degrees 1, 2, …; further ones count as the last of these.
+const DECAYS: [f64; 9] = [0.0, 0.172, 0.268, 0.361, 0.431, 0.488, 0.535, 0.575, 0.608];
+
+/// The part of a bend that polynomials pass on.
+const DECAY_OF_POLYNOMIALS: f64 = 0.5;
+
+/// The part of a bend that a direction passes on to the next gap.
+fn decay(direction: &Direction) -> f64 {
+    match &direction.basis {
+        Basis::BSpline { degree, .. } => {
+            let last = DECAYS[DECAYS.len() - 1];
+            DECAYS.get(degree - 1).copied().unwrap_or(last)
+        }
+        Basis::Polynomial { .. } => DECAY_OF_POLYNOMIALS,
+    }
+}
+
+/// The freedom of a gap, or of a cell of a grid, with a bend.
+pub(super) fn of_bend(bend: f64) -> f64 {
+    FACTOR * bend
+}
+
+/// Passes values of the gaps of a curve, or of the cells of a grid with so many columns of them, on to those beside them.
+pub(super) fn pass_on(values: &mut [f64], columns: usize, u: &Direction, v: Option<&Direction>) {
+    if let Some(v) = v {
+        values
+            .chunks_mut(columns)
+            .for_each(|row| pass_on_along(row, (0, 1), v));
+    }
+    for column in 0..columns {
+        pass_on_along(values, (column, columns), u);
+    }
+}
+
+/// The same along a line of gaps that begins at a place and goes on in steps.
+fn pass_on_along(values: &mut [f64], (start, step): (usize, usize), direction: &Direction) {
+    let decay = decay(direction);
+    let places = || (start..values.len()).step_by(step);
+    // Closed lines are gone around twice.
+    let turns = if direction.is_closed() { 2 } else { 1 };
+    let forwards: Vec<usize> = (0..turns).flat_map(|_| places()).collect();
+    let mut pass = |places: &mut dyn Iterator<Item = usize>| {
+        places.fold(0.0, |before: f64, place| {
+            let value = values[place].max(decay * before);
+            values[place] = value;
+            value
+        });
+    };
+    pass(&mut forwards.iter().copied());
+    pass(&mut forwards.iter().rev().copied());
+}
+
+/// The bend of each gap between successive points of a line, which have these parameters; of a closed line also of the
+/// gap between the last point and the first.
+///
+/// `indices` are those of the points of the line, and `parameters` have one value more than a closed line has points.
+pub(super) fn bends(points: &Points, indices: &[usize], parameters: &[f64]) -> Vec<f64> {
+    let (gaps, dimension) = (parameters.len() - 1, points.dimension());
+    let is_closed = gaps == indices.len();
+    let width = |gap: usize| parameters[gap + 1] - parameters[gap];
+    let chord = |gap: usize, c: usize| {
+        let lane = points.lane(c);
+        let (from, to) = (indices[gap], indices[(gap + 1) % indices.len()]);
+        (lane[to] - lane[from]) / width(gap)
+    };
+    let lengths: Vec<f64> = (0..gaps)
+        .map(|gap| width(gap) * (0..dimension).map(|c| chord(gap, c)).fold(0.0, f64::hypot))
+        .collect();
+    // The derivative of a gap at the point between it and another one beside it.
+    let inside = |gap: usize, beside: usize| {
+        let (h, k) = (width(gap), width(beside));
+        let share = k / (h + k);
+        let derivative: Vec<f64> = (0..dimension)
+            .map(|c| share * chord(gap, c) + (1.0 - share) * chord(beside, c))
+            .collect();
+        limited(derivative, LONGEST * lengths[gap].max(lengths[beside]) / h)
+    };
+    // That at an end, where the derivative at the other side of the gap is known.
+    let at_end = |gap: usize, other: &[f64]| {
+        let derivative = (0..dimension).map(|c| 2.0 * chord(gap, c) - other[c]);
+        derivative.collect::<Vec<f64>>()
+    };
+    if gaps < 2 {
+        return vec![0.0; gaps];
+    }
+    let bend = |gap: usize| {
+        let is_first = gap == 0 && !is_closed;
+        let is_last = gap + 1 == gaps && !is_closed;
+        let before = || inside(gap, (gap + gaps - 1) % gaps);
+        let after = || inside(gap, (gap + 1) % gaps);
+        let (start, end) = match (is_first, is_last) {
+            (true, _) => (at_end(gap, &after()), after()),
+            (_, true) => (before(), at_end(gap, &before())),
+            _ => (before(), after()),
+        };
+        let at = |s: f64| {
+            let parts = (0..dimension).map(|c| {
+                let chord = chord(gap, c);
+                (1.0 - s) * (start[c] - chord) - s * (end[c] - chord)
+            });
+            s * (1.0 - s) * parts.fold(0.0, f64::hypot)
+        };
+        let most = [0.25, 0.5, 0.75].into_iter().map(at).fold(0.0, f64::max);
+        let factor = if is_first || is_last {
+            FACTOR_OF_ENDS
+        } else {
+            1.0
+        };
+        factor * width(gap) * most
+    };
+    (0..gaps).map(bend).collect()
+}
+
+/// The length of a vector.
+pub(crate) fn length(vector: &[f64]) -> f64 {
+    vector.iter().copied().fold(0.0, f64::hypot)
+}
+
+/// The same vector, but no longer than this.
+pub(crate) fn limited(mut vector: Vec<f64>, longest: f64) -> Vec<f64> {
+    let length = length(&vector);
+    if length > longest {
+        vector.iter_mut().for_each(|x| *x *= longest / length);
+    }
+    vector
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a parabola at equal steps bend by an eighth of the second difference, twice as much at its ends, and
+    /// points of a line not at all.
+    #[test]
+    fn bends_are_those_of_parabolas() {
+        let t: Vec<f64> = (0..7).map(f64::from).collect();
+        let all: Vec<usize> = (0..7).collect();
+        let parabola =
+            Points::from_lanes([t.iter().map(|x| (x - 3.0) * (x - 3.0)).collect::<Vec<_>>()]);
+        let line = Points::from_lanes([
+            t.iter().map(|x| 2.0 * x - 5.0).collect::<Vec<_>>(),
+            t.clone(),
+        ]);
+        for bend in bends(&line, &all, &t) {
+            assert!(bend < 1e-15, "{bend}");
+        }
+        let bends = bends(&parabola, &all, &t);
+        for (gap, bend) in bends.iter().enumerate() {
+            let is_end = [0, 5].contains(&gap);
+            let expected = if is_end { 2.0 * 0.25 } else { 0.25 };
+            assert!((bend - expected).abs() < 1e-15, "{gap}: {bend}");
+        }
+    }
+}
