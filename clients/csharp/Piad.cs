@@ -401,6 +401,9 @@ namespace Piad
         /// <summary>"estimated", "repeated", "natural", or an object with derivatives.</summary>
         public JToken Ends { get; set; }
 
+        /// <summary>Of a curve, where it may turn: "auto", {"angle": 30}, or indices of points.</summary>
+        public JToken Corners { get; set; }
+
         /// <summary>How weights are used: "homogeneous" or "fixed".</summary>
         public string Rational { get; set; }
 
@@ -427,6 +430,7 @@ namespace Piad
             Json.Put(shape, "basis", Json.Copy(Basis));
             Json.Put(shape, "parameters", Json.Copy(Parameters));
             Json.Put(shape, "ends", Json.Copy(Ends));
+            Json.Put(shape, "corners", Json.Copy(Corners));
             var request = new JObject();
             Json.Put(request, "name", Json.Of(Name));
             Json.Put(request, Kind, shape);

@@ -131,10 +131,14 @@ impl Asked {
         let FitArguments {
             degree,
             basis,
+            corners,
             ends,
             closed,
             ..
         } = arguments;
+        if let Some(text) = corners {
+            self.take("curve.corners", "--corners", corners_of(text)?)?;
+        }
         if degree.is_none() && basis.is_none() && ends.is_none() && !closed {
             return Ok(());
         }
@@ -250,6 +254,27 @@ fn pair(text: &str, separator: char) -> Value {
         Some((u, v)) if !u.is_empty() => json!({"u": number(u.trim()), "v": number(v.trim())}),
         _ => number(text),
     }
+}
+
+/// Corners as the flag names them.
+fn corners_of(text: &str) -> Result<Value, Failure> {
+    if text == "auto" {
+        return Ok(Value::from(text));
+    }
+    if let Some(degrees) = text
+        .strip_suffix("deg")
+        .and_then(|it| it.parse::<f64>().ok())
+    {
+        return Ok(json!({"angle": degrees}));
+    }
+    let indices = text.split(',').map(|index| index.trim().parse::<usize>());
+    let indices: Result<Vec<usize>, _> = indices.collect();
+    indices.map(Value::from).map_err(|_| {
+        let detail = format!(
+            "--corners {text}: give indices of points, such as 12,40, or auto, or an angle, such as 30deg"
+        );
+        Failure::usage(detail)
+    })
 }
 
 #[cfg(test)]

@@ -78,6 +78,10 @@ pub struct FitArguments {
     #[arg(long, value_name = "NUMBER", help_heading = "Fit")]
     pub(crate) control_points: Option<String>,
 
+    /// Points at which a curve may turn: their indices, such as 12,40, or auto, or an angle in degrees such as 30deg.
+    #[arg(long, value_name = "CORNERS", help_heading = "Fit")]
+    pub(crate) corners: Option<String>,
+
     /// How it ends: estimated, repeated or natural, or JSON [default: estimated].
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]
     pub(crate) ends: Option<String>,

@@ -58,12 +58,19 @@ pub(super) fn for_points<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 
     impl<'de, T: Deserialize<'de>> Deserialize<'de> for ForPoints<T> {
         fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-            read(deserializer, current().points).map(Self)
+            for_all_points(deserializer).map(Self)
         }
     }
 
     let list = Option::<ForPoints<T>>::deserialize(deserializer)?;
     Ok(list.map(|list| list.0))
+}
+
+/// Reads a list of at most one element for each data point.
+pub(super) fn for_all_points<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Vec<T>, D::Error> {
+    read(deserializer, current().points)
 }
 
 /// Reads a list with a number for each data point, and maybe some more, as knots are.

@@ -1,7 +1,7 @@
 //! What clients ask for: its JSON is what serde makes of these types, and protobuf messages are read into
 //! them.
 //!
-//! - [`job`]: a job, with its `shape` (`points`, `basis`, `ends`, [`scattered`] points), its `weights`, its
+//! - [`job`]: a job, with its `shape` (`points`, `basis`, `corners`, `ends`, [`scattered`] points), its `weights`, its
 //!   `method` with `settings`, and when it ends (`stop`); `edit`: changes of one, from an `iteration`;
 //! - `stream`: what the event streams of a job are like;
 //! - `mistakes`: all that is wrong with a request, each at a part of the model; `mathematics`: what is
@@ -12,6 +12,7 @@
 //! - `schema`, `numbers`: schemas that are not derived.
 
 pub(crate) mod basis;
+pub(crate) mod corners;
 pub(crate) mod edit;
 pub(crate) mod either;
 pub(crate) mod ends;

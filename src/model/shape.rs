@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::basis::{Basis, Degree, ParametersInput};
+use super::corners::CornersInput;
 use super::either::{Whole, object, whole};
 use super::ends::{CurveEnds, DirectionEnds, EndsInput, SurfaceEnds};
 use super::lists::PointNumbers;
@@ -55,6 +56,9 @@ pub(crate) struct CurveInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveEnds>")]
     pub ends: Option<EndsInput>,
+    /// Where it may turn; without them nowhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corners: Option<CornersInput>,
 }
 
 /// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
@@ -206,6 +210,10 @@ impl CurveInput {
             ends: self.ends,
         };
         let u = u.choice(Axis::U, Parametrization::ChordLength, false, mistakes)?;
+        let u = DirectionChoice {
+            corners: self.corners.map(|CornersInput(corners)| corners),
+            ..u
+        };
         Some(problem(self.points.0, grid, (u, None), weights))
     }
 
@@ -224,6 +232,7 @@ impl CurveInput {
             weights,
             closed: Some(request.u.closed),
             ends: request.u.ends.as_ref().map(|it| EndsInput::of(it, false)),
+            corners: request.u.corners.clone().map(CornersInput),
         }
     }
 }

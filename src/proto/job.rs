@@ -9,6 +9,7 @@ use super::method;
 use super::stream;
 use super::values::{MethodTarget, check_count, chosen, count, known, some, value};
 use crate::model::basis::ParametersInput;
+use crate::model::corners::CornersInput;
 use crate::model::ends::{DirectionEnds, EndsInput};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::JobRequest;
@@ -21,6 +22,7 @@ use crate::model::shape::{CurveInput, SurfaceInput};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::Rational;
+use piad_fit::basis::Corners;
 use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 use piad_fit::engine::{DirectionChoice, Request, Tolerance, Weights};
 use piad_fit::parameters::{CoordinatePlane, Parametrization, Scattered};
@@ -81,7 +83,32 @@ fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, Mistake> {
         weights: some(curve.weights).map(PointNumbers::Line),
         closed: Some(curve.closed),
         ends: ends.map(|ends| EndsInput::of(&ends, false)),
+        corners: curve.corners.and_then(corners).map(CornersInput),
     })
+}
+
+/// The corners that a message asks for.
+fn corners(corners: pb::Corners) -> Option<Corners> {
+    Some(match corners.choice? {
+        pb::corners::Choice::At(pb::Indices { indices }) => {
+            Corners::At(indices.into_iter().map(|index| index as usize).collect())
+        }
+        pb::corners::Choice::Angle(degrees) => Corners::Found(degrees),
+    })
+}
+
+/// The message of corners.
+fn corners_message(corners: &Corners) -> pb::Corners {
+    let choice = match corners {
+        Corners::At(indices) => {
+            let indices = indices.iter().map(|&index| count(index)).collect();
+            pb::corners::Choice::At(pb::Indices { indices })
+        }
+        Corners::Found(degrees) => pb::corners::Choice::Angle(*degrees),
+    };
+    pb::Corners {
+        choice: Some(choice),
+    }
 }
 
 fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
@@ -348,6 +375,7 @@ fn curve_message(request: &Request) -> pb::Curve {
         weights: grid_weights(&request.weights).or(fixed).unwrap_or_default(),
         closed: request.u.closed,
         ends: request.u.ends.as_ref().map(ends::message),
+        corners: request.u.corners.as_ref().map(corners_message),
     }
 }
 

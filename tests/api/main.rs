@@ -30,6 +30,7 @@ mod constraints_messages;
 mod constraints_refused;
 mod convex;
 mod copies;
+mod corners;
 mod cors;
 mod crash_recovery;
 mod crashes;

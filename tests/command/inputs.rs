@@ -334,6 +334,22 @@ fn flags_are_fields_of_the_job() {
         "{}",
         told.err
     );
+    let zigzag = (0..17).map(|i: i32| format!("{i},{}\n", (i % 8 - 4).abs()));
+    folder.write("zigzag.csv", &zigzag.collect::<String>());
+    for corners in ["auto", "60deg", "4,8,12"] {
+        let result = folder.result(&["zigzag.csv", "--corners", corners, "--method", "direct"]);
+        let knots = result["knots"].as_array().unwrap();
+        // Four pieces of five control points each.
+        assert_eq!(knots.len(), 17 + 4, "{corners}");
+        assert!(
+            knots
+                .windows(3)
+                .filter(|knots| knots[0] == knots[2])
+                .count()
+                == 2 + 3 + 2,
+            "{corners}: {knots:?}"
+        );
+    }
     let result = folder.result(&["curve.csv", "--closed", "--method", "chebyshev"]);
     assert_eq!(result["closed"], true);
     let result = folder.result(&[

@@ -24,6 +24,16 @@ pub fn all() -> Vec<Case> {
 
 type Jobs = Vec<(&'static str, Value)>;
 
+/// A wave, a straight edge with points, and two with none.
+fn outline() -> Vec<[f64; 2]> {
+    let wave = (0..=10).map(f64::from).map(|x| [x, (0.6 * x).sin()]);
+    let edge = (1..=10)
+        .map(f64::from)
+        .map(|x| [10.0 + x, (6_f64).sin() - x]);
+    let last = [[25.0, -8.0], [25.0, 2.0], [20.0, 4.0]];
+    wave.chain(edge).chain(last).collect()
+}
+
 fn curves() -> Jobs {
     let names = "Flügel 'A' \\ 翼 <b>&amp; \"x\"\n🛩";
     vec![
@@ -46,6 +56,10 @@ fn curves() -> Jobs {
                 "curve": {"points": wave(200)},
                 "method": {"kind": "least_squares", "control_points": 20, "variant": "cg"},
             }),
+        ),
+        (
+            "corners",
+            json!({"curve": {"points": outline(), "corners": [10, 20, 21, 22]}, "method": "direct"}),
         ),
         (
             "tiny",

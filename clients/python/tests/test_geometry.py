@@ -160,6 +160,17 @@ def test_cubic_ball_points() -> None:
         assert np.allclose(bezier, [1, 5 / 3, 16 / 3, 8], rtol=1e-15)
 
 
+@pytest.mark.parametrize("corners", ["auto", {"angle": 60}, np.array([4, 8, 12])])
+def test_curves_turn_at_corners(client: piad.Client, corners: Any) -> None:
+    x = np.arange(17.0)
+    points = np.stack([x, np.abs(x % 8 - 4)], axis=1)
+    curve = client.fit(points, corners=corners, method="direct").geometry
+    assert isinstance(curve, piad.Curve)
+    low, high = curve.domain
+    on = curve.evaluate(np.linspace(low, high, 1000))
+    assert np.abs(on[:, 1] - np.abs(on[:, 0] % 8 - 4)).max() < 1e-13
+
+
 def test_ends_have_the_derivatives_that_are_given(client: piad.Client) -> None:
     angle = np.linspace(0, np.pi, 9)
     points = np.stack([np.cos(angle), np.sin(angle)], axis=1)

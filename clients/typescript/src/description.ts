@@ -699,6 +699,8 @@ export interface components {
             closed?: boolean | null;
             /** @description How it ends. */
             ends?: components["schemas"]["CurveEnds"] | null;
+            /** @description Where it may turn; without them nowhere. */
+            corners?: components["schemas"]["Corners"] | null;
         };
         /**
          * @description The data points of a curve, in their order.
@@ -836,6 +838,24 @@ export interface components {
             /** @description The direction of the first derivative, a vector. Its length is that of the polygon through the points over the range of the parameters. */
             tangent?: number[];
         };
+        /**
+         * @description The points at which a curve may turn, and through which it passes: by their indices, or those at which the points turn by more than an angle in degrees ("auto": 30) and by more than three times what those around them turn. The pieces between them are fitted by themselves. Open B-splines with knots as usual have them.
+         * @example auto
+         * @example {
+         *       "angle": 45
+         *     }
+         * @example [
+         *       12,
+         *       40
+         *     ]
+         */
+        Corners: "auto" | {
+            /**
+             * Format: double
+             * @description In degrees.
+             */
+            angle: number;
+        } | number[];
         /**
          * @description A surface through a grid of data points, or near scattered ones, which only least squares fits: one
          *     of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
@@ -2305,6 +2325,8 @@ export interface components {
             closed: boolean | components["schemas"]["BooleanPair"];
             /** @description How it ends. */
             ends: components["schemas"]["EndRules"] | components["schemas"]["EndRulesPair"];
+            /** @description The points at which a curve may turn, if there are any. */
+            corners?: number[];
             /** @description How weights are used, if there are any. */
             rational: components["schemas"]["Rational"] | null;
             /** @description The method, with numbers that were computed for it. */
@@ -4063,6 +4085,7 @@ export type Weights = components['schemas']['Weights'];
 export type CurveEnds = components['schemas']['CurveEnds'];
 export type CurveEndPair = components['schemas']['CurveEndPair'];
 export type CurveEnd = components['schemas']['CurveEnd'];
+export type Corners = components['schemas']['Corners'];
 export type SurfaceInput = components['schemas']['SurfaceInput'];
 export type PointGrid = components['schemas']['PointGrid'];
 export type ScatteredPoints = components['schemas']['ScatteredPoints'];

@@ -12,8 +12,8 @@ use super::method::{AS_MANY_AS_DATA, LeastSquares, Method};
 use super::parameters::Parametrization;
 use super::problem::Problem;
 use super::shape::{Curve, Shape, Surface};
-use super::termination::Outcome;
-use crate::basis::choice::{BasisChoice, DirectionChoice};
+use super::termination::{Outcome, Reason};
+use crate::basis::choice::{BasisChoice, Corners, DirectionChoice};
 use crate::basis::end_conditions::Ends;
 use crate::data::grid::Grid;
 use crate::data::points::Points;
@@ -78,6 +78,11 @@ impl Fit<Curve> {
     /// How the data points get their parameters, instead of chord length.
     pub fn parameters(self, parameters: Parametrization) -> Self {
         self.with(|request| request.u.parameters = parameters)
+    }
+
+    /// The points at which an open curve may turn, and through which it passes.
+    pub fn corners(self, corners: Corners) -> Self {
+        self.with(|request| request.u.corners = Some(corners))
     }
 
     /// How an open curve ends that has its knots at the data.
@@ -248,9 +253,11 @@ impl<S: Shape> Prepared<S> {
                 nearest = Level::of(&iteration);
             }
             if outcome.is_some() {
+                let between = matches!(outcome, Some(Outcome::Stalled(Reason::Between)));
                 return Err(NotConverged {
                     best: nearest.shape(),
                     error: nearest.error,
+                    between: between.then(|| iteration.excess()),
                     iterations: iteration.level().iteration,
                 });
             }
@@ -362,6 +369,8 @@ pub struct NotConverged<S> {
     pub best: S,
     /// Its distances from the data, in their unit.
     pub error: FitError,
+    /// Where it is within the tolerance at the data alone: by how much it leaves them between neighbours.
+    pub between: Option<f64>,
     /// The number of iterations that were computed.
     pub iterations: usize,
 }
@@ -369,10 +378,17 @@ pub struct NotConverged<S> {
 impl<S> fmt::Display for NotConverged<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (iterations, left) = (self.iterations, self.error.max);
-        write!(
-            f,
-            "after {iterations} iterations a distance of {left:.3e} is left, which is more than the tolerance"
-        )
+        match self.between {
+            Some(between) => write!(
+                f,
+                "after {iterations} iterations it is within the tolerance at the data, and leaves them by {between:.3e} \
+                 between neighbours"
+            ),
+            None => write!(
+                f,
+                "after {iterations} iterations a distance of {left:.3e} is left, which is more than the tolerance"
+            ),
+        }
     }
 }
 

@@ -221,6 +221,10 @@ pub enum Place {
     ControlPoints(Axis),
     /// Whether a direction is closed.
     Closed(Axis),
+    /// The corners of a direction.
+    Corners(Axis),
+    /// One of them, by its place in the list.
+    Corner(Axis, usize),
     /// How a direction ends.
     Ends(Axis),
     /// How a direction ends on one side.

@@ -119,7 +119,8 @@ impl Warning {
         let BasisChoice::BSpline { degree, knots } = &choice.basis else {
             return Vec::new();
         };
-        if !matches!(knots, Knots::Usual | Knots::Data) || direction.is_closed() {
+        let usual = matches!(knots, Knots::Usual | Knots::Data);
+        if !usual || direction.is_closed() || choice.corners.is_some() {
             return Vec::new();
         }
         let (degree, count) = (*degree, direction.parameters.len());

@@ -107,6 +107,8 @@ impl MessageLayout {
                 self.direction(axis, &format!("parameters.values[{index}]"))
             }
             P::Closed(axis) => self.direction(axis, "closed"),
+            P::Corners(axis) => self.direction(axis, "corners"),
+            P::Corner(axis, index) => self.direction(axis, &format!("corners.at.indices[{index}]")),
             P::Ends(axis) => self.direction(axis, "ends"),
             P::End(axis, side) => self.direction(axis, &format!("ends.{}", side.name())),
             P::EndOrder(axis, side, order) => self.end(axis, side, order, None),

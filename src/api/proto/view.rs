@@ -18,10 +18,10 @@ use crate::model::mistakes::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
 use crate::proto::{basis, ends::rule, job, method, stream};
-use piad_fit::basis::{End, Ends};
+use piad_fit::basis::{Corners, End, Ends};
 use piad_fit::engine::foot::Deviation;
 use piad_fit::engine::rates::BasisRate;
-use piad_fit::engine::{Direction, Forecast, Level, Problem, Warning};
+use piad_fit::engine::{Direction, DirectionChoice, Forecast, Level, Problem, Warning};
 use piad_fit::geometry::FitError;
 use piad_fit::method::Method;
 
@@ -198,7 +198,9 @@ pub(crate) fn deviation(
 }
 
 /// A direction of what was fitted, with knots, weights and the parameters of the data or without them.
-fn direction(direction: &Direction, ends: Option<&Ends>, arrays: bool) -> pb::FittedDirection {
+fn direction(direction: &Direction, choice: &DirectionChoice, arrays: bool) -> pb::FittedDirection {
+    let ends = choice.ends.as_ref();
+    let corners = choice.corners.as_ref().map(Corners::indices);
     let fitted = &direction.basis;
     let rule = |end: fn(&Ends) -> &End| ends.map_or(pb::EndRule::Unspecified, |it| rule(end(it)));
     let list = |numbers: &dyn Fn() -> Vec<f64>| match arrays {
@@ -215,6 +217,11 @@ fn direction(direction: &Direction, ends: Option<&Ends>, arrays: bool) -> pb::Fi
         weights: list(&|| direction.weights().unwrap_or_default().to_vec()),
         start: rule(|it| &it.start).into(),
         end: rule(|it| &it.end).into(),
+        corners: corners
+            .unwrap_or_default()
+            .iter()
+            .map(|&index| count(index))
+            .collect(),
     }
 }
 
@@ -224,9 +231,9 @@ pub(crate) fn directions(
     arrays: bool,
 ) -> (pb::FittedDirection, Option<pb::FittedDirection>) {
     let request = problem.request();
-    let u = direction(problem.u(), request.u.ends.as_ref(), arrays);
+    let u = direction(problem.u(), &request.u, arrays);
     let v = problem.v().zip(request.v.as_ref());
-    let v = v.map(|(v, choice)| direction(v, choice.ends.as_ref(), arrays));
+    let v = v.map(|(v, choice)| direction(v, choice, arrays));
     (u, v)
 }
 

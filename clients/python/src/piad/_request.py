@@ -41,6 +41,8 @@ Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start
 """How a direction ends: a word for both sides, or an object with an end for each."""
 SurfaceEnds = Union[Ends, Mapping[Literal["u", "v"], Ends]]
 """How a surface ends: as a curve, in both directions or in each."""
+Corners = Union[Literal["auto"], Mapping[Literal["angle"], float], Sequence[int]]
+"""The points at which a curve may turn: "auto", by an angle in degrees, or by their indices."""
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
 ScatteredParameters = Union[
     Literal["project"],
@@ -64,6 +66,7 @@ def job(
     parameters: Union[PerDirection[Parameters], ScatteredParameters, None],
     scattered: bool,
     closed: PerDirection[bool],
+    corners: Optional[Corners],
     ends: Optional[SurfaceEnds],
     weights: Any,
     rational: Optional[Rational],
@@ -81,6 +84,7 @@ def job(
         "basis": _bases(basis, degree, knots),
         "parameters": plain(parameters),
         "closed": plain(closed),
+        "corners": plain(corners),
         "ends": plain(ends),
         "weights": plain(weights),
     }

@@ -9,7 +9,7 @@ from collections.abc import AsyncGenerator, Coroutine, Mapping
 from typing import Any, NamedTuple, Optional, Union
 
 from . import _request
-from ._request import ControlPoints, Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
+from ._request import ControlPoints, Corners, Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
 from ._transport import Transport
 from .async_job import AsyncJob, post
 from .errors import NotConverged
@@ -43,6 +43,7 @@ class Service:
         parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
         scattered: bool = False,
         closed: PerDirection[bool] = False,
+        corners: Optional[Corners] = None,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -65,7 +66,8 @@ class Service:
         units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
         object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
         `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
-        `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. What is not given is left to the
+        `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. At `corners` a curve may turn: indices of points, `"auto"`
+        or `{"angle": 30}`. What is not given is left to the
         server; docs/JOBS.md there says more about each.
 
         Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
@@ -80,6 +82,7 @@ class Service:
             parameters=parameters,
             scattered=scattered,
             closed=closed,
+            corners=corners,
             ends=ends,
             weights=weights,
             rational=rational,
@@ -100,6 +103,7 @@ class Service:
         parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
         scattered: bool = False,
         closed: PerDirection[bool] = False,
+        corners: Optional[Corners] = None,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -126,6 +130,7 @@ class Service:
             parameters=parameters,
             scattered=scattered,
             closed=closed,
+            corners=corners,
             ends=ends,
             weights=weights,
             rational=rational,

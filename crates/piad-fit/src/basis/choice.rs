@@ -3,10 +3,13 @@
 //! A curve has one direction, a surface two, whose bases, parameters and closedness are independent
 //! of each other.
 
+use std::sync::Arc;
+
 use super::Polynomial;
 use super::end_conditions::MOST_ESTIMATED;
 use super::end_conditions::{End, Ends};
 use super::knots::Knots;
+use crate::data::corners;
 use crate::parameters::Parametrization;
 
 /// The basis asked for in one direction.
@@ -25,6 +28,30 @@ pub enum BasisChoice {
     },
 }
 
+/// The data points at which a curve may turn, and through which it passes.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Corners {
+    /// These, by index, increasing.
+    At(Arc<[usize]>),
+    /// Those at which the points turn by more than so many degrees, as corners do (`data::corners`).
+    Found(f64),
+}
+
+impl Corners {
+    /// Those at which the points turn by more than the usual 30 degrees.
+    pub const USUAL: Self = Self::Found(corners::USUAL_ANGLE);
+
+    /// The indices of the points, as far as they are known.
+    pub fn indices(&self) -> &[usize] {
+        match self {
+            Self::At(indices) => indices,
+            Self::Found(_) => &[],
+        }
+    }
+}
+
 /// What is asked for in one direction of the parameter domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionChoice {
@@ -38,6 +65,8 @@ pub struct DirectionChoice {
     pub control_points: Option<usize>,
     /// How it ends, with knots at the data; as is usual without it.
     pub ends: Option<Ends>,
+    /// Its corners, if it may have some.
+    pub corners: Option<Corners>,
     /// Fixed weights: one for each control point, end copies included, or one for each data point.
     pub weights: Option<Vec<f64>>,
 }
@@ -64,6 +93,7 @@ impl DirectionChoice {
             closed: false,
             control_points: None,
             ends: None,
+            corners: None,
             weights: None,
         }
     }
@@ -75,6 +105,9 @@ impl DirectionChoice {
         let BasisChoice::BSpline { degree, knots } = &mut self.basis else {
             return;
         };
+        if self.corners.is_some() {
+            return;
+        }
         if *knots == Knots::Usual {
             // Averaged knots need more points than the degree.
             let averaged = !self.closed && degree.is_multiple_of(2) && *degree < count;
@@ -137,7 +170,7 @@ impl DirectionChoice {
         let BasisChoice::BSpline { degree, knots } = &self.basis else {
             return true;
         };
-        let averaged = matches!(knots, Knots::Averaged) || self.closed;
+        let averaged = matches!(knots, Knots::Averaged) || self.closed || self.corners.is_some();
         degree % 2 == 0 && !averaged
     }
 }

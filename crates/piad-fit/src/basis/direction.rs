@@ -17,12 +17,16 @@
 //! control point, closed (n = 4)  3  0  1  2  3  0  1
 //! ```
 //!
+//! - in pieces that meet at corners ([`pieces`](super::pieces)): a function for each free control point, and more of
+//!   pieces with few of them.
+//!
 //! Weights of the functions make the basis rational, `w_j B_j / Σ_k w_k B_k` (LBW05 (3.7)).
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::Basis;
+use super::pieces::Pieces;
 use crate::data::points::normalizing_scale;
 use crate::invalid::{Axis, Invalid, Place, Side};
 
@@ -55,7 +59,7 @@ pub(crate) enum CopyRule {
 }
 
 /// How basis functions share control points.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Sharing {
     /// The first control point is repeated `front_copies` times in front, the last one behind: with
     /// knots at the data there are more basis functions than data points (LBW05 (3.2)).
@@ -66,6 +70,8 @@ enum Sharing {
     },
     /// The first control points follow the last ones, after a period of the parameters.
     Closed { period: f64 },
+    /// Pieces that meet at corners.
+    Pieces(Arc<Pieces>),
 }
 
 impl Direction {
@@ -87,6 +93,15 @@ impl Direction {
             },
             weights: None,
             spread_start: false,
+        }
+    }
+
+    /// An open direction without weights, in pieces that meet at corners.
+    pub(crate) fn in_pieces(basis: Basis, parameters: Arc<Vec<f64>>, pieces: Pieces) -> Self {
+        Self {
+            free: pieces.free(),
+            sharing: Sharing::Pieces(Arc::new(pieces)),
+            ..Self::open(basis, parameters, 0, 0)
         }
     }
 
@@ -147,7 +162,7 @@ impl Direction {
     pub fn period(&self) -> Option<f64> {
         match self.sharing {
             Sharing::Closed { period } => Some(period),
-            Sharing::Open { .. } => None,
+            Sharing::Open { .. } | Sharing::Pieces(_) => None,
         }
     }
 
@@ -174,8 +189,11 @@ impl Direction {
     /// The free control point that basis function `j` is multiplied with. On closed curves function
     /// ⌊p/2⌋ is centred on the first data point.
     pub fn free_index(&self, j: usize) -> usize {
-        match self.sharing {
-            Sharing::Open { front_copies, .. } => j.saturating_sub(front_copies).min(self.free - 1),
+        match &self.sharing {
+            Sharing::Pieces(pieces) => pieces.free_index(j),
+            Sharing::Open { front_copies, .. } => {
+                j.saturating_sub(*front_copies).min(self.free - 1)
+            }
             // Basis function p/2 is centred on the first data point.
             Sharing::Closed { .. } => {
                 (j + self.free - self.basis.degree() / 2 % self.free) % self.free
@@ -185,22 +203,27 @@ impl Direction {
 
     /// The rule of the copies on one side, if there are some.
     fn rule(&self, side: Side) -> Option<CopyRule> {
-        match (self.sharing, side) {
+        match (&self.sharing, side) {
             (Sharing::Open { copies, .. }, Side::Start) => Some(copies[0]),
             (Sharing::Open { copies, .. }, Side::End) => Some(copies[1]),
-            (Sharing::Closed { .. }, _) => None,
+            (Sharing::Closed { .. } | Sharing::Pieces(_), _) => None,
         }
     }
 
     /// How many copies the outermost control point has on one side.
     pub(crate) fn copies(&self, side: Side) -> usize {
-        match (self.sharing, side) {
-            (Sharing::Open { front_copies, .. }, Side::Start) => front_copies,
+        match (&self.sharing, side) {
+            (Sharing::Open { front_copies, .. }, Side::Start) => *front_copies,
             (Sharing::Open { front_copies, .. }, Side::End) => {
                 self.basis.functions() - self.free - front_copies
             }
-            (Sharing::Closed { .. }, _) => 0,
+            (Sharing::Closed { .. } | Sharing::Pieces(_), _) => 0,
         }
+    }
+
+    /// Returns true if copies of the end point make the curve stand still on one side.
+    pub(crate) fn stands_still(&self, side: Side) -> bool {
+        self.copies(side) > 0 && self.rule(side) == Some(CopyRule::Equal)
     }
 
     /// The part β of the next control point in the copy of a natural end.
@@ -226,6 +249,12 @@ impl Direction {
     /// The free control point that the control point of function `j` is equal to, if it is equal to
     /// one.
     pub fn equal_to(&self, j: usize) -> Option<usize> {
+        if let Sharing::Pieces(pieces) = &self.sharing {
+            return match pieces.parts(j)[..] {
+                [(index, _)] => Some(index),
+                _ => None,
+            };
+        }
         let rule = self.copied(j).and_then(|side| self.rule(side));
         let equal = rule.is_none_or(|rule| rule == CopyRule::Equal);
         equal.then(|| self.free_index(j))
@@ -234,6 +263,15 @@ impl Direction {
     /// The free control points of which the control point of function `j` consists, each with its
     /// part, but for a constant.
     pub fn parts(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + Clone + use<> {
+        let (first, others) = self.first_and_other_parts(j);
+        std::iter::once(first).chain(others)
+    }
+
+    fn first_and_other_parts(&self, j: usize) -> ((usize, f64), Vec<(usize, f64)>) {
+        if let Sharing::Pieces(pieces) = &self.sharing {
+            let mut parts = pieces.parts(j);
+            return (parts.remove(0), parts);
+        }
         let own = self.free_index(j);
         let side = self.copied(j);
         let beta = side.and_then(|side| self.natural(side));
@@ -241,13 +279,16 @@ impl Direction {
             Some(Side::End) => own.saturating_sub(1),
             _ => own + 1,
         };
-        let other = beta.map(|beta| (next, beta));
-        std::iter::once((own, 1.0 - beta.unwrap_or(0.0))).chain(other)
+        let others = beta.map(|beta| (next, beta)).into_iter().collect();
+        ((own, 1.0 - beta.unwrap_or(0.0)), others)
     }
 
     /// Makes values of functions from `start` on those of free control points: place k becomes the
-    /// value of [`Self::free_index`] of function `start + k`. Only natural ends change something.
+    /// value of [`Self::free_index`] of function `start + k`. Only natural ends and short pieces change something.
     pub(crate) fn share(&self, start: usize, values: &mut [f64]) {
+        if let Sharing::Pieces(pieces) = &self.sharing {
+            return pieces.share(start, values);
+        }
         let last = self.basis.functions() - 1;
         let place = |side| {
             let beta = self.natural(side)?;
@@ -270,7 +311,8 @@ impl Direction {
     /// The basis functions whose control points free control point `index` is a part of, increasing.
     pub fn functions_of(&self, index: usize) -> impl Iterator<Item = usize> + Clone {
         let functions = self.basis.functions();
-        match self.sharing {
+        match &self.sharing {
+            Sharing::Pieces(pieces) => pieces.functions_of(index).step_by(1),
             Sharing::Open { front_copies, .. } => {
                 let own = index + front_copies;
                 let first = match index {
@@ -297,8 +339,11 @@ impl Direction {
     /// collocation matrix that begins with function j needs no sums.
     pub fn own_functions(&self) -> Range<usize> {
         let degree = self.basis.degree();
-        match self.sharing {
+        match &self.sharing {
+            Sharing::Pieces(pieces) if pieces.are_plain() => 0..self.free.saturating_sub(degree),
+            Sharing::Pieces(_) => 0..0,
             Sharing::Open { front_copies, .. } => {
+                let front_copies = *front_copies;
                 let [start, end] = [Side::Start, Side::End].map(|side| self.natural(side));
                 let first = front_copies + usize::from(start.is_some());
                 let end = degree + usize::from(end.is_some());

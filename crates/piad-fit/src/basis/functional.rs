@@ -30,8 +30,10 @@ impl Direction {
         if let Some(weights) = self.weights() {
             weigh(&weights[start..], &mut lists);
         }
+        let values = lists.last_mut()?;
+        self.share(start, values);
         let mut factors: Vec<(usize, f64)> = Vec::new();
-        for (k, &value) in lists.last()?.iter().enumerate() {
+        for (k, &value) in values.iter().enumerate() {
             let index = self.free_index(start + k);
             match factors.iter_mut().find(|(other, _)| *other == index) {
                 Some((_, factor)) => *factor += value,

@@ -14,6 +14,7 @@
 //!
 //! - `bernstein`, `ball` and `bspline`: the bases, one file for each family; `bezier`: Ball bases as Bernstein's;
 //! - `knots`: where knots are placed, and `given_knots`: which are refused;
+//! - `pieces`: curves in pieces that meet at corners;
 //! - `choice` and `end_conditions`: what is requested of a direction; `direction`: a basis at the parameters of the
 //!   data;
 //! - `functional` and `quadrature`: values, derivatives and integrals of the functions.
@@ -28,6 +29,7 @@ pub(crate) mod end_conditions;
 pub(crate) mod functional;
 pub(crate) mod given_knots;
 pub(crate) mod knots;
+pub(crate) mod pieces;
 pub(crate) mod quadrature;
 
 use std::borrow::Cow;
@@ -35,7 +37,7 @@ use std::sync::Arc;
 
 use super::about::About;
 
-pub use choice::BasisChoice;
+pub use choice::{BasisChoice, Corners};
 pub use end_conditions::{End, Ends};
 pub use knots::Knots;
 

@@ -3,13 +3,15 @@
 //! - `points`: ordered points, stored coordinate by coordinate; `grid`: their arrangement; `input`: both as callers
 //!   have them;
 //! - `missing`: grids with missing points; `no_data`: values that stand for them in files of heights;
-//! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve;
+//! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve; `corners`: where a
+//!   polyline has corners;
 //! - `distances` and `blocks`: lengths of residuals, and their norms in blocks;
 //! - `aligned`, `bounds`, `monotonic`, `quantiles`: arrays of numbers.
 
 pub(crate) mod aligned;
 pub(crate) mod blocks;
 pub(crate) mod bounds;
+pub(crate) mod corners;
 pub(crate) mod distances;
 pub(crate) mod grid;
 mod input;

@@ -11,6 +11,7 @@ use super::freedom;
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
 use crate::data::points::{Points, normalizing_scale};
+use crate::invalid::Side;
 use crate::setup::Setup;
 
 /// Places at which gaps and spans are looked at, as parts of them.
@@ -273,7 +274,7 @@ impl<'a> Gaps<'a> {
     }
 
     /// The freedom of each cell: that which its bends leave, but no more than its corners are apart, and infinite where
-    /// one of these is missing.
+    /// one of these is missing. Beside ends at which the fit stands still, it is how far these are apart.
     fn freedom(&self) -> Vec<f64> {
         let missing = self.setup.missing();
         let is_whole = |cell: usize| {
@@ -284,10 +285,23 @@ impl<'a> Gaps<'a> {
         self.pass_on(&mut bends);
         let pairs = bends.into_iter().zip(apart).enumerate();
         let free = pairs.map(|(cell, (bend, apart))| match is_whole(cell) {
+            true if self.is_beside_copies(cell) => apart,
             true => freedom::of_bend(bend).min(apart),
             false => f64::INFINITY,
         });
         free.collect()
+    }
+
+    /// Returns true if the functions of copies of an end point differ from zero in a cell.
+    fn is_beside_copies(&self, cell: usize) -> bool {
+        let (along, across) = (cell / self.across.count(), cell % self.across.count());
+        let lines = [(along, self.along.count()), (across, self.across.count())];
+        let mut all = self.setup.directions().zip(lines);
+        all.any(|(direction, (gap, gaps))| {
+            let degree = direction.basis.degree();
+            (gap < degree && direction.stands_still(Side::Start))
+                || (gap + degree >= gaps && direction.stands_still(Side::End))
+        })
     }
 
     /// Passes values of cells on to those beside them.

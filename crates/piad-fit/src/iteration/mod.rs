@@ -329,7 +329,7 @@ impl Iteration {
         };
         let between = self.leaving().map(Warning::Between);
         let found = between.or_else(|| fold().map(Warning::Folded));
-        let excess = self.excursion().map_or(0.0, Excursion::excess);
+        let excess = self.excess();
         self.level.between = (!problem.is_scattered() && excess.is_finite()).then_some(excess);
         self.level.found = found;
     }
@@ -339,6 +339,11 @@ impl Iteration {
         *self
             .excursion
             .get_or_init(|| Excursion::of(self.problem(), self.control_points(), self.allowed()))
+    }
+
+    /// By how much it leaves them there.
+    pub(crate) fn excess(&self) -> f64 {
+        self.excursion().map_or(0.0, Excursion::excess)
     }
 
     /// The same, if it is further away than it may be.

@@ -8,15 +8,17 @@
 //! | open B-spline | fewer than data points | spread, or given | |
 //! | open B-spline | fewer than data points | as earlier programs had them | PT97 (9.68)–(9.69) |
 //! | closed B-spline | n, or fewer | periodic | |
+//! | open B-spline with corners | n, or fewer | p at each corner, averaged or spread between | |
 //!
 //! Whatever is given is checked against what it has to fit: parameters against knots, knots against
 //! the number of control points, weights against that of functions.
 
 use std::sync::Arc;
 
-use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::basis::choice::{BasisChoice, Corners, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::basis::knots::{self, Knots};
+use crate::basis::pieces::{self, Pieces};
 use crate::basis::{Basis, MAX_DEGREE, Polynomial, given_knots};
 use crate::data::grid::Grid;
 use crate::data::missing::Missing;
@@ -68,7 +70,9 @@ impl Direction {
             BasisChoice::Polynomial(kind) => polynomial(kind, placed.values, free, axis)?,
             BasisChoice::BSpline { degree, knots } => {
                 check_degree(degree, true, axis)?;
-                if choice.closed {
+                if let Some(Corners::At(corners)) = &choice.corners {
+                    with_corners(degree, corners, placed.values, free, axis)?
+                } else if choice.closed {
                     periodic(degree, &knots, placed, free, axis)?
                 } else if fewer {
                     least_squares(degree, knots, placed.values, free, given, axis)?
@@ -210,6 +214,37 @@ fn least_squares(
     let basis = Basis::BSpline { degree, knots };
     let direction = Direction::open(basis, t, free, 0);
     Ok(if spread {
+        direction.with_spread_start()
+    } else {
+        direction
+    })
+}
+
+/// An open B-spline in pieces that meet at corners, each with a share of the control points.
+fn with_corners(
+    degree: usize,
+    corners: &[usize],
+    t: Arc<Vec<f64>>,
+    free: usize,
+    axis: Axis,
+) -> Result<Direction, Invalid> {
+    let mut ends = vec![0];
+    ends.extend(corners);
+    ends.push(t.len() - 1);
+    let data: Vec<usize> = ends.windows(2).map(|ends| ends[1] - ends[0] + 1).collect();
+    let (fewest, most) = (data.len() + 1, t.len());
+    if !(fewest..=most).contains(&free) {
+        let count = corners.len();
+        let detail = format!(
+            "a curve of {most} points with {count} corners has {fewest} to {most} control points, not {free}"
+        );
+        return Err(Invalid::at(Place::ControlPoints(axis), detail));
+    }
+    let counts = pieces::shares(&data, free);
+    let knots = Arc::new(knots::in_pieces(&t, degree, &ends, &counts));
+    let basis = Basis::BSpline { degree, knots };
+    let direction = Direction::in_pieces(basis, t, Pieces::new(degree, &counts));
+    Ok(if free < most {
         direction.with_spread_start()
     } else {
         direction

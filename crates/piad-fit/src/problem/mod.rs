@@ -10,6 +10,7 @@ pub(crate) mod admission;
 mod automatic;
 mod checks;
 mod construction;
+mod corners;
 mod first;
 pub(crate) mod request;
 mod scattered;
@@ -88,6 +89,7 @@ impl Problem {
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
         check_scattered(&request)?;
         imply_control_points(&mut request)?;
+        corners::resolve(&mut request)?;
         request.method.scheme().check(&scope(&request))?;
         automatic::check_request(&request)?;
         settle(&mut request);

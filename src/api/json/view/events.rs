@@ -28,6 +28,7 @@ use crate::model::basis::BasisKind;
 use crate::model::per_direction::{Count, PerDirection};
 use crate::model::schema::schema_of;
 use crate::model::weights::Rational;
+use piad_fit::basis::Corners;
 use piad_fit::engine::Problem;
 
 /// The data of the `job` event: all that does not change from iteration to iteration.
@@ -63,6 +64,9 @@ struct JobEvent<'a> {
     closed: PerDirection<bool>,
     /// How it ends.
     ends: PerDirection<EndRules>,
+    /// The points at which a curve may turn, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    corners: Option<&'a [usize]>,
     /// How weights are used, if there are any.
     rational: Option<Rational>,
     /// The method, with numbers that were computed for it.
@@ -132,6 +136,7 @@ pub(crate) fn description(
         degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
         ends: EndRules::of(problem),
+        corners: problem.request().u.corners.as_ref().map(Corners::indices),
         rational: Rational::of(problem.request()),
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
         predicted: Prediction::at_first(levels),

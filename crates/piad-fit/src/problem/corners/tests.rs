@@ -1,0 +1,188 @@
+//! Curves with corners, beside what is known of them.
+
+use std::sync::Arc;
+
+use crate::basis::{BasisChoice, Corners, Knots};
+use crate::invalid::{Axis, Invalid, Place};
+use crate::method::{LeastSquares, Method, Variant};
+use crate::{Curve, Fit};
+
+fn at(indices: &[usize]) -> Corners {
+    Corners::At(Arc::from(indices))
+}
+
+/// Six edges with five points each, but for the last one, which has four.
+fn zigzag() -> Vec<[f64; 2]> {
+    (0..24)
+        .map(|i| [f64::from(i), f64::from((i % 8 - 4_i32).abs())])
+        .collect()
+}
+
+/// The largest distance of a curve from the zigzag.
+fn from_zigzag(curve: &Curve, t: &[f64]) -> f64 {
+    let (low, high) = (t[0], t[t.len() - 1]);
+    let places = (0..=2000).map(|k| low + (high - low) * f64::from(k) / 2000.0);
+    let height = |x: f64| (x.rem_euclid(8.0) - 4.0).abs();
+    let points = places.map(|t| curve.eval(t));
+    let distances = points.map(|point| (point[1] - height(point[0])).abs());
+    distances.fold(0.0, f64::max)
+}
+
+/// Edges are straight to rounding, by each method, and as many control points as data or as edges need.
+#[test]
+fn edges_between_corners_are_straight() {
+    let methods = [
+        Method::Direct,
+        Method::Global,
+        Method::Chebyshev,
+        Method::Transpose,
+        Method::LeastSquares(LeastSquares::new(16, 0)),
+        Method::LeastSquares(LeastSquares {
+            variant: Variant::Direct,
+            ..LeastSquares::new(16, 0)
+        }),
+        // Each edge with two control points.
+        Method::LeastSquares(LeastSquares {
+            variant: Variant::Direct,
+            ..LeastSquares::new(7, 0)
+        }),
+    ];
+    for method in methods {
+        for degree in [1, 2, 3, 4, 5] {
+            let fit = Fit::curve(&zigzag()).degree(degree).method(method.clone());
+            let fit = fit
+                .corners(Corners::USUAL)
+                .tolerance(1e-10)
+                .max_iterations(10_000);
+            let fit = fit.prepare().unwrap();
+            let curve = fit
+                .solve()
+                .unwrap_or_else(|error| panic!("{method:?} {degree}: {error}"));
+            let off = from_zigzag(&curve, fit.parameters());
+            assert!(off < 1e-9, "{method:?} {degree}: {off:e}");
+        }
+    }
+}
+
+/// A piece between two corners is the curve of its points alone.
+#[test]
+fn pieces_are_fitted_by_themselves() {
+    let x = |i: usize| i as f64 + 0.3 * (i as f64).sin();
+    let points: Vec<[f64; 2]> = (0..30)
+        .map(|i| [x(i), (0.7 * x(i)).sin() + f64::from(u8::from(i > 11))])
+        .collect();
+    let whole = Fit::curve(&points)
+        .corners(at(&[12, 14, 17]))
+        .method(Method::Direct)
+        .prepare()
+        .unwrap();
+    let t = whole.parameters().to_vec();
+    let curve = whole.solve().unwrap();
+    for (from, to) in [(0, 12), (12, 14), (14, 17), (17, 29)] {
+        // Few points have the polynomial through them.
+        let degree = 3.min(to - from);
+        let averaged = BasisChoice::BSpline {
+            degree,
+            knots: Knots::Averaged,
+        };
+        let part = Fit::curve(&points[from..=to])
+            .basis(averaged)
+            .method(Method::Direct)
+            .prepare()
+            .unwrap();
+        let s = part.parameters().to_vec();
+        let part = part.solve().unwrap();
+        for k in 0..=50 {
+            let share = f64::from(k) / 50.0;
+            let on_whole = curve.eval(t[from] + share * (t[to] - t[from]));
+            let on_part = part.eval(s[0] + share * (s[to - from] - s[0]));
+            for (a, b) in on_whole.iter().zip(&on_part) {
+                assert!((a - b).abs() < 1e-12, "{from} {to} {share}");
+            }
+        }
+    }
+}
+
+/// The corners of a square, which is a cubic of thirteen control points.
+#[test]
+fn squares_are_squares() {
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
+    let fit = Fit::curve(&square)
+        .corners(at(&[1, 2, 3]))
+        .method(Method::Global)
+        .prepare()
+        .unwrap();
+    let curve = fit.solve().unwrap();
+    assert_eq!(curve.nurbs().points.len(), 13);
+    for k in 0..=400 {
+        let point = curve.eval(fit.parameters()[4] * f64::from(k) / 400.0);
+        let off = (0..4).map(|side| match side {
+            0 => point[0].abs(),
+            1 => point[1].abs(),
+            2 => (1.0 - point[0]).abs(),
+            _ => (1.0 - point[1]).abs(),
+        });
+        assert!(off.fold(f64::INFINITY, f64::min) < 1e-15, "{point:?}");
+    }
+}
+
+fn refused(fit: Fit<Curve>) -> Invalid {
+    fit.prepare().unwrap_err()
+}
+
+#[test]
+fn what_has_no_corners_is_named() {
+    let fit = || Fit::curve(&zigzag());
+    let corner = |index| Place::Corner(Axis::U, index);
+    for (indices, place) in [
+        (&[0_usize, 4][..], corner(0)),
+        (&[4, 23], corner(1)),
+        (&[4, 24], corner(1)),
+        (&[8, 4], corner(1)),
+        (&[4, 4], corner(1)),
+    ] {
+        assert_eq!(
+            refused(fit().corners(at(indices))).place,
+            place,
+            "{indices:?}"
+        );
+    }
+    for angle in [0.0, 180.0, -1.0, f64::NAN] {
+        assert_eq!(
+            refused(fit().corners(Corners::Found(angle))).place,
+            Place::Corners(Axis::U)
+        );
+    }
+    let corners = || fit().corners(at(&[4]));
+    let bernstein = BasisChoice::Polynomial(crate::basis::Polynomial::Bernstein);
+    let given = |knots| BasisChoice::BSpline { degree: 3, knots };
+    for wrong in [
+        corners().basis(bernstein),
+        corners().basis(given(Knots::Data)),
+        corners().closed(),
+        corners().ends(crate::basis::Ends::both(crate::basis::End::Natural)),
+        corners().fewest_control_points(),
+        Fit::curve(&[[0.0], [1.0], [0.0]]).corners(Corners::USUAL),
+    ] {
+        assert_eq!(refused(wrong).place, Place::Corners(Axis::U));
+    }
+    for count in [2, 25] {
+        assert_eq!(
+            refused(corners().control_points(count)).place,
+            Place::ControlPoints(Axis::U),
+            "{count}"
+        );
+    }
+    // Where none are found the curve is as without.
+    let line: Vec<[f64; 2]> = (0..9).map(|i| [f64::from(i), 0.0]).collect();
+    let [with, without] = [true, false].map(|with| {
+        let fit = Fit::curve(&line);
+        let fit = if with {
+            fit.corners(Corners::USUAL)
+        } else {
+            fit
+        };
+        fit.prepare().unwrap().solve().unwrap()
+    });
+    assert_eq!(with, without);
+}

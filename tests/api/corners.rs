@@ -1,0 +1,257 @@
+//! Curves with corners.
+
+use serde_json::{Value, json};
+use tonic::Code;
+
+use crate::messages as pb;
+use crate::numbers::{largest_difference, numbers};
+use crate::rpc::connect;
+use crate::support::{Server, Story, base, problem};
+
+/// Six edges, with five points each but for the last one.
+fn zigzag() -> Vec<[f64; 2]> {
+    (0..24)
+        .map(|i| [f64::from(i), f64::from((i % 8 - 4_i32).abs())])
+        .collect()
+}
+
+/// The largest distance of samples from the zigzag, along y.
+fn from_zigzag(samples: &Value) -> f64 {
+    let samples = samples.as_array().unwrap().iter();
+    let distances = samples.map(|point| {
+        let point = numbers(point);
+        (point[1] - (point[0].rem_euclid(8.0) - 4.0).abs()).abs()
+    });
+    distances.fold(0.0, f64::max)
+}
+
+async fn samples(server: &Server, job: &Value) -> Value {
+    let path = format!("{}/result?view=samples&samples=1500", base(job));
+    server.json(&path).await["samples"].take()
+}
+
+/// By each method, and however corners are named; without them the curve swings.
+#[tokio::test]
+async fn edges_between_corners_are_straight() {
+    let server = Server::start().await;
+    let found = json!([4, 8, 12, 16, 20]);
+    let corners = [json!("auto"), json!({"angle": 80}), found.clone()];
+    let methods = [
+        json!("global"),
+        json!("chebyshev"),
+        json!({"kind": "weighted"}),
+        json!("direct"),
+        json!("transpose"),
+        json!({"kind": "adaptive", "threshold": 1e-9}),
+        json!({"kind": "least_squares", "control_points": 7, "variant": "direct"}),
+        json!({"kind": "least_squares", "control_points": 19}),
+    ];
+    for (method, corners) in methods.iter().zip(corners.iter().cycle()) {
+        let job = json!({
+            "curve": {"points": zigzag(), "corners": corners},
+            "method": method, "stop": {"tolerance": 1e-9, "max_iterations": 10_000},
+        });
+        let story = server.stream(&job).await;
+        assert_eq!(story.state(), "converged", "{method}: {}", story.end);
+        assert_eq!(story.job["corners"], found, "{method}");
+        assert_eq!(story.job["warnings"], json!([]), "{method}");
+        let off = from_zigzag(&samples(&server, &story.job).await);
+        assert!(off < 1e-8, "{method}: {off:e}");
+        // A corner has as many knots as the degree, and is passed through at each iteration.
+        let knots = numbers(&story.job["knots"]);
+        for index in [4, 8, 12, 16, 20] {
+            let at = story.job["parameters"][index].as_f64().unwrap();
+            assert_eq!(
+                knots.iter().filter(|knot| **knot == at).count(),
+                3,
+                "{method}"
+            );
+        }
+    }
+    let smooth = server
+        .fit(&json!({"curve": {"points": zigzag()}, "method": "direct"}))
+        .await;
+    assert!(from_zigzag(&samples(&server, &smooth).await) > 0.05);
+}
+
+/// What was found stays when points move, and what is told of a job makes the same job again.
+#[tokio::test]
+async fn edits_keep_corners() {
+    let server = Server::start().await;
+    let job = json!({"curve": {"points": zigzag(), "corners": "auto"}, "method": "direct"});
+    let parent = server.fit(&job).await;
+    let input = server.json(&format!("{}/input", base(&parent))).await;
+    assert_eq!(input["curve"]["corners"], json!([4, 8, 12, 16, 20]));
+    let again = server.fit(&input).await;
+    let result = |job: &Value| format!("{}/result", base(job));
+    let (one, other) = (
+        server.json(&result(&parent)).await,
+        server.json(&result(&again)).await,
+    );
+    assert_eq!(one["control_points"], other["control_points"]);
+    // A straight point where there was a corner.
+    let edit = json!({"points": [{"index": 8, "point": [8, 0.1]}]});
+    let request = server
+        .post(&format!("{}/edits/stream", base(&parent)))
+        .json(&edit);
+    let edited = Story::read(request.send().await.unwrap()).await;
+    assert_eq!(edited.job["corners"], json!([4, 8, 12, 16, 20]));
+    assert_eq!(edited.state(), "converged");
+    // Pieces that have no part of it stay.
+    let last = &edited.iterations.last().unwrap()["control_points"];
+    let far = |net: &Value| json!(&net.as_array().unwrap()[14..]);
+    assert!(largest_difference(&far(&one["control_points"]), &far(last)) < 1e-14);
+    // Noise has no corners, and a curve without any is as usual.
+    let wave: Vec<[f64; 2]> = (0..30)
+        .map(f64::from)
+        .map(|x| [x, (0.3 * x).sin()])
+        .collect();
+    let with = server
+        .fit(&json!({"curve": {"points": wave, "corners": "auto"}}))
+        .await;
+    let without = server.fit(&json!({"curve": {"points": wave}})).await;
+    assert_eq!(
+        server.json(&result(&with)).await["control_points"],
+        server.json(&result(&without)).await["control_points"]
+    );
+}
+
+/// Least squares gives each piece a share of the control points, and passes through the corners.
+#[tokio::test]
+async fn least_squares_passes_through_corners() {
+    let server = Server::start().await;
+    let noise = |i: usize| 0.02 * ((i * i % 17) as f64 - 8.0) / 8.0;
+    let points: Vec<[f64; 2]> = (0..=80)
+        .map(|i| {
+            [
+                i as f64 / 8.0,
+                ((i % 40) as f64 - 20.0).abs() / 8.0 + noise(i),
+            ]
+        })
+        .collect();
+    for variant in ["direct", "cg", "diagonal"] {
+        let job = json!({
+            "curve": {"points": points, "corners": [20, 40, 60]},
+            "method": {"kind": "least_squares", "control_points": 17, "variant": variant},
+        });
+        let story = server.stream(&job).await;
+        assert_eq!(story.state(), "converged", "{}", story.end);
+        assert_eq!(story.job["control_points"], 17);
+        for iteration in &story.iterations {
+            let net = &iteration["control_points"];
+            for (control, index) in [(4, 20), (8, 40), (12, 60)] {
+                let off = largest_difference(&net[control], &json!(points[index]));
+                assert!(off < 1e-9, "{variant} {control}: {off:e}");
+            }
+        }
+        let error = story.end["error"]["max"].as_f64().unwrap();
+        assert!(error < 0.04, "{variant}: {error}");
+    }
+}
+
+async fn refused(server: &Server, job: &Value, pointer: &str, reason: &str) {
+    let (status, problem) = problem(server.post("/v1/jobs").json(job).send().await.unwrap()).await;
+    assert_eq!(status, 422, "{job}");
+    assert_eq!(problem["errors"][0]["pointer"], pointer, "{problem:#}");
+    let detail = problem["errors"][0]["detail"].as_str().unwrap();
+    assert!(detail.contains(reason), "{detail}");
+}
+
+#[tokio::test]
+async fn what_has_no_corners_is_named() {
+    let server = Server::start().await;
+    let curve = |corners: Value| json!({"curve": {"points": zigzag(), "corners": corners}});
+    for (corners, pointer, reason) in [
+        (json!([0]), "/curve/corners/0", "an end"),
+        (json!([4, 23]), "/curve/corners/1", "an end"),
+        (json!([4, 99]), "/curve/corners/1", "no point 99"),
+        (json!([8, 4]), "/curve/corners/1", "increase"),
+        (json!({"angle": 0}), "/curve/corners", "between 0 and 180"),
+        (json!({"angle": 200}), "/curve/corners", "between 0 and 180"),
+    ] {
+        refused(&server, &curve(corners), pointer, reason).await;
+    }
+    let with = |field: &str, value: Value| {
+        let mut job = curve(json!([4]));
+        job["curve"][field] = value;
+        job
+    };
+    let auto = json!({"kind": "least_squares", "control_points": "auto"});
+    let mut automatic = curve(json!([4]));
+    automatic["method"] = auto;
+    for (job, reason) in [
+        (with("closed", json!(true)), "closed"),
+        (with("basis", json!("bernstein")), "polynomial"),
+        (
+            with("basis", json!({"kind": "bspline", "knots": "data"})),
+            "knots",
+        ),
+        (with("ends", json!("natural")), "ends"),
+        (automatic, "give a number"),
+    ] {
+        refused(&server, &job, "/curve/corners", reason).await;
+    }
+    // What is no choice at all.
+    for (corners, pointer) in [
+        (json!("sharp"), "/curve/corners"),
+        (json!([4.5]), "/curve/corners/0"),
+        (json!({"angle": "wide"}), "/curve/corners/angle"),
+        (json!({"degrees": 30}), "/curve/corners/degrees"),
+        (json!(30), "/curve/corners"),
+    ] {
+        refused(&server, &curve(corners), pointer, "").await;
+    }
+}
+
+#[tokio::test]
+async fn messages_have_corners() {
+    let server = Server::start().await;
+    let mut client = connect(&server).await;
+    let points: Vec<f64> = zigzag().concat();
+    let create = |choice| {
+        let curve = pb::Curve {
+            dimension: 2,
+            points: points.clone(),
+            corners: Some(pb::Corners {
+                choice: Some(choice),
+            }),
+            ..Default::default()
+        };
+        let input = pb::JobInput {
+            geometry: Some(pb::job_input::Geometry::Curve(curve)),
+            ..Default::default()
+        };
+        pb::CreateJobRequest {
+            input: Some(input),
+            ..Default::default()
+        }
+    };
+    use pb::corners::Choice;
+    let job = client
+        .create_job(create(Choice::Angle(30.0)))
+        .await
+        .unwrap()
+        .into_inner();
+    let id = job.job.unwrap().id;
+    let input = client
+        .get_input(pb::GetInputRequest { id })
+        .await
+        .unwrap()
+        .into_inner();
+    let Some(pb::job_input::Geometry::Curve(curve)) = input.input.unwrap().geometry else {
+        panic!("no curve");
+    };
+    let expected = Choice::At(pb::Indices {
+        indices: vec![4, 8, 12, 16, 20],
+    });
+    assert_eq!(curve.corners.unwrap().choice, Some(expected));
+    let wrong = create(Choice::At(pb::Indices {
+        indices: vec![4, 99],
+    }));
+    let status = client.create_job(wrong).await.unwrap_err();
+    assert_eq!(status.code(), Code::InvalidArgument);
+    assert!(
+        format!("{status:?}").contains("curve.corners.at.indices[1]"),
+        "{status:?}"
+    );
+}
