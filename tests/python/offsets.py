@@ -66,8 +66,7 @@ def saddle(x, y):
 def shape(base: str, job: dict, folder: str):
     """The edge or face of a fit, as OpenCASCADE reads it from STEP."""
     resource = json.loads(fetch(f"{base}/v1/jobs", json.dumps(job).encode()))
-    # With repeated ends a curve swings beside them.
-    assert resource["state"] == "converged" or resource["reason"] == "between", resource
+    assert resource["state"] == "converged", resource
     path = os.path.join(folder, "fit.step")
     with open(path, "wb") as file:
         file.write(fetch(f"{base}{resource['links']['result']}/step"))

@@ -283,6 +283,8 @@ impl<'a> Gaps<'a> {
         };
         let (mut bends, apart) = (self.bends(), self.apart());
         self.pass_on(&mut bends);
+        let ratio = weight_ratio(self.setup);
+        bends.iter_mut().for_each(|bend| *bend *= ratio);
         let pairs = bends.into_iter().zip(apart).enumerate();
         let free = pairs.map(|(cell, (bend, apart))| match is_whole(cell) {
             true if self.is_beside_copies(cell) => apart,
@@ -461,6 +463,22 @@ impl<'a> Gaps<'a> {
         };
         [0, 1].map(|i| (at[i] + step[i]).clamp(0.0, 1.0))
     }
+}
+
+/// The ratio of the largest weight to the smallest: so many times as far may a rational fit go from straight lines, as its
+/// speed changes with the weights.
+fn weight_ratio(setup: &Setup) -> f64 {
+    let of = |weights: &[f64]| {
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        let smallest = weights.iter().copied().fold(f64::INFINITY, f64::min);
+        largest / smallest
+    };
+    let lifted = setup
+        .lifted
+        .as_ref()
+        .and_then(|points| points.lanes().last());
+    let fixed = setup.directions().filter_map(Direction::weights);
+    lifted.map_or(1.0, |weights| of(weights)) * fixed.map(of).product::<f64>()
 }
 
 /// One coordinate of a bilinear patch.
