@@ -16,7 +16,7 @@ use piad_fit::basis::Corners;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CornersInput(pub Corners);
 
-/// Corners where points turn by more than so many degrees.
+/// Corners at which the points turn by more than this angle, in degrees.
 #[derive(serde::Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct Angle {

@@ -74,7 +74,7 @@ async fn edges_between_corners_are_straight() {
     assert!(from_zigzag(&samples(&server, &smooth).await) > 0.05);
 }
 
-/// What was found stays when points move, and what is told of a job makes the same job again.
+/// Corners that were found stay when points move, and the input of a job makes the same job again.
 #[tokio::test]
 async fn edits_keep_corners() {
     let server = Server::start().await;

@@ -35,7 +35,7 @@ pub enum BasisChoice {
 pub enum Corners {
     /// These, by index, increasing.
     At(Arc<[usize]>),
-    /// Those at which the points turn by more than so many degrees, as corners do (`data::corners`).
+    /// Those at which the points turn by more than this angle in degrees, as corners do (`data::corners`).
     Found(f64),
 }
 

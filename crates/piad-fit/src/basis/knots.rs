@@ -126,8 +126,8 @@ pub(crate) fn periodic(t: &[f64], period: f64, degree: usize, control_points: us
     (-p..=control_points as isize + p).map(knot).collect()
 }
 
-/// Knots of a curve in pieces that meet at corners: data points of these indices, the first and the last point among
-/// them, and so many control points of each piece.
+/// Knots of a curve in pieces that meet at corners, from the indices of the data points at the `ends` of pieces, the first
+/// and the last point among them, and the number of control points of each piece.
 ///
 /// Those between two corners are averaged with a control point for each data point, and spread with fewer; none where
 /// there are at most p. A corner has p knots.

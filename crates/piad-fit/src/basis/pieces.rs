@@ -26,12 +26,12 @@ pub(crate) struct Pieces {
     functions: Vec<usize>,
     /// The first free control point of each piece, and the last one of the last piece.
     free: Vec<usize>,
-    /// Whether no degree is raised.
+    /// True if no piece has a raised degree.
     plain: bool,
 }
 
 impl Pieces {
-    /// Pieces with so many control points each, of which neighbours share one.
+    /// Pieces with these numbers of control points. Neighbours share one.
     pub(crate) fn new(degree: usize, control_points: &[usize]) -> Self {
         let sums = |each: &dyn Fn(usize) -> usize| {
             let mut sum = 0;

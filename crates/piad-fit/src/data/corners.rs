@@ -35,7 +35,7 @@ struct Polyline<'a> {
 }
 
 impl Polyline<'_> {
-    /// The point so many places after another one, if there is one.
+    /// The point that is `places` after another one, if there is one.
     fn after(&self, index: usize, places: isize) -> Option<usize> {
         let count = self.points.len() as isize;
         let at = index as isize + places;

@@ -42,7 +42,7 @@ pub(super) fn of_bend(bend: f64) -> f64 {
     FACTOR * bend
 }
 
-/// Passes values of the gaps of a curve, or of the cells of a grid with so many columns of them, on to those beside them.
+/// Passes values of the gaps of a curve, or of the cells of a grid with this number of columns, on to those beside them.
 pub(super) fn pass_on(values: &mut [f64], columns: usize, u: &Direction, v: Option<&Direction>) {
     if let Some(v) = v {
         values

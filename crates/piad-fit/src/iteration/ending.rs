@@ -52,7 +52,7 @@ impl Iteration {
         largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
     }
 
-    /// Whether the iteration ends at the current level, and why. A fit that leaves its data between neighbours has not
+    /// How the iteration ends, if the current level is its last one. A fit that leaves its data between neighbours has not
     /// succeeded, whatever its distances at the data.
     pub fn outcome(&self) -> Option<Outcome> {
         match self.outcome_at_data()? {
