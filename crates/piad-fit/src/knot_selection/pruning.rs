@@ -18,17 +18,37 @@
 use super::breaks::Breaks;
 use crate::data::points::Points;
 
-/// The knots without one of them, the cheapest removals first.
-pub(super) fn fewer<'a>(
-    line: &'a Breaks,
-    control_points: &Points,
-) -> impl Iterator<Item = Breaks> + use<'a> {
+/// The places of the knots between the ends, the cheapest removals first.
+fn by_cost(line: &Breaks, control_points: &Points) -> impl Iterator<Item = usize> + use<> {
     let mut order: Vec<(f64, usize)> = costs(line, control_points)
         .into_iter()
         .zip(1..line.spans())
         .collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    order.into_iter().filter_map(|(_, place)| {
+    order.into_iter().map(|(_, place)| place)
+}
+
+/// The knots without some of them, the cheapest removals, but no two beside each other: what one costs depends on those
+/// around it.
+pub(super) fn without(line: &Breaks, control_points: &Points, most: usize) -> Option<Breaks> {
+    let mut stays = vec![true; line.spans() + 1];
+    let mut left = most;
+    for place in by_cost(line, control_points) {
+        if left > 0 && stays[place - 1] && stays[place + 1] {
+            (stays[place], left) = (false, left - 1);
+        }
+    }
+    let breaks = line.breaks().iter().zip(stays);
+    let breaks = breaks.filter(|(_, stays)| *stays).map(|(knot, _)| *knot);
+    Breaks::new(line.degree(), line.is_closed(), breaks.collect())
+}
+
+/// The knots without one of them, the cheapest removals first.
+pub(super) fn fewer<'a>(
+    line: &'a Breaks,
+    control_points: &Points,
+) -> impl Iterator<Item = Breaks> + use<'a> {
+    by_cost(line, control_points).filter_map(|place| {
         let mut breaks = line.breaks().to_vec();
         breaks.remove(place);
         Breaks::new(line.degree(), line.is_closed(), breaks)

@@ -86,6 +86,8 @@ pub(crate) struct Schedule<M> {
     high: usize,
     /// Least-squares fits since the end of growth.
     spent: usize,
+    /// The most knots that are tried to be left out at once.
+    batch: usize,
     /// Least-squares fits that are left for the removal of single knots.
     prunings: usize,
     outcome: Option<Outcome>,
@@ -123,6 +125,7 @@ impl<M: Minimum> Schedule<M> {
                 .min(points.len())
                 .max(options.degree + 1)
                 + 1,
+            batch: usize::MAX,
             prunings: prunings(points.len()),
             minimum,
             unit: normalizing_scale(points.magnitude()),

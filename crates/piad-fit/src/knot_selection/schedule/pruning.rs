@@ -1,10 +1,10 @@
-//! After the last attempt: single knots leave the best level, where data are sparse.
+//! After the last attempt: knots leave the best level, where data are sparse, first several at once, then one by one.
 
 use std::sync::Arc;
 
 use super::super::equations::Minimum;
 use super::super::minimax::Weights;
-use super::super::pruning::fewer;
+use super::super::pruning::{fewer, without};
 use super::super::values::Values;
 use super::{Level, NEAR, Schedule, WEIGHINGS};
 use crate::knot_selection::breaks::Breaks;
@@ -15,13 +15,43 @@ const SPARSE: usize = 8;
 /// Knots of which the removal is tried, where none before can be spared.
 const CANDIDATES: usize = 12;
 
+/// Of fewer spans knots leave one by one.
+const MANY: usize = 64;
+
+/// The most knots that leave at once, and the fewest, are these parts of all.
+const MOST: usize = 4;
+
+/// See [`MOST`].
+const FEWEST: usize = 128;
+
 impl<M: Minimum> Schedule<M> {
-    /// The best level without one of its knots; whether there is such a level within the tolerance.
+    /// The best level without some of its knots; whether there is such a level within the tolerance.
     pub(super) fn prune(&mut self) -> bool {
         let sparse = |it: &Arc<Level>| SPARSE * it.line.control_points() > self.points.len();
         let Some(best) = self.best.clone().filter(sparse) else {
             return false;
         };
+        self.prune_several(&best) || self.prune_one(&best)
+    }
+
+    /// Without several knots at once: half as many each time that they cannot be spared.
+    fn prune_several(&mut self, best: &Arc<Level>) -> bool {
+        let spans = best.line.spans();
+        self.batch = self.batch.min(spans / MOST);
+        while spans >= MANY && self.batch > (spans / FEWEST).max(1) {
+            let line = without(&best.line, &best.control_points, self.batch);
+            let level = line.and_then(|line| self.fit_over(line, best, None));
+            if let Some(level) = level.filter(|it| it.distances.max <= self.options.tolerance) {
+                self.issue(level);
+                return true;
+            }
+            self.batch /= 2;
+        }
+        false
+    }
+
+    /// Without one of its knots.
+    fn prune_one(&mut self, best: &Arc<Level>) -> bool {
         let tolerance = self.options.tolerance;
         let enough = (self.prunings / best.line.spans()).clamp(1, CANDIDATES);
         let mut nearest: Option<Arc<Level>> = None;
@@ -33,7 +63,7 @@ impl<M: Minimum> Schedule<M> {
             if self.prunings == 0 || tried >= enough && largest <= tolerance {
                 break;
             }
-            let level = self.over(line, &best, None);
+            let level = self.over(line, best, None);
             nearest = level.filter(|it| it.distances.max < largest).or(nearest);
         }
         match nearest.and_then(|nearest| self.weighed(nearest)) {
@@ -46,6 +76,11 @@ impl<M: Minimum> Schedule<M> {
     /// A level over other knots than the best one has, at its parameters.
     fn over(&mut self, line: Breaks, best: &Level, weights: Option<&[f64]>) -> Option<Arc<Level>> {
         self.prunings = self.prunings.checked_sub(1)?;
+        self.fit_over(line, best, weights)
+    }
+
+    /// The same, as often as it is asked for.
+    fn fit_over(&self, line: Breaks, best: &Level, weights: Option<&[f64]>) -> Option<Arc<Level>> {
         if !line.is_determined(&best.parameters) {
             return None;
         }
