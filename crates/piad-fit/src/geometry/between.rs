@@ -34,11 +34,22 @@ impl Excursion {
     /// The place where a fit leaves its neighbours by most beyond their freedom; `None` if it does so nowhere, or if data
     /// have no neighbours as they are scattered. Places where it is far less than is `allowed` are looked at roughly.
     pub(crate) fn of(setup: &Setup, control_points: &Points, allowed: f64) -> Option<Self> {
+        Self::beyond(1.0, setup, control_points, allowed)
+    }
+
+    /// The same, if data have only a part of their freedom.
+    pub(crate) fn beyond(
+        part: f64,
+        setup: &Setup,
+        control_points: &Points,
+        allowed: f64,
+    ) -> Option<Self> {
         if setup.is_scattered() {
             return None;
         }
         let gaps = Gaps::new(setup);
-        let freedom = gaps.freedom();
+        let mut freedom = gaps.freedom();
+        freedom.iter_mut().for_each(|free| *free *= part);
         let mut distances = gaps.distances(control_points);
         let farthest = |distances: &[f64]| {
             let all = distances.iter().zip(&freedom).enumerate();

@@ -1,16 +1,16 @@
 //! Points between the data, for curves that would leave them there.
 //!
 //! A curve with hardly fewer control points than data can be within the tolerance at all of them and far away between.
-//! Where one is, the fit begins again with three points between each two data points. They lie on the mean of two
-//! curves, both cubic between the data with a common derivative at each datum:
+//! Where one is, the fit begins again with three points between each two data points. They lie between two curves, both
+//! cubic between the data with a common derivative at each datum:
 //!
 //! - that of the parabola through three data (Bessel), which follows circles;
 //! - that of the chord between both neighbours, shorter the more the data turn back: it goes straight along long
 //!   edges, and stops at sharp corners.
 //!
-//! Where these differ the data leave *freedom*: half their difference counts as no distance, and the more of it there
-//! is, the less a point counts in the sum of squares. Neither curve is further from the edge between two data than the
-//! edge is long.
+//! The points divide the distance from the first curve to the second by three to one. It is *freedom* that the data leave:
+//! a quarter of it counts as no distance, and the more of it there is, the less a point counts in the sum of squares.
+//! Neither curve is further from the edge between two data than the edge is long.
 
 use std::sync::Arc;
 
@@ -21,6 +21,9 @@ use crate::geometry::freedom::{length, limited};
 
 /// Where the points between two data lie, as parts of the parameters.
 const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// The part of the second curve in the points.
+const STRAIGHTER: f64 = 0.75;
 
 /// How many more control points than data there are at most.
 const MOST_MORE: usize = 1000;
@@ -208,10 +211,13 @@ impl<'a> Line<'a> {
         let mean = one
             .iter()
             .zip(&other)
-            .map(|(a, b)| 0.5 * a + 0.5 * b)
+            .map(|(a, b)| (1.0 - STRAIGHTER) * a + STRAIGHTER * b)
             .collect();
-        let half = one.iter().zip(&other).map(|(a, b)| 0.5 * (a - b));
-        (mean, half.fold(0.0, f64::hypot))
+        let left = one
+            .iter()
+            .zip(&other)
+            .map(|(a, b)| (1.0 - STRAIGHTER) * (a - b));
+        (mean, left.fold(0.0, f64::hypot))
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::schedules::{Fit, Schedules, surface_options};
+use super::schedules::{Between, Fit, Schedules, surface_options};
 use crate::geometry::between::{self, Excursion};
 use crate::knot_selection::Options;
 use crate::knot_selection::breaks::Breaks;
@@ -19,11 +19,27 @@ use crate::problem::Problem;
 /// spans of equal length.
 const FAIRNESS: f64 = 1e-6;
 
-/// A surface of scattered data may leave their box by this part of its diagonal, as planes do in corners without data.
-pub(super) const NEAR: f64 = 0.1;
+/// How far a fit may be from its data where there are none.
+#[derive(Clone, Copy)]
+pub(super) struct Reach {
+    /// Curves: the part of the freedom of their data.
+    freedom: f64,
+    /// Surfaces of scattered data: outside of their bounding box, as a part of its diagonal; planes leave it in corners
+    /// without data.
+    outside: f64,
+}
 
-/// One that was kept near its data may do so by this part.
-pub(super) const FAR: f64 = 1.0;
+/// Beyond this the fit goes on.
+pub(super) const NEAR: Reach = Reach {
+    freedom: 0.5,
+    outside: 0.1,
+};
+
+/// A fit that has gone on has stalled beyond this.
+pub(super) const FAR: Reach = Reach {
+    freedom: 1.0,
+    outside: 1.0,
+};
 
 impl Schedules {
     /// Returns true if it keeps the fit near its data where there are none.
@@ -80,22 +96,23 @@ impl Schedules {
             fairness: settings.fairness.map_or(FAIRNESS, |_| 0.0),
         };
         let schedule = Schedule::new(points, Arc::clone(&guide.parameters), options, minimum);
-        Some(Self::Curve(Box::new(schedule), Some(guide)))
+        Some(Self::Curve(Box::new(schedule), Some(Between::Guide(guide))))
     }
 }
 
 impl Fit {
-    /// Returns true if it is far from its data where there are none: by more than these leave it free, or, of
-    /// scattered data, outside their bounding box by more than this part of its diagonal.
-    pub(super) fn leaves(&self, part: f64) -> bool {
+    /// Returns true if it is further from its data where there are none than this allows.
+    pub(super) fn leaves(&self, reach: Reach) -> bool {
         let (problem, points) = (&*self.problem, &*self.control_points);
-        match problem.is_scattered() {
-            true => between::outside(problem, points) > part,
-            false => {
-                let allowed = problem.tolerance();
-                let excursion = Excursion::of(problem, points, allowed);
-                excursion.is_some_and(|it| it.excess() > allowed)
-            }
+        if problem.is_scattered() {
+            return between::outside(problem, points) > reach.outside;
         }
+        let allowed = problem.tolerance();
+        let part = match problem.v() {
+            None => reach.freedom,
+            Some(_) => 1.0,
+        };
+        let excursion = Excursion::beyond(part, problem, points, allowed);
+        excursion.is_some_and(|it| it.excess() > allowed)
     }
 }
