@@ -218,7 +218,7 @@ struct Distances {
 struct Direction {
     std::string basis;  // "bspline", "bernstein", "said_ball" or "wang_ball"
     int degree = 0;
-    bool closed = false;             // the first control points are repeated at the end
+    bool closed = false;             // it returns to its start, where control points are repeated
     std::vector<double> knots;       // control points + degree + 1, as CAD kernels store them; empty for Ball bases
     std::vector<double> parameters;  // of the data points
 };

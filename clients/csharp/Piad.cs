@@ -484,11 +484,14 @@ namespace Piad
         /// <summary>The data points.</summary>
         public double[][] Points { get; set; }
 
-        /// <summary>Whether the curve is periodic; the first point is not repeated at the end.</summary>
+        /// <summary>Whether the curve returns to its first point, which is not repeated at the end.</summary>
         public bool Closed { get; set; }
 
         /// <summary>One for each data point.</summary>
         public double[] Weights { get; set; }
+
+        /// <summary>Whether the edges between the points are data, too: fitted with as few control points as the tolerance needs.</summary>
+        public bool Polyline { get; set; }
 
         internal override string Kind { get { return "curve"; } }
 
@@ -498,6 +501,7 @@ namespace Piad
             Json.Put(shape, "degree", Json.Of(Degree));
             Json.Put(shape, "weights", Json.Of(Weights));
             if (Closed) Json.Put(shape, "closed", Json.Of(true));
+            if (Polyline) Json.Put(shape, "polyline", Json.Of(true));
         }
     }
 
@@ -734,7 +738,7 @@ namespace Piad
         /// <summary>The degree p.</summary>
         public int Degree { get; internal set; }
 
-        /// <summary>Whether it is periodic; the last p control points are then the first ones again.</summary>
+        /// <summary>Whether it returns to its start: periodic, with the first p control points again at the end, or with corners clamped at one of them.</summary>
         public bool Closed { get; internal set; }
 
         /// <summary>Null of the Ball bases, which have none.</summary>

@@ -104,13 +104,23 @@ impl Asked {
 
     fn take_settings(&mut self, arguments: &FitArguments) -> Result<(), Failure> {
         let method = arguments.method.as_deref();
-        let implied = arguments.control_points.as_ref().map(|_| "least_squares");
-        if let Some(kind) = method.or(implied) {
-            let flag = method.map_or("--control-points", |_| "--method");
-            self.take("method.kind", flag, Value::from(kind))?;
+        let (count, fairness) = (&arguments.control_points, &arguments.fairness);
+        let implied = [(count, "--control-points"), (fairness, "--fairness")];
+        let implied = implied.iter().find(|(flag, _)| flag.is_some());
+        match (method, implied) {
+            (Some(kind), _) => self.take("method.kind", "--method", Value::from(kind))?,
+            (None, Some((_, flag))) => {
+                self.take("method.kind", flag, Value::from("least_squares"))?
+            }
+            (None, None) => {}
         }
-        if let Some(text) = &arguments.control_points {
+        if let Some(text) = count {
             self.take("method.control_points", "--control-points", pair(text, 'x'))?;
+        } else if fairness.is_some() && method.is_none() {
+            self.take("method.control_points", "--fairness", Value::from("auto"))?;
+        }
+        if let Some(text) = fairness {
+            self.take("method.fairness", "--fairness", number(text))?;
         }
         if let Some(text) = &arguments.tolerance {
             self.take("stop.tolerance", "--tolerance", number(text))?;
@@ -132,12 +142,16 @@ impl Asked {
             degree,
             basis,
             corners,
+            polyline,
             ends,
             closed,
             ..
         } = arguments;
         if let Some(text) = corners {
             self.take("curve.corners", "--corners", corners_of(text)?)?;
+        }
+        if *polyline {
+            self.take("curve.polyline", "--polyline", Value::from(true))?;
         }
         if degree.is_none() && basis.is_none() && ends.is_none() && !closed {
             return Ok(());

@@ -78,9 +78,19 @@ pub struct FitArguments {
     #[arg(long, value_name = "NUMBER", help_heading = "Fit")]
     pub(crate) control_points: Option<String>,
 
+    /// How smooth a least-squares fit of noisy points is to be: a number such as 1e-9, or auto, of curves, for what the
+    /// noise asks for.
+    #[arg(long, value_name = "FAIRNESS", help_heading = "Fit")]
+    pub(crate) fairness: Option<String>,
+
     /// Points at which a curve may turn: their indices, such as 12,40, or auto, or an angle in degrees such as 30deg.
     #[arg(long, value_name = "CORNERS", help_heading = "Fit")]
     pub(crate) corners: Option<String>,
+
+    /// The edges between the points are data, too: a curve within the tolerance of all of them, with as few control points
+    /// as that takes.
+    #[arg(long, help_heading = "Fit")]
+    pub(crate) polyline: bool,
 
     /// How it ends: estimated, repeated or natural, or JSON [default: estimated].
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]

@@ -19,6 +19,7 @@ use piad_fit::data::Grid;
 use piad_fit::engine::{Admission, Problem, Request};
 use piad_fit::geometry::Nurbs;
 use piad_fit::invalid as fit;
+use piad_fit::method::{AS_MANY_AS_DATA, LeastSquares, Method};
 
 /// The most characters of a name.
 pub const LONGEST_NAME: usize = 200;
@@ -42,7 +43,7 @@ pub struct JobRequest {
     /// How weights are used; only with weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rational: Option<Rational>,
-    /// The method; without one `global`.
+    /// The method; without one `global`, and of polylines least squares with `control_points` `"auto"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<MethodInput>,
     /// When the iteration ends.
@@ -155,8 +156,15 @@ impl JobRequest {
             mistakes.keep(stream.check(is_surface));
         }
         // Without points nothing is said of the method.
-        let method = self.method.unwrap_or_default();
-        let method = mistakes.keep(method.choice(grid?, is_surface));
+        let method = match self.method {
+            // It has one method.
+            None if request.as_ref().is_some_and(|it| it.polyline) => {
+                let fewest = LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA);
+                Ok(Method::LeastSquares(fewest).into())
+            }
+            method => method.unwrap_or_default().choice(grid?, is_surface),
+        };
+        let method = mistakes.keep(method);
         let mut request = request.filter(|_| is_small)?;
         let method = method?;
         (request.method, request.selected) = (method.method, method.selected);

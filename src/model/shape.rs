@@ -48,7 +48,8 @@ pub(crate) struct CurveInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveWeights>")]
     pub weights: Option<PointNumbers>,
-    /// Whether the curve is a periodic B-spline, which returns to its first point.
+    /// Whether the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the first
+    /// of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<bool>,
@@ -59,6 +60,11 @@ pub(crate) struct CurveInput {
     /// Where it may turn; without them nowhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<CornersInput>,
+    /// Whether the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and turns
+    /// at all points at which the edges do by more than 30 degrees, unless `corners` are given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
+    pub polyline: Option<bool>,
 }
 
 /// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
@@ -214,7 +220,10 @@ impl CurveInput {
             corners: self.corners.map(|CornersInput(corners)| corners),
             ..u
         };
-        Some(problem(self.points.0, grid, (u, None), weights))
+        Some(Request {
+            polyline: self.polyline.unwrap_or(false),
+            ..problem(self.points.0, grid, (u, None), weights)
+        })
     }
 
     /// The curve of a problem as it would be asked for.
@@ -233,6 +242,7 @@ impl CurveInput {
             closed: Some(request.u.closed),
             ends: request.u.ends.as_ref().map(|it| EndsInput::of(it, false)),
             corners: request.u.corners.clone().map(CornersInput),
+            polyline: request.polyline.then_some(true),
         }
     }
 }

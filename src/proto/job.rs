@@ -84,6 +84,7 @@ fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, Mistake> {
         closed: Some(curve.closed),
         ends: ends.map(|ends| EndsInput::of(&ends, false)),
         corners: curve.corners.and_then(corners).map(CornersInput),
+        polyline: Some(curve.polyline),
     })
 }
 
@@ -376,6 +377,7 @@ fn curve_message(request: &Request) -> pb::Curve {
         closed: request.u.closed,
         ends: request.u.ends.as_ref().map(ends::message),
         corners: request.u.corners.as_ref().map(corners_message),
+        polyline: request.polyline,
     }
 }
 

@@ -4,7 +4,9 @@ use super::messages::{method as m, method::constraint as c};
 use super::values::{MethodTarget, check_count, chosen, count, some, value};
 use crate::model::either::{AtMost, Whole};
 use crate::model::method::counts::ControlPointCount;
-use crate::model::method::{ConstraintInput, EndPointsInput, LeastSquaresInput, VariantKind};
+use crate::model::method::{
+    ConstraintInput, EndPointsInput, FairnessInput, LeastSquaresInput, VariantKind,
+};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::per_direction::PerDirection;
 use piad_fit::data::Points;
@@ -84,7 +86,10 @@ pub(super) fn input(
             "method.least_squares.end_points",
         )?,
         data_weights: target.numbers(weights),
-        fairness: settings.fairness,
+        fairness: match settings.fairness_by_data {
+            true => Some(FairnessInput(None)),
+            false => settings.fairness.map(|value| FairnessInput(Some(value))),
+        },
         gap_stiffness: settings.gap_stiffness,
         fairness_order: (order != 0).then_some(order as usize),
         constraints: constraints(settings.constraints, target)?,
@@ -197,6 +202,7 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
         },
         end_points: value(&END_POINTS, Some(EndPointsInput(settings.ends))).into(),
         fairness: settings.fairness.map(|fairness| fairness.value),
+        fairness_by_data: settings.fairness.is_some_and(|it| it.by_data),
         gap_stiffness: settings.gap_stiffness,
         fairness_order: settings
             .fairness

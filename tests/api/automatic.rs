@@ -45,7 +45,7 @@ fn grid() -> Vec<Vec<[f64; 3]>> {
 }
 
 /// The value of a B-spline at a parameter, by the definition of its functions.
-fn value(knots: &[f64], degree: usize, control_points: &[Vec<f64>], t: f64) -> Vec<f64> {
+pub fn value(knots: &[f64], degree: usize, control_points: &[Vec<f64>], t: f64) -> Vec<f64> {
     let last = control_points.len() - 1;
     let inside = |k: usize| knots[k] <= t && (t < knots[k + 1] || (k == last && t <= knots[k + 1]));
     let span = (degree..=last).find(|&k| inside(k)).unwrap();

@@ -149,6 +149,135 @@ async fn least_squares_passes_through_corners() {
     }
 }
 
+/// The corners of a square and of a drop, whose only one is its first point: exactly what was given, at each corner
+/// passed through, and closed in whatever reads it.
+#[tokio::test]
+async fn closed_curves_begin_at_their_first_corner() {
+    let server = Server::start().await;
+    let side = |x: f64, y: f64| move |k: usize| [x * k as f64 / 6.0, y * k as f64 / 6.0];
+    // The first point is in the middle of an edge.
+    let square: Vec<[f64; 2]> = (0..24)
+        .map(|i| (i + 3) % 24)
+        .map(|i| match i / 6 {
+            0 => side(1.0, 0.0)(i % 6),
+            1 => [1.0, side(0.0, 1.0)(i % 6)[1]],
+            2 => [1.0 - side(1.0, 0.0)(i % 6)[0], 1.0],
+            _ => [0.0, 1.0 - side(0.0, 1.0)(i % 6)[1]],
+        })
+        .collect();
+    let from_square = |samples: &Value| {
+        let samples = samples.as_array().unwrap().iter();
+        let off = samples.map(|point| {
+            let point = numbers(point);
+            let [x, y] = [point[0], point[1]].map(|x| (x - 0.5).abs());
+            (x.max(y) - 0.5).abs()
+        });
+        off.fold(0.0, f64::max)
+    };
+    for method in [
+        json!("global"),
+        json!("direct"),
+        json!({"kind": "least_squares", "control_points": 4, "variant": "direct"}),
+        json!({"kind": "least_squares", "control_points": 9}),
+    ] {
+        let job = json!({
+            "curve": {"points": square, "closed": true, "corners": "auto"},
+            "method": method, "stop": {"tolerance": 1e-9, "max_iterations": 10_000},
+        });
+        let story = server.stream(&job).await;
+        assert_eq!(story.state(), "converged", "{method}: {}", story.end);
+        assert_eq!(story.job["corners"], json!([3, 9, 15, 21]), "{method}");
+        assert_eq!(story.job["closed"], true);
+        let off = from_square(&samples(&server, &story.job).await);
+        assert!(off < 1e-8, "{method}: {off:e}");
+        let net = story.iterations.last().unwrap()["control_points"]
+            .as_array()
+            .unwrap();
+        assert_eq!(net.first(), net.last());
+        let knots = numbers(&story.job["knots"]);
+        let first = story.job["parameters"][3].as_f64().unwrap();
+        assert_eq!(knots[..4], [first; 4], "{method}");
+        // The parameters go once around the square.
+        let last = &knots[knots.len() - 4..];
+        assert!(
+            last.iter().all(|knot| (knot - first - 4.0).abs() < 1e-12),
+            "{method}: {last:?}"
+        );
+    }
+    let drop: Vec<[f64; 2]> = (0..40)
+        .map(|i| f64::from(i) * std::f64::consts::TAU / 40.0)
+        .map(|a| [a.cos(), a.sin() * (a / 2.0).sin().powi(3)])
+        .collect();
+    let fit =
+        json!({"curve": {"points": drop, "closed": true, "corners": "auto"}, "method": "direct"});
+    let story = server.stream(&fit).await;
+    assert_eq!(story.job["corners"], json!([0]));
+    assert_eq!(story.state(), "converged");
+    // What was a corner at the first point stays one when the points move, and its net is closed all the same.
+    let edit = json!({"points": [{"index": 0, "point": [1.2, 0]}]});
+    let request = server
+        .post(&format!("{}/edits/stream", base(&story.job)))
+        .json(&edit);
+    let edited = Story::read(request.send().await.unwrap()).await;
+    let net = &edited.iterations.last().unwrap()["control_points"];
+    assert_eq!(net[0], json!([1.2, 0.0]));
+    assert_eq!(net[0], net[net.as_array().unwrap().len() - 1]);
+}
+
+/// Fits that choose their knots do so between corners: three control points more for each straight edge, one edge in each
+/// export, and edits that go on from the knots there are.
+#[tokio::test]
+async fn as_few_control_points_as_pieces_need() {
+    let server = Server::start().await;
+    let job = json!({
+        "curve": {"points": zigzag(), "corners": "auto"},
+        "method": {"kind": "least_squares", "control_points": "auto"},
+        "stop": {"tolerance": 1e-6},
+    });
+    let story = server.stream(&job).await;
+    assert_eq!(story.state(), "converged", "{}", story.end);
+    let last = story.iterations.last().unwrap();
+    assert_eq!(last["control_points"].as_array().unwrap().len(), 19);
+    assert!(from_zigzag(&samples(&server, &story.job).await) < 1e-12);
+    // With a bend that needs more, the levels grow.
+    let bent: Vec<[f64; 2]> = (0..=120)
+        .map(|i| f64::from(i) * 0.05)
+        .map(|x| [x, (2.0 * x).sin() + 3.0 * (x - 3.0).abs()])
+        .collect();
+    let job = json!({
+        "curve": {"points": bent, "corners": [60]},
+        "method": {"kind": "least_squares", "control_points": "auto"},
+        "stop": {"tolerance": 1e-4},
+    });
+    let parent = server.stream(&job).await;
+    assert_eq!(parent.state(), "converged", "{}", parent.end);
+    let counts: Vec<usize> = parent
+        .iterations
+        .iter()
+        .map(|it| it["control_points"].as_array().unwrap().len())
+        .collect();
+    assert!(
+        counts[0] == 7 && counts[counts.len() - 1] > 12,
+        "{counts:?}"
+    );
+    let edit = json!({"points": [{"index": 60, "point": [3, -0.3]}]});
+    let request = server
+        .post(&format!("{}/edits/stream", base(&parent.job)))
+        .json(&edit);
+    let edited = Story::read(request.send().await.unwrap()).await;
+    assert_eq!(edited.state(), "converged", "{}", edited.end);
+    let first = edited.iterations[0]["control_points"].as_array().unwrap();
+    assert_eq!(first.len(), counts[counts.len() - 1]);
+    // A stream that is taken up in the middle tells the same.
+    let middle = parent.iterations.len() / 2;
+    let path = format!("{}/iterations/{middle}", base(&parent.job));
+    let again = server.json(&path).await;
+    assert_eq!(
+        again["control_points"],
+        parent.iterations[middle]["control_points"]
+    );
+}
+
 async fn refused(server: &Server, job: &Value, pointer: &str, reason: &str) {
     let (status, problem) = problem(server.post("/v1/jobs").json(job).send().await.unwrap()).await;
     assert_eq!(status, 422, "{job}");
@@ -176,21 +305,28 @@ async fn what_has_no_corners_is_named() {
         job["curve"][field] = value;
         job
     };
-    let auto = json!({"kind": "least_squares", "control_points": "auto"});
-    let mut automatic = curve(json!([4]));
-    automatic["method"] = auto;
+    let automatic = |field: &str, value: Value| {
+        let mut job = curve(json!([4]));
+        job["method"] = json!({"kind": "least_squares", "control_points": "auto", field: value});
+        job
+    };
     for (job, reason) in [
-        (with("closed", json!(true)), "closed"),
         (with("basis", json!("bernstein")), "polynomial"),
         (
             with("basis", json!({"kind": "bspline", "knots": "data"})),
             "knots",
         ),
         (with("ends", json!("natural")), "ends"),
-        (automatic, "give a number"),
+        (
+            automatic("constraints", json!([{"index": 7}])),
+            "constraints",
+        ),
+        (automatic("end_points", json!("free")), "end_points"),
     ] {
         refused(&server, &job, "/curve/corners", reason).await;
     }
+    let few = automatic("max_control_points", json!(5));
+    refused(&server, &few, "/method/max_control_points", "at least 7").await;
     // What is no choice at all.
     for (corners, pointer) in [
         (json!("sharp"), "/curve/corners"),

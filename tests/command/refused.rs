@@ -53,10 +53,6 @@ fn mistakes_in_flags_are_told_with_them() {
         (vec!["--ends", "loose"], "--ends: "),
         (vec!["--corners", "sharp"], "--corners sharp: give indices"),
         (vec!["--corners", "0"], "--corners: point 0 is an end"),
-        (
-            vec!["--corners", "auto", "--closed"],
-            "--corners: a closed curve",
-        ),
         (vec!["--surface", "7x7"], ""),
         (vec!["--set", "method.speed=9"], "--set method.speed: "),
         (vec!["--set", "degree"], "--set degree: "),

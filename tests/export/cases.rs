@@ -62,6 +62,11 @@ fn curves() -> Jobs {
             json!({"curve": {"points": outline(), "corners": [10, 20, 21, 22]}, "method": "direct"}),
         ),
         (
+            "polyline",
+            json!({"curve": {"points": [[0, 0], [80, 0], [80, 20], [30, 20], [22, 25], [20, 30], [20, 60], [0, 60]], "closed": true, "polyline": true},
+                "stop": {"tolerance": 0.05}}),
+        ),
+        (
             "tiny",
             curve("tiny", scaled(wave(12), 1e-9, 0.0), json!({})),
         ),

@@ -27,15 +27,15 @@ impl Fit {
         let request: JobRequest = serde_json::from_value(job.clone()).unwrap();
         let valid = request.validate(config.limits(), Err(no_base()));
         let job = valid.unwrap_or_else(|mistakes| panic!("{job}: {mistakes:?}"));
-        let problem = Arc::new(job.problem);
-        let mut iteration = Iteration::start(Arc::new(System::new(Arc::clone(&problem))));
+        let mut iteration = Iteration::start(Arc::new(System::new(Arc::new(job.problem))));
         let mut errors = vec![iteration.level().error.max];
         while iteration.outcome().is_none() {
             errors.push(iteration.step().error.max);
         }
         Self {
             name: job.name,
-            problem,
+            // A fit that chooses its knots has others at each level.
+            problem: Arc::clone(iteration.problem()),
             control_points: iteration.shared_control_points(),
             errors,
         }

@@ -182,10 +182,12 @@ def of_iges(cad: CadFile) -> Raw:
     (spline,) = cad.entities()
     if isinstance(spline, IGESGeom_BSplineCurve):
         count, degree = spline.UpperIndex() + 1, spline.Degree()
+        # A closed curve with corners is clamped at one of them.
+        assert spline.IsPeriodic() == (spline.IsClosed() and spline.Knot(-degree) < spline.Knot(0))
         return Raw(
             [degree],
             [np.array([spline.Knot(i - degree) for i in range(count + degree + 1)])],
-            [spline.IsClosed() and spline.IsPeriodic()],
+            [spline.IsClosed()],
             np.array([point(spline.Pole(i)) for i in range(count)]),
             None if spline.IsPolynomial(True) else np.array([spline.Weight(i) for i in range(count)]),
             [(spline.UMin(), spline.UMax())],
@@ -217,10 +219,11 @@ def of_pyiges(path: str) -> Raw:
     assert len(curves) + len(surfaces) == 1
     if curves:
         (curve,) = curves
+        assert curve.prop4 == (curve.prop2 and curve.T[0] < curve.T[curve.M])
         return Raw(
             [curve.M],
             [np.array(curve.T)],
-            [curve.prop2 == 1 and curve.prop4 == 1],
+            [curve.prop2 == 1],
             np.array(curve.control_points),
             None if curve.prop3 == 1 else np.array(curve.W),
             [(curve.V0, curve.V1)],

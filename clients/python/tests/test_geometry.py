@@ -171,6 +171,31 @@ def test_curves_turn_at_corners(client: piad.Client, corners: Any) -> None:
     assert np.abs(on[:, 1] - np.abs(on[:, 0] % 8 - 4)).max() < 1e-13
 
 
+def test_the_edges_of_a_polyline_are_data(client: piad.Client) -> None:
+    square = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]])
+    curve = client.fit(square, polyline=True, closed=True, tolerance=1e-9).geometry
+    assert isinstance(curve, piad.Curve)
+    assert curve.closed and len(curve.control_points) == 13
+    low, high = curve.domain
+    t = np.linspace(low - 1.0, high + 1.0, 1001)
+    on = curve.evaluate(t)
+    assert np.abs(np.abs(on - 1.5).max(axis=1) - 1.5).max() < 1e-12
+    assert np.allclose(curve.to_scipy()(t), on, rtol=0, atol=1e-12)
+
+
+def test_data_choose_their_fairness(client: piad.Client) -> None:
+    random = np.random.default_rng(1)
+    s = np.linspace(0, 1, 150)
+    truth = np.stack([100 * s, 20 * np.sin(7 * s)], axis=1)
+    method = {"kind": "least_squares", "control_points": 50, "fairness": "auto"}
+    noisy = truth + random.normal(0, 1.0, truth.shape)
+    curve = client.fit(noisy, parameters="uniform", method=method).geometry
+    assert isinstance(curve, piad.Curve)
+    low, high = curve.domain
+    off = curve.evaluate(np.linspace(low, high, 150)) - truth
+    assert np.sqrt((off**2).sum(axis=1).mean()) < 0.6
+
+
 def test_ends_have_the_derivatives_that_are_given(client: piad.Client) -> None:
     angle = np.linspace(0, np.pi, 9)
     points = np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -645,7 +645,7 @@ export interface components {
             surface?: components["schemas"]["SurfaceInput"] | null;
             /** @description How weights are used; only with weights. */
             rational?: components["schemas"]["Rational"] | null;
-            /** @description The method; without one `global`. */
+            /** @description The method; without one `global`, and of polylines least squares with `control_points` `"auto"`. */
             method?: components["schemas"]["Method"] | null;
             /** @description When the iteration ends. */
             stop?: components["schemas"]["StopRules"] | null;
@@ -695,12 +695,20 @@ export interface components {
             parameters?: components["schemas"]["ParameterChoice"] | null;
             /** @description Weights of the data points, for a rational curve. */
             weights?: components["schemas"]["Weights"] | null;
-            /** @description Whether the curve is a periodic B-spline, which returns to its first point. Default: `false`. */
+            /**
+             * @description Whether the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the first
+             *     of them. Default: `false`.
+             */
             closed?: boolean | null;
             /** @description How it ends. */
             ends?: components["schemas"]["CurveEnds"] | null;
             /** @description Where it may turn; without them nowhere. */
             corners?: components["schemas"]["Corners"] | null;
+            /**
+             * @description Whether the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and turns
+             *     at all points at which the edges do by more than 30 degrees, unless `corners` are given. Default: `false`.
+             */
+            polyline?: boolean | null;
         };
         /**
          * @description The data points of a curve, in their order.
@@ -1315,12 +1323,11 @@ export interface components {
              */
             data_weights?: components["schemas"]["DataWeights"] | null;
             /**
-             * Format: double
              * @description How smooth it is to be: this multiple of the integral of the squared derivative is added to the
              *     mean of the squared distances, over parameters scaled to [0, 1]; on surfaces by one factor, so
              *     that the longer range is 1. Such a fit ends at the minimum of that sum. Only with `least_squares`.
              */
-            fairness?: number | null;
+            fairness?: components["schemas"]["Fairness"] | null;
             /**
              * Format: int64
              * @description The order r of that derivative. Only with `least_squares`. Default: `2`.
@@ -1442,6 +1449,12 @@ export interface components {
          *     ]
          */
         DataWeights: number[] | number[][];
+        /**
+         * @description A multiple of the energy, zero or greater; or `auto`, of curves: the one that generalised cross-validation chooses for data with noise of unknown size. It stands in the `job` event and in the result.
+         * @example 1e-9
+         * @example auto
+         */
+        Fairness: number | "auto";
         /**
          * @description What every iteration obeys: `{"index": i}` passes through a data point; others have `at` and one of
          *     the fields that say what holds there.
@@ -1980,6 +1993,11 @@ export interface components {
             variant?: components["schemas"]["LeastSquaresVariant"];
             /**
              * Format: double
+             * @description Least squares: the fairness, also if the data have chosen it.
+             */
+            fairness?: number;
+            /**
+             * Format: double
              * @description The least eigenvalue of the collocation matrix, where it is known; of local fits of few points
              *     that of their block.
              */
@@ -2321,7 +2339,7 @@ export interface components {
             basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
             /** @description The degree. */
             degree: number | components["schemas"]["CountPair"];
-            /** @description Whether it is periodic. */
+            /** @description Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
             closed: boolean | components["schemas"]["BooleanPair"];
             /** @description How it ends. */
             ends: components["schemas"]["EndRules"] | components["schemas"]["EndRulesPair"];
@@ -3029,7 +3047,7 @@ export interface components {
             basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
             /** @description The degree. */
             degree: number | components["schemas"]["CountPair"];
-            /** @description Whether it is periodic. */
+            /** @description Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
             closed: boolean | components["schemas"]["BooleanPair"];
             /** @description How weights are used, if there are any. */
             rational: components["schemas"]["Rational"] | null;
@@ -3039,6 +3057,11 @@ export interface components {
             knots: number[] | string | null | components["schemas"]["KnotArrayPair"];
             /** @description The parameters of the data points, likewise. */
             parameters: number[] | string | components["schemas"]["NumberArrayPair"];
+            /**
+             * Format: double
+             * @description The fairness of a least-squares fit, also if the data have chosen it.
+             */
+            fairness?: number;
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */
@@ -4117,6 +4140,7 @@ export type MostControlPoints = components['schemas']['MostControlPoints'];
 export type LeastSquaresVariant = components['schemas']['LeastSquaresVariant'];
 export type LeastSquaresEnds = components['schemas']['LeastSquaresEnds'];
 export type DataWeights = components['schemas']['DataWeights'];
+export type Fairness = components['schemas']['Fairness'];
 export type Constraint = components['schemas']['Constraint'];
 export type ConstraintPlace = components['schemas']['ConstraintPlace'];
 export type Matrix = components['schemas']['Matrix'];

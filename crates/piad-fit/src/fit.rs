@@ -80,9 +80,16 @@ impl Fit<Curve> {
         self.with(|request| request.u.parameters = parameters)
     }
 
-    /// The points at which an open curve may turn, and through which it passes.
+    /// The points at which the curve may turn, and through which it passes.
     pub fn corners(self, corners: Corners) -> Self {
         self.with(|request| request.u.corners = Some(corners))
+    }
+
+    /// The edges between the points are data, too: the fewest control points with which the curve is within the tolerance
+    /// of all of them. It turns at vertices with more than 30 degrees, unless corners are given.
+    pub fn polyline(self) -> Self {
+        self.with(|request| request.polyline = true)
+            .fewest_control_points()
     }
 
     /// How an open curve ends that has its knots at the data.

@@ -225,6 +225,8 @@ pub enum Place {
     Corners(Axis),
     /// One of them, by its place in the list.
     Corner(Axis, usize),
+    /// Whether the edges between the points are data, too.
+    Polyline,
     /// How a direction ends.
     Ends(Axis),
     /// How a direction ends on one side.

@@ -78,7 +78,7 @@
 //!
 //! let noise = |i: u32| 0.1 * (f64::from(i * i) * 0.7).sin();
 //! let points: Vec<[f64; 2]> = (0..200).map(|i| [f64::from(i), noise(i)]).collect();
-//! let fairness = Some(Fairness { value: 1e-6, order: 2 });
+//! let fairness = Some(Fairness { value: 1e-6, order: 2, by_data: false });
 //! let settings = LeastSquares { fairness, ..LeastSquares::new(60, 60) };
 //! let curve = Fit::curve(&points).method(Method::LeastSquares(settings)).prepare()?.solve()?;
 //! assert!(curve.error().rms < 0.1);

@@ -39,6 +39,8 @@ pub struct Setup {
     pub(super) missing: Option<Missing>,
     /// Whether the points of the surface are scattered.
     pub(super) scattered: bool,
+    /// Whether the edges between the points of the curve are data, too.
+    pub(super) polyline: bool,
     /// The direction of a curve, or u of a surface.
     pub(super) u: Direction,
     /// The second direction of a surface.

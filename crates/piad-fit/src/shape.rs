@@ -3,8 +3,8 @@
 use super::problem::Problem;
 use crate::data::points::Points;
 use crate::geometry::norms::FitError;
-use crate::geometry::nurbs::Nurbs;
 use crate::geometry::nurbs::sampling::Jet;
+use crate::geometry::nurbs::{KnotVector, Nurbs};
 
 /// What is fitted: a [`Curve`] or a [`Surface`].
 pub trait Shape: Sized + sealed::Sealed {
@@ -35,6 +35,15 @@ pub struct Surface {
     error: FitError,
 }
 
+/// A parameter of a closed direction, moved into the domain by whole periods.
+fn inside(direction: &KnotVector, t: f64) -> f64 {
+    let (low, high) = direction.domain();
+    match direction.closed && !(low..=high).contains(&t) {
+        true => low + (t - low).rem_euclid(high - low),
+        false => t,
+    }
+}
+
 /// As many of three coordinates as points have.
 fn cut(place: [f64; 3], dimension: usize) -> Vec<f64> {
     place.into_iter().take(dimension).collect()
@@ -47,7 +56,7 @@ impl Curve {
     }
 
     /// The point at a parameter, with as many coordinates as the data. Parameters outside of the
-    /// [domain](Self::domain) are those of its ends.
+    /// [domain](Self::domain) are those of its ends; a closed curve goes round.
     pub fn eval(&self, t: f64) -> Vec<f64> {
         cut(self.jet(t).point, self.nurbs.points.dimension())
     }
@@ -58,6 +67,7 @@ impl Curve {
     }
 
     fn jet(&self, t: f64) -> Jet {
+        let t = inside(&self.nurbs.u, t);
         let jets = self.nurbs.evaluate(&[self.nurbs.u.site_at(t)], &[]);
         jets.into_iter().next().unwrap_or_default()
     }

@@ -85,6 +85,7 @@ fn least_squares_has_its_constraints() {
         fairness: Some(Fairness {
             value: 1e-6,
             order: 2,
+            by_data: false,
         }),
         ..LeastSquares::new(7, 5)
     };

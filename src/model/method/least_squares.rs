@@ -1,12 +1,12 @@
 //! The settings of a least-squares fit as they are asked for.
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::constraint::ConstraintInput;
 use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
 use super::form::MethodForm;
-use crate::model::either::{AtMost, Whole, whole};
+use crate::model::either::{AtMost, Whole, number_or_word, whole};
 use crate::model::lists::PointNumbers;
 use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::named::{names, setting};
@@ -19,6 +19,22 @@ use piad_fit::method::{
     AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
     MOST_CONDITIONS, Variant,
 };
+
+number_or_word!(
+    /// A multiple of the energy, or `"auto"`: as the noise of the data asks for.
+    FairnessInput(f64),
+    "auto",
+    "a number that is not negative, or \"auto\""
+);
+
+/// What a request can say of fairness.
+pub(crate) enum FairnessSchema {}
+
+schema_of!(FairnessSchema, "Fairness", _generator => json_schema!({
+    "description": "A multiple of the energy, zero or greater; or `auto`, of curves: the one that generalised cross-validation chooses for data with noise of unknown size. It stands in the `job` event and in the result.",
+    "oneOf": [{"type": "number", "minimum": 0}, {"type": "string", "const": "auto"}],
+    "examples": [1e-9, "auto"],
+}));
 
 /// The order of the derivative of fairness where none is given.
 const FAIRNESS_ORDER: usize = 2;
@@ -57,8 +73,8 @@ pub(crate) struct LeastSquaresInput {
     /// mean of the squared distances, over parameters scaled to [0, 1]; on surfaces by one factor, so
     /// that the longer range is 1. Such a fit ends at the minimum of that sum.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(extend("minimum" = 0))]
-    pub fairness: Option<f64>,
+    #[schemars(with = "Option<FairnessSchema>")]
+    pub fairness: Option<FairnessInput>,
     /// The order r of that derivative.
     #[serde(
         default,
@@ -126,9 +142,10 @@ impl LeastSquaresInput {
                 .end_points
                 .map_or(EndPoints::Usual, |EndPointsInput(ends)| ends),
             constraints: constraints?.into(),
-            fairness: self.fairness.map(|value| Fairness {
-                value,
+            fairness: self.fairness.map(|FairnessInput(value)| Fairness {
+                value: value.unwrap_or(0.0),
                 order: self.fairness_order.unwrap_or(FAIRNESS_ORDER),
+                by_data: value.is_none(),
             }),
             gap_stiffness: self.gap_stiffness,
             data_weights: weights.transpose()?.map(Into::into),
@@ -197,7 +214,9 @@ impl LeastSquaresInput {
             end_points: (settings.ends != EndPoints::Usual)
                 .then_some(EndPointsInput(settings.ends)),
             data_weights: weights.map(|it| PointNumbers::new(it.to_vec(), grid, surface)),
-            fairness: settings.fairness.map(|fairness| fairness.value),
+            fairness: settings
+                .fairness
+                .map(|it| FairnessInput((!it.by_data).then_some(it.value))),
             fairness_order: settings.fairness.map(|fairness| fairness.order),
             gap_stiffness: settings.gap_stiffness,
             constraints: Some(AtMost(constraints.collect())).filter(|it| !it.0.is_empty()),

@@ -29,7 +29,7 @@ use piad_fit::method::Method;
 pub(crate) use choice::MethodChoice;
 pub(crate) use constraint::ConstraintInput;
 pub(crate) use form::{MethodForm, pointer};
-pub(crate) use least_squares::{EndPointsInput, LeastSquaresInput, VariantKind};
+pub(crate) use least_squares::{EndPointsInput, FairnessInput, LeastSquaresInput, VariantKind};
 pub(crate) use schema::settings_of;
 pub(crate) use settings::{
     AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, StartInput, SweepsInput,

@@ -67,6 +67,7 @@ def job(
     scattered: bool,
     closed: PerDirection[bool],
     corners: Optional[Corners],
+    polyline: bool,
     ends: Optional[SurfaceEnds],
     weights: Any,
     rational: Optional[Rational],
@@ -85,6 +86,7 @@ def job(
         "parameters": plain(parameters),
         "closed": plain(closed),
         "corners": plain(corners),
+        "polyline": polyline or None,
         "ends": plain(ends),
         "weights": plain(weights),
     }

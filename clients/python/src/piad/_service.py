@@ -44,6 +44,7 @@ class Service:
         scattered: bool = False,
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
+        polyline: bool = False,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -67,7 +68,8 @@ class Service:
         object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
         `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
         `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. At `corners` a curve may turn: indices of points, `"auto"`
-        or `{"angle": 30}`. What is not given is left to the
+        or `{"angle": 30}`. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
+        tolerance needs. What is not given is left to the
         server; docs/JOBS.md there says more about each.
 
         Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
@@ -83,6 +85,7 @@ class Service:
             scattered=scattered,
             closed=closed,
             corners=corners,
+            polyline=polyline,
             ends=ends,
             weights=weights,
             rational=rational,
@@ -104,6 +107,7 @@ class Service:
         scattered: bool = False,
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
+        polyline: bool = False,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -131,6 +135,7 @@ class Service:
             scattered=scattered,
             closed=closed,
             corners=corners,
+            polyline=polyline,
             ends=ends,
             weights=weights,
             rational=rational,

@@ -70,8 +70,11 @@ enum Sharing {
     },
     /// The first control points follow the last ones, after a period of the parameters.
     Closed { period: f64 },
-    /// Pieces that meet at corners.
-    Pieces(Arc<Pieces>),
+    /// Pieces that meet at corners, of a closed direction with a period of the parameters.
+    Pieces {
+        pieces: Arc<Pieces>,
+        period: Option<f64>,
+    },
 }
 
 impl Direction {
@@ -96,11 +99,17 @@ impl Direction {
         }
     }
 
-    /// An open direction without weights, in pieces that meet at corners.
-    pub(crate) fn in_pieces(basis: Basis, parameters: Arc<Vec<f64>>, pieces: Pieces) -> Self {
+    /// A direction without weights, in pieces that meet at corners; with a period it is closed.
+    pub(crate) fn in_pieces(
+        basis: Basis,
+        parameters: Arc<Vec<f64>>,
+        pieces: Pieces,
+        period: Option<f64>,
+    ) -> Self {
+        let pieces = Arc::new(pieces);
         Self {
             free: pieces.free(),
-            sharing: Sharing::Pieces(Arc::new(pieces)),
+            sharing: Sharing::Pieces { pieces, period },
             ..Self::open(basis, parameters, 0, 0)
         }
     }
@@ -151,7 +160,7 @@ impl Direction {
     /// The parameters as they would be given: on closed curves with the end of the period.
     pub fn explicit_parameters(&self) -> Arc<Vec<f64>> {
         let mut values = Arc::clone(&self.parameters);
-        if let Sharing::Closed { period } = self.sharing {
+        if let Some(period) = self.period() {
             let end = values[0] + period;
             Arc::make_mut(&mut values).push(end);
         }
@@ -162,7 +171,8 @@ impl Direction {
     pub fn period(&self) -> Option<f64> {
         match self.sharing {
             Sharing::Closed { period } => Some(period),
-            Sharing::Open { .. } | Sharing::Pieces(_) => None,
+            Sharing::Pieces { period, .. } => period,
+            Sharing::Open { .. } => None,
         }
     }
 
@@ -171,9 +181,9 @@ impl Direction {
         self.free
     }
 
-    /// Whether the last point is followed by the first.
+    /// Whether it returns to its start: a closed direction is periodic, or clamped at its first corner.
     pub fn is_closed(&self) -> bool {
-        matches!(self.sharing, Sharing::Closed { .. })
+        self.period().is_some()
     }
 
     /// Whether the basis has weights.
@@ -190,7 +200,7 @@ impl Direction {
     /// ⌊p/2⌋ is centred on the first data point.
     pub fn free_index(&self, j: usize) -> usize {
         match &self.sharing {
-            Sharing::Pieces(pieces) => pieces.free_index(j),
+            Sharing::Pieces { pieces, .. } => pieces.free_index(j),
             Sharing::Open { front_copies, .. } => {
                 j.saturating_sub(*front_copies).min(self.free - 1)
             }
@@ -206,7 +216,7 @@ impl Direction {
         match (&self.sharing, side) {
             (Sharing::Open { copies, .. }, Side::Start) => Some(copies[0]),
             (Sharing::Open { copies, .. }, Side::End) => Some(copies[1]),
-            (Sharing::Closed { .. } | Sharing::Pieces(_), _) => None,
+            (Sharing::Closed { .. } | Sharing::Pieces { .. }, _) => None,
         }
     }
 
@@ -217,7 +227,7 @@ impl Direction {
             (Sharing::Open { front_copies, .. }, Side::End) => {
                 self.basis.functions() - self.free - front_copies
             }
-            (Sharing::Closed { .. } | Sharing::Pieces(_), _) => 0,
+            (Sharing::Closed { .. } | Sharing::Pieces { .. }, _) => 0,
         }
     }
 
@@ -249,7 +259,7 @@ impl Direction {
     /// The free control point that the control point of function `j` is equal to, if it is equal to
     /// one.
     pub fn equal_to(&self, j: usize) -> Option<usize> {
-        if let Sharing::Pieces(pieces) = &self.sharing {
+        if let Sharing::Pieces { pieces, .. } = &self.sharing {
             return match pieces.parts(j)[..] {
                 [(index, _)] => Some(index),
                 _ => None,
@@ -268,7 +278,7 @@ impl Direction {
     }
 
     fn first_and_other_parts(&self, j: usize) -> ((usize, f64), Vec<(usize, f64)>) {
-        if let Sharing::Pieces(pieces) = &self.sharing {
+        if let Sharing::Pieces { pieces, .. } = &self.sharing {
             let mut parts = pieces.parts(j);
             return (parts.remove(0), parts);
         }
@@ -286,7 +296,7 @@ impl Direction {
     /// Makes values of functions from `start` on those of free control points: place k becomes the
     /// value of [`Self::free_index`] of function `start + k`. Only natural ends and short pieces change something.
     pub(crate) fn share(&self, start: usize, values: &mut [f64]) {
-        if let Sharing::Pieces(pieces) = &self.sharing {
+        if let Sharing::Pieces { pieces, .. } = &self.sharing {
             return pieces.share(start, values);
         }
         let last = self.basis.functions() - 1;
@@ -311,8 +321,11 @@ impl Direction {
     /// The basis functions whose control points free control point `index` is a part of, increasing.
     pub fn functions_of(&self, index: usize) -> impl Iterator<Item = usize> + Clone {
         let functions = self.basis.functions();
-        match &self.sharing {
-            Sharing::Pieces(pieces) => pieces.functions_of(index).step_by(1),
+        let (own, other) = match &self.sharing {
+            Sharing::Pieces { pieces, .. } => {
+                let [one, other] = pieces.functions_of(index);
+                (one.step_by(1), other)
+            }
             Sharing::Open { front_copies, .. } => {
                 let own = index + front_copies;
                 let first = match index {
@@ -325,13 +338,14 @@ impl Direction {
                     1 if self.natural(Side::End).is_some() => own + 2,
                     _ => own + 1,
                 };
-                (first..end).step_by(1)
+                ((first..end).step_by(1), 0..0)
             }
             Sharing::Closed { .. } => {
                 let first = (index + self.basis.degree() / 2) % self.free;
-                (first..functions).step_by(self.free)
+                ((first..functions).step_by(self.free), 0..0)
             }
-        }
+        };
+        own.chain(other)
     }
 
     /// The indices j for which each of the functions j … j + p has a control point of its own, next
@@ -340,8 +354,10 @@ impl Direction {
     pub fn own_functions(&self) -> Range<usize> {
         let degree = self.basis.degree();
         match &self.sharing {
-            Sharing::Pieces(pieces) if pieces.are_plain() => 0..self.free.saturating_sub(degree),
-            Sharing::Pieces(_) => 0..0,
+            Sharing::Pieces { pieces, .. } if pieces.are_plain() => {
+                0..self.free.saturating_sub(degree)
+            }
+            Sharing::Pieces { .. } => 0..0,
             Sharing::Open { front_copies, .. } => {
                 let front_copies = *front_copies;
                 let [start, end] = [Side::Start, Side::End].map(|side| self.natural(side));
@@ -366,10 +382,11 @@ impl Direction {
     /// it behind.
     pub(crate) fn within(&self, t: f64) -> f64 {
         let (low, high) = self.basis.domain();
-        if self.is_closed() && t > high {
-            t - (high - low)
-        } else {
-            t
+        match self.period() {
+            Some(_) if t > high => t - (high - low),
+            // Closed directions with corners begin at the first of them.
+            Some(_) if t < low => t + (high - low),
+            _ => t,
         }
     }
 
@@ -425,7 +442,7 @@ impl Direction {
             Ok((0..functions)
                 .map(|j| weights[self.free_index(j)])
                 .collect())
-        } else if given == functions && !self.is_closed() {
+        } else if given == functions && !matches!(self.sharing, Sharing::Closed { .. }) {
             Ok(weights)
         } else {
             Err(Invalid::at(

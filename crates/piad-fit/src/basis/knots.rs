@@ -126,26 +126,27 @@ pub(crate) fn periodic(t: &[f64], period: f64, degree: usize, control_points: us
     (-p..=control_points as isize + p).map(knot).collect()
 }
 
-/// Knots of a curve in pieces that meet at corners, from the indices of the data points at the `ends` of pieces, the first
-/// and the last point among them, and the number of control points of each piece.
+/// Knots of a curve in pieces that meet at corners, from the parameters of the data and the number of control points of
+/// each piece.
 ///
 /// Those between two corners are averaged with a control point for each data point, and spread with fewer; none where
 /// there are at most p. A corner has p knots.
-pub(crate) fn in_pieces(t: &[f64], degree: usize, ends: &[usize], counts: &[usize]) -> Vec<f64> {
-    let mut knots = Vec::with_capacity(t.len() + (ends.len() + 1) * degree);
-    knots.resize(degree + 1, t[0]);
-    for (ends, &count) in ends.windows(2).zip(counts) {
-        let t = &t[ends[0]..=ends[1]];
-        if count > degree {
-            let whole = match count == t.len() {
+pub(crate) fn in_pieces(degree: usize, pieces: &[(&[f64], usize)]) -> Vec<f64> {
+    let mut knots = Vec::new();
+    for (t, count) in pieces {
+        if knots.is_empty() {
+            knots.resize(degree + 1, t[0]);
+        }
+        if *count > degree {
+            let whole = match *count == t.len() {
                 true => averaged(t, degree),
-                false => spread(t, degree, count),
+                false => spread(t, degree, *count),
             };
-            knots.extend(&whole[degree + 1..count]);
+            knots.extend(&whole[degree + 1..*count]);
         }
         knots.resize(knots.len() + degree, t[t.len() - 1]);
     }
-    knots.push(t[t.len() - 1]);
+    knots.extend(knots.last().copied());
     knots
 }
 

@@ -9,6 +9,8 @@
 //!                                 4 5 6 7
 //! ```
 //!
+//! A closed curve begins and ends at its first corner, with the same control point, and is clamped there like an open one.
+//!
 //! A piece of m + 1 ≤ p control points has p + 1 functions all the same: it is the polynomial of degree m, whose degree
 //! is raised (PT97 (5.36)):
 //!
@@ -28,11 +30,15 @@ pub(crate) struct Pieces {
     free: Vec<usize>,
     /// True if no piece has a raised degree.
     plain: bool,
+    /// Of a closed curve the number of its first control point, that of its first corner; the others follow, and after
+    /// the last number the first.
+    first: Option<usize>,
 }
 
 impl Pieces {
-    /// Pieces with these numbers of control points. Neighbours share one.
-    pub(crate) fn new(degree: usize, control_points: &[usize]) -> Self {
+    /// Pieces with these numbers of control points. Neighbours share one; on a closed curve, where `first` is the number of
+    /// the first control point, the last piece and the first do, too.
+    pub(crate) fn new(degree: usize, control_points: &[usize], first: Option<usize>) -> Self {
         let sums = |each: &dyn Fn(usize) -> usize| {
             let mut sum = 0;
             let ends = control_points.iter().map(|&count| {
@@ -46,17 +52,26 @@ impl Pieces {
             functions: sums(&|count| count.max(degree + 1) - 1),
             free: sums(&|count| count - 1),
             plain: control_points.iter().all(|&count| count > degree),
+            first,
         }
     }
 
     /// The number of free control points.
     pub(crate) fn free(&self) -> usize {
-        self.free[self.free.len() - 1] + 1
+        self.free[self.free.len() - 1] + usize::from(self.first.is_none())
+    }
+
+    /// The number of the control point at a place behind the first.
+    fn number(&self, place: usize) -> usize {
+        match self.first {
+            None => place,
+            Some(first) => (first + place) % self.free(),
+        }
     }
 
     /// Returns true if each function has a control point of its own.
     pub(crate) fn are_plain(&self) -> bool {
-        self.plain
+        self.plain && self.first.is_none()
     }
 
     /// The piece of a function; of that of a corner the one that begins there.
@@ -76,7 +91,8 @@ impl Pieces {
     /// degree is raised are the first in the window ([`Self::share`]).
     pub(crate) fn free_index(&self, function: usize) -> usize {
         let piece = self.piece(function);
-        (self.free[piece] + function - self.functions[piece]).min(self.free[piece + 1])
+        let place = self.free[piece] + function - self.functions[piece];
+        self.number(place.min(self.free[piece + 1]))
     }
 
     /// The control points of which that of a function consists, each with its part.
@@ -84,9 +100,9 @@ impl Pieces {
         let piece = self.piece(function);
         let (first, i) = (self.free[piece], function - self.functions[piece]);
         match self.raised(piece) {
-            None => vec![(first + i, 1.0)],
+            None => vec![(self.number(first + i), 1.0)],
             Some(lower) => {
-                let all = (0..=lower).map(|l| (first + l, self.part(lower, i, l)));
+                let all = (0..=lower).map(|l| (self.number(first + l), self.part(lower, i, l)));
                 all.filter(|(_, part)| *part > 0.0).collect()
             }
         }
@@ -116,29 +132,40 @@ impl Pieces {
         values[..=lower].copy_from_slice(&shared);
     }
 
-    /// The functions whose control points a free one is a part of.
-    pub(crate) fn functions_of(&self, index: usize) -> Range<usize> {
+    /// The functions whose control points a free one is a part of, in up to two ranges.
+    pub(crate) fn functions_of(&self, index: usize) -> [Range<usize>; 2] {
+        let place = match self.first {
+            None => index,
+            Some(first) => (index + self.free() - first) % self.free(),
+        };
         let last = self.free.len() - 2;
-        let after = self.free.partition_point(|&first| first <= index);
+        let after = self.free.partition_point(|&first| first <= place);
         let piece = (after - 1).min(last);
-        let within = |piece: usize| {
-            let l = index - self.free[piece];
+        let within = |piece: usize, place: usize| {
+            let l = place - self.free[piece];
             let more = self.raised(piece).map_or(0, |lower| self.degree - lower);
             self.functions[piece] + l..self.functions[piece] + l + more + 1
         };
-        let own = within(piece);
-        match piece > 0 && index == self.free[piece] {
-            true => within(piece - 1).start..own.end,
-            false => own,
+        let own = within(piece, place);
+        match (piece, self.first) {
+            (1.., _) if place == self.free[piece] => {
+                [within(piece - 1, place).start..own.end, 0..0]
+            }
+            (0, Some(_)) if place == 0 => [own, within(last, self.free[last + 1])],
+            _ => [own, 0..0],
         }
     }
 }
 
-/// How many control points each piece has of `control_points` in all, from the numbers of its data points: two, and a
-/// share of the others by how many data points there are between its ends, larger remainders first. At least one more
-/// than there are pieces, and at most as many as data points.
-pub(crate) fn shares(data: &[usize], control_points: usize) -> Vec<usize> {
-    let others = control_points - 1 - data.len();
+/// The number of the first control point of a closed curve, that of its first corner: control points are numbered as data
+/// are.
+pub(crate) fn first_number(corner: usize, control_points: usize, data: usize) -> usize {
+    corner * control_points / data
+}
+
+/// How many control points each piece has, from the numbers of its data points: two, and a share of all others by how many
+/// data points there are between its ends, larger remainders first. There are at most as many others as those.
+pub(crate) fn shares(data: &[usize], others: usize) -> Vec<usize> {
     let between: usize = data.iter().map(|count| count - 2).sum();
     let share = |&count: &usize| (count - 2) * others / between.max(1);
     let mut shares: Vec<usize> = data.iter().map(share).collect();
@@ -161,7 +188,7 @@ mod tests {
     /// Five, two and three control points of degree 3.
     #[test]
     fn control_points_of_short_pieces_are_on_their_polynomials() {
-        let pieces = Pieces::new(3, &[5, 2, 3]);
+        let pieces = Pieces::new(3, &[5, 2, 3], None);
         assert_eq!((pieces.functions[3], pieces.free()), (10, 8));
         assert_eq!(pieces.free, [0, 4, 5, 7]);
         let parts: Vec<Vec<(usize, f64)>> = (0..11).map(|j| pieces.parts(j)).collect();
@@ -197,22 +224,31 @@ mod tests {
     #[test]
     fn control_points_are_shared_by_data_points() {
         let data = [11, 2, 5, 31];
-        assert_eq!(shares(&data, 5), [2, 2, 2, 2]);
-        assert_eq!(shares(&data, 46), data);
-        assert_eq!(shares(&data, 6), [2, 2, 2, 3]);
-        // Ten others: 2.2, 0, .7 and 7.1.
-        assert_eq!(shares(&data, 15), [4, 2, 3, 9]);
-        assert_eq!(shares(&[2, 2], 3), [2, 2]);
+        assert_eq!(shares(&data, 0), [2, 2, 2, 2]);
+        assert_eq!(shares(&data, 41), data);
+        assert_eq!(shares(&data, 1), [2, 2, 2, 3]);
+        // 2.2, 0, .7 and 7.1.
+        assert_eq!(shares(&data, 10), [4, 2, 3, 9]);
+        assert_eq!(shares(&[2, 2], 0), [2, 2]);
     }
 
     /// The functions of a control point are those of which it is a part, and windows of functions have its values.
     #[test]
     fn all_ways_to_ask_agree() {
-        for degree in 1..6 {
-            for counts in [vec![2, 2], vec![3, 2, 7], vec![6, 4, 5], vec![2, 9, 3, 3]] {
-                let pieces = Pieces::new(degree, &counts);
+        let counts = [
+            vec![2, 2],
+            vec![3, 2, 7],
+            vec![6, 4, 5],
+            vec![2, 9, 3, 3],
+            vec![8],
+        ];
+        let firsts = [None, Some(0), Some(1)];
+        for (degree, first) in (1..6).flat_map(|degree| firsts.map(|first| (degree, first))) {
+            for counts in &counts {
+                let pieces = Pieces::new(degree, counts, first);
                 for index in 0..pieces.free() {
-                    let of = pieces.functions_of(index);
+                    let of: Vec<usize> = pieces.functions_of(index).into_iter().flatten().collect();
+                    assert!(of.is_sorted());
                     for j in 0..=pieces.functions[counts.len()] {
                         let is_part = pieces.parts(j).iter().any(|part| part.0 == index);
                         assert_eq!(of.contains(&j), is_part, "{degree} {counts:?} {index} {j}");

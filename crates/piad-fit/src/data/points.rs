@@ -168,6 +168,12 @@ impl Points {
         self.lanes.iter().map(move |lane| lane[i])
     }
 
+    /// Some of the points, in this order.
+    pub(crate) fn selected(&self, indices: impl Iterator<Item = usize> + Clone) -> Self {
+        let lanes = self.lanes.iter();
+        Self::from_lanes(lanes.map(|lane| indices.clone().map(|i| lane[i]).collect::<Vec<_>>()))
+    }
+
     /// Euclidean distance between points `i` and `j`, without intermediate over- or underflow.
     pub fn distance(&self, i: usize, j: usize) -> f64 {
         norm(self.lanes.iter().map(|lane| lane[j] - lane[i]))

@@ -16,10 +16,10 @@ use crate::setup::Setup;
 pub struct KnotVector {
     /// The degree p.
     pub degree: usize,
-    /// Non-decreasing knots, p + 1 more than control points. Clamped, or of a closed direction the
-    /// knots of a period, continued by p on both sides.
+    /// Non-decreasing knots, p + 1 more than control points. Clamped, or of a closed direction without corners
+    /// the knots of a period, continued by p on both sides.
     pub knots: Vec<f64>,
-    /// Whether the direction is periodic: then the last p control points are the first ones again.
+    /// Whether the direction returns to its start.
     pub closed: bool,
 }
 
@@ -42,6 +42,12 @@ impl KnotVector {
             knots: vec![0.0, 1.0],
             closed: false,
         }
+    }
+
+    /// Whether the direction is closed and its knots are not clamped: then the last p control points are the first ones
+    /// again.
+    pub fn is_periodic(&self) -> bool {
+        self.closed && self.knots[0] < self.knots[self.degree]
     }
 
     /// The number of control points.

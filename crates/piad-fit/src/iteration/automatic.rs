@@ -8,11 +8,13 @@
 //! ([`careful`]).
 
 mod careful;
+mod pieces;
 mod schedules;
 
 use std::sync::Arc;
 
 use self::careful::{FAR, NEAR};
+use self::pieces::{Piece, Pieces};
 use self::schedules::{Fit, Schedules};
 use crate::data::points::Points;
 use crate::geometry::norms::FitError;
@@ -37,7 +39,10 @@ impl Automatic {
     /// Level 0 of an automatic fit; `None` of any other.
     pub(crate) fn start(problem: &Arc<Problem>) -> Option<Self> {
         let (settings, automatic) = problem.method().automatic()?;
-        let mut schedule = Schedules::new(problem, settings, automatic);
+        let mut schedule = match problem.corners() {
+            Some(_) => Self::of_pieces(problem),
+            None => Schedules::new(problem, settings, automatic),
+        };
         let now = schedule.next(problem).unwrap_or_else(|| {
             // Not even the first level has finite numbers.
             let count = problem.control_grid().count();
@@ -59,6 +64,18 @@ impl Automatic {
         };
         automatic.next = automatic.following();
         Some(automatic)
+    }
+
+    /// The schedule of a curve with corners.
+    fn of_pieces(problem: &Problem) -> Schedules {
+        let start = |piece: &Arc<Problem>| {
+            let piece = Self::start(piece)?;
+            Some(Box::new(piece) as Box<dyn Piece>)
+        };
+        match Pieces::new(problem, start) {
+            Some(pieces) => Schedules::Several(Box::new(pieces)),
+            None => Schedules::Nowhere,
+        }
     }
 
     /// Returns true if fewer control points than data are allowed.
@@ -133,5 +150,27 @@ impl Automatic {
             }
             outcome => outcome.unwrap_or(Outcome::Overflow),
         })
+    }
+}
+
+impl Piece for Automatic {
+    fn advance(&mut self) {
+        self.step();
+    }
+
+    fn outcome(&self) -> Option<Outcome> {
+        self.outcome()
+    }
+
+    fn problem(&self) -> &Problem {
+        &self.now.problem
+    }
+
+    fn control_points(&self) -> &Points {
+        &self.now.control_points
+    }
+
+    fn error(&self) -> FitError {
+        self.error()
     }
 }

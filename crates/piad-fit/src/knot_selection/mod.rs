@@ -21,6 +21,8 @@
 //!
 //! A fit that is within the tolerance and leaves its data between neighbours goes on with points there ([`guide`]).
 //!
+//! Of polylines the points along their edges are data, too ([`edges`]). Between corners pieces of a curve do this by themselves ([`clamped_breaks`]).
+//!
 //! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
 //! [`correction`]).
 //!
@@ -48,7 +50,9 @@
 
 mod attempt;
 pub(crate) mod breaks;
+pub(crate) mod clamped_breaks;
 pub(crate) mod correction;
+pub(crate) mod edges;
 pub(crate) mod equations;
 mod gram;
 pub(crate) mod growth;

@@ -76,13 +76,14 @@ impl Chunk<'_> {
             return;
         };
         let (degree, t) = (*degree, &direction.parameters);
-        let (_, high) = direction.basis.domain();
+        let (low, high) = direction.basis.domain();
         let (mut row, mut span) = (self.rows.start, degree);
         if t[row] < high {
             span = bspline::find_span(degree, knots, t[row]);
         }
         while row < self.rows.end {
-            if t[row] >= high {
+            // Parameters of closed directions may lie before their first corner.
+            if t[row] >= high || t[row] < low {
                 self.single(row, |values| direction.evaluate(t[row], values));
                 row += 1;
                 continue;

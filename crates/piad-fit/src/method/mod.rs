@@ -71,6 +71,7 @@ pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
 pub(super) use least_squares::constrained::Constrained;
 pub(super) use least_squares::constrained_surface::ConstrainedSurface;
+pub(super) use least_squares::cross_validation;
 pub use least_squares::{
     AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
     MOST_CONDITIONS, Variant, Wanted,

@@ -8,13 +8,14 @@
 //! | open B-spline | fewer than data points | spread, or given | |
 //! | open B-spline | fewer than data points | as earlier programs had them | PT97 (9.68)–(9.69) |
 //! | closed B-spline | n, or fewer | periodic | |
-//! | open B-spline with corners | n, or fewer | p at each corner, averaged or spread between | |
+//! | B-spline with corners | n, or fewer | p at each corner, averaged or spread between | |
 //!
 //! Whatever is given is checked against what it has to fit: parameters against knots, knots against
 //! the number of control points, weights against that of functions.
 
 use std::sync::Arc;
 
+use super::corners::{ends_of_pieces, unrolled};
 use crate::basis::choice::{BasisChoice, Corners, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::basis::knots::{self, Knots};
@@ -26,6 +27,7 @@ use crate::data::points::Points;
 use crate::ends::chosen;
 use crate::invalid::{Axis, Invalid, Place};
 use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::clamped_breaks;
 use crate::parameters::{LARGEST, Parametrization, Parametrized, parameters, rescale};
 
 impl Direction {
@@ -71,7 +73,7 @@ impl Direction {
             BasisChoice::BSpline { degree, knots } => {
                 check_degree(degree, true, axis)?;
                 if let Some(Corners::At(corners)) = &choice.corners {
-                    with_corners(degree, corners, placed.values, free, axis)?
+                    with_corners(degree, corners, placed, (free, choice.closed), axis)?
                 } else if choice.closed {
                     periodic(degree, &knots, placed, free, axis)?
                 } else if fewer {
@@ -95,15 +97,15 @@ impl Direction {
     }
 }
 
-/// The parameters of an automatic direction, and the knots with which it begins: given breaks, or the
-/// fewest that there are for the degree.
-pub(crate) fn first_line(
+/// The direction with which a fit begins that chooses its knots: with given breaks, or the fewest that there are for the
+/// degree, between corners if it has some.
+pub(crate) fn first_direction(
     choice: DirectionChoice,
     (points, grid): (&Points, Grid),
     breaks: Option<&[f64]>,
     most: usize,
     axis: Axis,
-) -> Result<(Breaks, Arc<Vec<f64>>), Invalid> {
+) -> Result<Direction, Invalid> {
     chosen::are_chosen(&choice, axis)?;
     let BasisChoice::BSpline { degree, .. } = choice.basis else {
         return Err(Invalid::automatic_knots(axis));
@@ -116,14 +118,28 @@ pub(crate) fn first_line(
     let Parametrized { values, period } =
         parameters(choice.parameters, points, grid, None, axis, choice.closed)?;
     check_range(&values, axis)?;
-    let (first, last) = (values[0], values[values.len() - 1]);
-    let end = if choice.closed { first + period } else { last };
-    let line = match breaks {
-        Some(breaks) => Breaks::new(degree, choice.closed, breaks.to_vec()),
-        None => Breaks::coarsest(degree, choice.closed, first, end),
+    let direction = if let Some(Corners::At(corners)) = &choice.corners {
+        let period = choice.closed.then_some(period);
+        let breaks = match breaks {
+            Some(breaks) => breaks.to_vec(),
+            None => {
+                let t = unrolled(&values, corners, period);
+                let ends = ends_of_pieces(corners, values.len(), choice.closed);
+                clamped_breaks::at_ends(degree, ends.iter().map(|&end| t[end]))
+            }
+        };
+        let around = period.map(|period| (corners[0], period));
+        clamped_breaks::direction(degree, &breaks, values, around)
+    } else {
+        let (first, last) = (values[0], values[values.len() - 1]);
+        let end = if choice.closed { first + period } else { last };
+        let line = match breaks {
+            Some(breaks) => Breaks::new(degree, choice.closed, breaks.to_vec()),
+            None => Breaks::coarsest(degree, choice.closed, first, end),
+        };
+        line.map(|line| line.direction(values))
     };
-    let line = line.ok_or(Invalid::parameter_range(axis))?;
-    Ok((line, values))
+    direction.ok_or(Invalid::parameter_range(axis))
 }
 
 /// A polynomial direction of degree control points − 1, with parameters scaled to [0, 1].
@@ -220,31 +236,41 @@ fn least_squares(
     })
 }
 
-/// An open B-spline in pieces that meet at corners, each with a share of the control points.
+/// A B-spline in pieces that meet at corners, each with a share of the control points.
 fn with_corners(
     degree: usize,
     corners: &[usize],
-    t: Arc<Vec<f64>>,
-    free: usize,
+    placed: Parametrized,
+    (free, closed): (usize, bool),
     axis: Axis,
 ) -> Result<Direction, Invalid> {
-    let mut ends = vec![0];
-    ends.extend(corners);
-    ends.push(t.len() - 1);
+    let Parametrized { values, period } = placed;
+    let count = values.len();
+    let period = closed.then_some(period);
+    let ends = ends_of_pieces(corners, count, closed);
+    let t = unrolled(&values, corners, period);
     let data: Vec<usize> = ends.windows(2).map(|ends| ends[1] - ends[0] + 1).collect();
-    let (fewest, most) = (data.len() + 1, t.len());
-    if !(fewest..=most).contains(&free) {
-        let count = corners.len();
+    let shared = data.len() + usize::from(!closed);
+    let fewest = if closed { shared.max(3) } else { shared };
+    if !(fewest..=count).contains(&free) {
+        let corners = corners.len();
         let detail = format!(
-            "a curve of {most} points with {count} corners has {fewest} to {most} control points, not {free}"
+            "a curve of {count} points with {corners} corners has {fewest} to {count} control points, not {free}"
         );
         return Err(Invalid::at(Place::ControlPoints(axis), detail));
     }
-    let counts = pieces::shares(&data, free);
-    let knots = Arc::new(knots::in_pieces(&t, degree, &ends, &counts));
+    let counts = pieces::shares(&data, free - shared);
+    let pieces: Vec<(&[f64], usize)> = ends
+        .windows(2)
+        .zip(&counts)
+        .map(|(ends, &count)| (&t[ends[0]..=ends[1]], count))
+        .collect();
+    let knots = Arc::new(knots::in_pieces(degree, &pieces));
     let basis = Basis::BSpline { degree, knots };
-    let direction = Direction::in_pieces(basis, t, Pieces::new(degree, &counts));
-    Ok(if free < most {
+    let first = closed.then(|| pieces::first_number(corners[0], free, count));
+    let pieces = Pieces::new(degree, &counts, first);
+    let direction = Direction::in_pieces(basis, values, pieces, period);
+    Ok(if free < count {
         direction.with_spread_start()
     } else {
         direction

@@ -7,7 +7,7 @@ use crate::basis::choice::{BasisChoice, Corners};
 use crate::basis::knots::Knots;
 use crate::data::corners;
 use crate::invalid::{Axis, Invalid, Place};
-use crate::method::{At, Constraint, Method, Wanted};
+use crate::method::{At, Constraint, EndPoints, Method, Wanted};
 
 /// Finds the corners of a curve where they are not given, and leaves them out where there are none; least squares passes
 /// through them.
@@ -23,25 +23,31 @@ pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
     check(request)?;
     let indices = match corners {
         Corners::At(indices) => {
-            check_indices(&indices, request.grid.rows)?;
+            check_indices(&indices, request.grid.rows, request.u.closed)?;
             indices
         }
         Corners::Found(degrees) => {
-            if !(degrees > 0.0 && degrees < 180.0) {
-                let detail =
-                    format!("the angle is {degrees}; it must lie between 0 and 180 degrees");
-                return Err(wrong(detail));
-            }
+            let angle = radians(degrees)?;
             if request.points.dimension() == 1 {
                 let detail =
                     "points of one coordinate have no angles: give the indices of the corners";
                 return Err(wrong(detail.to_owned()));
             }
-            corners::find(&request.points, false, degrees.to_radians()).into()
+            corners::find(&request.points, request.u.closed, angle).into()
         }
     };
     request.u.corners = (!indices.is_empty()).then(|| Corners::At(Arc::clone(&indices)));
     pass_through(request, &indices)
+}
+
+/// The angle beyond which a curve may turn.
+pub(super) fn radians(degrees: f64) -> Result<f64, Invalid> {
+    match degrees > 0.0 && degrees < 180.0 {
+        true => Ok(degrees.to_radians()),
+        false => Err(wrong(format!(
+            "the angle is {degrees}; it must lie between 0 and 180 degrees"
+        ))),
+    }
 }
 
 /// Refuses what corners cannot be combined with.
@@ -56,10 +62,6 @@ fn check(request: &Request) -> Result<(), Invalid> {
         {
             "corners have knots of their own, and the pieces between them averaged ones: leave knots out"
         }
-        _ if choice.closed => {
-            "a closed curve turns smoothly at each of its points: begin with a corner, end with the same point again, and \
-             leave closed out"
-        }
         _ if choice.ends.is_some() => {
             "each piece between corners has a control point for each data point: leave ends out"
         }
@@ -67,20 +69,52 @@ fn check(request: &Request) -> Result<(), Invalid> {
         _ if least_squares && request.weights != Weights::None => {
             "rational least squares does not pass through given points, so it has no corners"
         }
-        _ if request.method.is_automatic() => {
-            "a fit that chooses the number of its control points has no corners: give a number"
-        }
-        _ => return Ok(()),
+        _ => match request.method.automatic() {
+            Some((settings, _)) if !settings.constraints.is_empty() => {
+                "a fit that chooses the number of its control points has either corners or constraints: give a number"
+            }
+            Some((settings, _)) if settings.ends == EndPoints::Free => {
+                "a fit that chooses the number of its control points passes through the ends of the pieces between its \
+                 corners: leave end_points out"
+            }
+            _ => return Ok(()),
+        },
     };
     Err(wrong(found.to_owned()))
+}
+
+/// The data points at the ends of the pieces between corners. On a closed curve they begin with the first corner, and
+/// end with it, as if the data came again.
+pub(super) fn ends_of_pieces(corners: &[usize], count: usize, closed: bool) -> Vec<usize> {
+    match closed {
+        true => corners
+            .iter()
+            .copied()
+            .chain([corners[0] + count])
+            .collect(),
+        false => std::iter::once(0)
+            .chain(corners.iter().copied())
+            .chain([count - 1])
+            .collect(),
+    }
+}
+
+/// Parameters from the first point to the last, or on a closed curve to its first corner after a period.
+pub(super) fn unrolled(parameters: &[f64], corners: &[usize], period: Option<f64>) -> Vec<f64> {
+    let again = period.map(|period| parameters[..=corners[0]].iter().map(move |t| t + period));
+    parameters
+        .iter()
+        .copied()
+        .chain(again.into_iter().flatten())
+        .collect()
 }
 
 fn wrong(detail: String) -> Invalid {
     Invalid::at(Place::Corners(Axis::U), detail)
 }
 
-/// Refuses indices that are none of inner points, or do not increase.
-fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
+/// Refuses indices that do not increase, are none of points, or those of the ends of an open curve.
+fn check_indices(indices: &[usize], count: usize, closed: bool) -> Result<(), Invalid> {
     for (place, &index) in indices.iter().enumerate() {
         let before = place.checked_sub(1).map(|place| indices[place]);
         let detail = match before {
@@ -90,7 +124,7 @@ fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
                     count - 1
                 )
             }
-            _ if index == 0 || index + 1 == count => {
+            _ if !closed && (index == 0 || index + 1 == count) => {
                 format!("point {index} is an end of the curve, which turns nowhere")
             }
             Some(before) if index <= before => {
@@ -108,6 +142,10 @@ fn pass_through(request: &mut Request, corners: &[usize]) -> Result<(), Invalid>
     let Method::LeastSquares(settings) = &mut request.method else {
         return Ok(());
     };
+    // Its pieces are fits by themselves, through their ends.
+    if settings.automatic.is_some() {
+        return Ok(());
+    }
     let mut constraints = settings.constraints.to_vec();
     for &index in corners {
         let at = At::Index(index);

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use super::construction::first_line;
+use super::construction::first_direction;
 use super::request::Request;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
 use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::edges::Edges;
 use crate::method::{Automatic as Settings, LeastSquares};
 use crate::setup::Setup;
 
@@ -31,8 +32,7 @@ pub(crate) fn first_directions(
     let data = (&*request.points, request.grid);
     let direction = |choice: &DirectionChoice, most, axis, place: usize| {
         let breaks = breaks(place);
-        let (line, t) = first_line(choice.clone(), data, breaks, most, axis)?;
-        Ok::<_, Invalid>(line.direction(t))
+        first_direction(choice.clone(), data, breaks, most, axis)
     };
     let u = direction(&request.u, settings.u, Axis::U, 0)?;
     let v = request.v.as_ref();
@@ -102,7 +102,10 @@ pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usi
         .map(|it| it.basis.degree() + 1)
         .max()
         .unwrap_or(1);
-    let data = setup.grid().count();
+    let data = match setup.polyline {
+        true => Edges::most(setup.grid().count()),
+        false => setup.grid().count(),
+    };
     // A value of each function at each parameter twice, distances and parameters of five levels,
     // residual and image of a step, weights, and what is being computed.
     let by_data = data * (2 * width + 10 + 2 * dimension + 2);

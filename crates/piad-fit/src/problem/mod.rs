@@ -11,7 +11,10 @@ mod automatic;
 mod checks;
 mod construction;
 mod corners;
+mod fairness;
 mod first;
+mod pieces;
+mod polyline;
 pub(crate) mod request;
 mod scattered;
 
@@ -31,7 +34,6 @@ use crate::data::grid::Grid;
 use crate::data::missing::Missing;
 use crate::data::points::{self, Points};
 use crate::data::weights;
-use crate::knot_selection::guide::Guide;
 use crate::matrix::collocation::Collocation;
 use crate::matrix::sparse::Sparse;
 use crate::parameters::scattered::Scattered;
@@ -89,6 +91,8 @@ impl Problem {
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
         check_scattered(&request)?;
         imply_control_points(&mut request)?;
+        fairness::settle(&mut request);
+        polyline::resolve(&mut request)?;
         corners::resolve(&mut request)?;
         request.method.scheme().check(&scope(&request))?;
         automatic::check_request(&request)?;
@@ -112,6 +116,7 @@ impl Problem {
             lifted,
             missing,
             scattered: request.scattered.is_some(),
+            polyline: request.polyline,
             offsets,
             target,
             u,
@@ -131,6 +136,8 @@ impl Problem {
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
+        fairness::choose(&mut problem.request, &problem.setup, problem.tolerance)?;
+        problem.pieces()?;
         while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
             let finer = first::finer(&problem.setup, &problem.request);
             problem.setup = Arc::new(finer.ok_or(mistake)?);
@@ -192,10 +199,13 @@ impl Problem {
         let Some((settings, _)) = self.method().automatic() else {
             return self.control_grid().count();
         };
+        if let Some(most) = self.most_control_points_of_pieces() {
+            return settings.u.min(most);
+        }
         let grid = self.grid();
         let columns = self.v().map_or(1, |_| settings.v.min(grid.columns));
         let rows = match self.v() {
-            None => Guide::most_control_points(grid.rows),
+            None => self.most_beside_data(grid.rows),
             Some(_) => grid.rows,
         };
         let most = settings.u.min(rows).saturating_mul(columns);

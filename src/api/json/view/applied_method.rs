@@ -60,6 +60,10 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "VariantKind")]
     variant: Option<VariantKind>,
+    /// Least squares: the fairness, also if the data have chosen it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    fairness: Option<f64>,
     /// The least eigenvalue of the collocation matrix, where it is known; of local fits of few points
     /// that of their block.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -105,6 +109,7 @@ impl AppliedMethod {
                 view.max_control_points = asked.max_control_points;
                 view.correct_parameters = asked.correct_parameters;
                 view.variant = asked.variant;
+                view.fairness = settings.fairness.map(|it| it.value);
             }
             _ => {}
         }

@@ -60,7 +60,7 @@ struct JobEvent<'a> {
     /// The degree.
     #[schemars(with = "PerDirection<Count>")]
     degree: PerDirection<usize>,
-    /// Whether it is periodic.
+    /// Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
     closed: PerDirection<bool>,
     /// How it ends.
     ends: PerDirection<EndRules>,

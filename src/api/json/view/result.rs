@@ -21,6 +21,7 @@ use crate::model::per_direction::{Count, Pair, PerDirection};
 use crate::model::schema::schema_of;
 use crate::model::stream::form::Form;
 use crate::model::weights::Rational;
+use piad_fit::method::Method;
 
 /// The final curve or surface: geometry that can be read without anything else.
 #[derive(Serialize, JsonSchema)]
@@ -49,7 +50,7 @@ pub(crate) struct FitResult<'a> {
     /// The degree.
     #[schemars(with = "PerDirection<Count>")]
     degree: PerDirection<usize>,
-    /// Whether it is periodic.
+    /// Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
     closed: PerDirection<bool>,
     /// How weights are used, if there are any.
     rational: Option<Rational>,
@@ -60,6 +61,10 @@ pub(crate) struct FitResult<'a> {
     knots: PerDirection<KnotArray>,
     /// The parameters of the data points, likewise.
     parameters: PerDirection<NumberArray>,
+    /// The fairness of a least-squares fit, also if the data have chosen it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "f64")]
+    fairness: Option<f64>,
     /// How the arrays are written, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
@@ -119,6 +124,10 @@ pub(crate) fn result(outline: &Outline, status: &Status, frame: &Frame, form: &F
         bad_weight: BadWeight::of(level, problem),
         knots,
         parameters,
+        fairness: match problem.method() {
+            Method::LeastSquares(settings) => settings.fairness.map(|it| it.value),
+            _ => None,
+        },
         encoding,
         shape: encoding.map(|_| ArrayShape(net.shape)),
         control_points: net.points,

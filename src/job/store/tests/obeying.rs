@@ -13,7 +13,15 @@ pub(super) fn methods(surface: bool) -> Vec<Method> {
         change(&mut settings);
         settings
     };
-    let fair = |value, order| with(&|it| it.fairness = Some(Fairness { value, order }));
+    let fair = |value, order| {
+        with(&|it| {
+            it.fairness = Some(Fairness {
+                value,
+                order,
+                by_data: false,
+            })
+        })
+    };
     let weights = (0..size(surface).count()).map(|i| 0.1 * i as f64);
     let mut settings = vec![
         with(&|it| it.ends = EndPoints::Free),

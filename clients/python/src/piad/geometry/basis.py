@@ -17,7 +17,7 @@ class Basis:
 
     `knots` are non-decreasing, `degree + 1` more than control points; polynomial bases have none
     and are defined on [0, 1]. A `closed` basis is periodic: its last `degree` control points are
-    the first ones again.
+    the first ones again; with corners it is clamped at one of them, where the curve begins and ends.
     """
 
     kind: BasisKind

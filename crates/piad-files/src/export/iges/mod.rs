@@ -96,7 +96,7 @@ fn curve(data: &mut ParameterData, nurbs: &Nurbs) {
     data.flag(plane.is_some());
     data.flag(u.closed);
     data.flag(nurbs.weights.is_none());
-    data.flag(u.closed);
+    data.flag(u.is_periodic());
     data.reals(&u.knots);
     net(data, nurbs, 0..nurbs.rows());
     domain(data, u);
@@ -114,8 +114,8 @@ fn surface(data: &mut ParameterData, nurbs: &Nurbs, v: &KnotVector) {
     data.flag(u.closed);
     data.flag(v.closed);
     data.flag(nurbs.weights.is_none());
-    data.flag(u.closed);
-    data.flag(v.closed);
+    data.flag(u.is_periodic());
+    data.flag(v.is_periodic());
     data.reals(&u.knots);
     data.reals(&v.knots);
     let order = (0..columns).flat_map(|column| (0..rows).map(move |row| row * columns + column));

@@ -63,6 +63,9 @@ impl Line {
             parameters.map(move |t| place(gap, t))
         });
         let in_spans = spans(direction).flat_map(inside).filter_map(|t| {
+            // The knots of a closed direction with corners begin at the first of them.
+            let turn = direction.period().filter(|_| t >= all[gaps]);
+            let t = t - turn.unwrap_or(0.0);
             let gap = all.partition_point(|start| *start <= t).checked_sub(1)?;
             (gap < gaps).then(|| place(gap, t))
         });
@@ -155,8 +158,11 @@ impl<'a> Gaps<'a> {
     }
 
     /// The freedom of each cell: that which its bends leave, but no more than its corners are apart, and infinite where
-    /// one of these is missing. Beside ends at which the fit stands still, it is how far these are apart.
+    /// one of these is missing; none where edges are data. Beside ends at which the fit stands still, it is how far these are apart.
     pub(super) fn freedom(&self) -> Vec<f64> {
+        if self.setup.polyline {
+            return vec![0.0; self.count()];
+        }
         let missing = self.setup.missing();
         let is_whole = |cell: usize| {
             let corners = self.corners(cell);

@@ -1,5 +1,6 @@
 //! The schedules of fits that choose their knots: of curves and surfaces, with conditions or without.
 
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::basis::direction::Direction;
@@ -8,6 +9,7 @@ use crate::data::points::Points;
 use crate::geometry::norms::FitError;
 use crate::interrupt;
 use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::edges::Edges;
 use crate::knot_selection::equations::{self, Minimum};
 use crate::knot_selection::guide::Guide;
 use crate::knot_selection::knot_conversion::{in_directions, in_lines};
@@ -33,13 +35,48 @@ pub(super) struct Fit {
 #[derive(Debug)]
 pub(super) enum Schedules {
     /// With points between the data, or without.
-    Curve(Box<Schedule<equations::LeastSquares>>, Option<Guide>),
+    Curve(Box<Schedule<equations::LeastSquares>>, Option<Between>),
     Constrained(Box<Schedule<Constrained>>),
+    /// Those of several fits.
+    Several(Box<dyn Levels>),
     Surface(Box<SurfaceSchedule>),
     /// With some fairness where none was asked for.
     FairSurface(Box<SurfaceSchedule>),
     /// Not even the first level has finite numbers.
     Nowhere,
+}
+
+/// Levels of a whole fit.
+pub(super) trait Levels: Debug + Send + Sync {
+    /// The next one, or `None` after the last one.
+    fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit>;
+
+    /// How the fit has ended, after the last one.
+    fn outcome(&self) -> Option<Outcome>;
+}
+
+/// Points between the data.
+#[derive(Debug)]
+pub(super) enum Between {
+    Guide(Guide),
+    Edges(Edges),
+}
+
+impl Between {
+    fn points(&self) -> &Points {
+        match self {
+            Self::Guide(guide) => &guide.points,
+            Self::Edges(edges) => &edges.points,
+        }
+    }
+
+    /// A level with the parameters of the data.
+    fn of_data(&self, level: &Level) -> Level {
+        match self {
+            Self::Guide(guide) => guide.of_data(level),
+            Self::Edges(edges) => edges.of_vertices(level),
+        }
+    }
 }
 
 impl Schedules {
@@ -73,6 +110,17 @@ impl Schedules {
             freedom: None,
         };
         let parameters = Arc::clone(&u.parameters);
+        if problem.request().polyline {
+            let edges = Edges::new(&points, &parameters, u.period());
+            let (points, parameters) = (Arc::clone(&edges.points), Arc::clone(&edges.parameters));
+            let minimum = equations::LeastSquares {
+                points: Arc::clone(&points),
+                data_weights: None,
+                fairness: 0.0,
+            };
+            let schedule = Schedule::new(points, parameters, options, minimum);
+            return Self::Curve(Box::new(schedule), Some(Between::Edges(edges)));
+        }
         if settings.is_plain() {
             let minimum = equations::LeastSquares {
                 points: Arc::clone(&points),
@@ -101,15 +149,19 @@ impl Schedules {
     /// The next level, or `None` after the last one.
     pub(super) fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit> {
         let level = match self {
-            Self::Curve(schedule, None) if whole.data().len() >= MANY => {
-                among_threads(|| schedule.next_level())
-            }
-            Self::Curve(schedule, None) => schedule.next_level(),
-            Self::Curve(schedule, Some(guide)) => {
-                let level = schedule.next_level();
-                level.map(|level| Arc::new(guide.of_data(&level)))
+            Self::Curve(schedule, between) => {
+                let points = between.as_ref().map_or(&**whole.data(), Between::points);
+                let level = match points.len() >= MANY {
+                    true => among_threads(|| schedule.next_level()),
+                    false => schedule.next_level(),
+                };
+                match between {
+                    Some(between) => level.map(|level| Arc::new(between.of_data(&level))),
+                    None => level,
+                }
             }
             Self::Constrained(schedule) => schedule.next_level(),
+            Self::Several(levels) => return levels.next(whole),
             Self::Nowhere => return None,
             Self::Surface(schedule) | Self::FairSurface(schedule) => {
                 let level = schedule.next_level()?;
@@ -144,6 +196,7 @@ impl Schedules {
             Self::Curve(schedule, _) => schedule.outcome(),
             Self::Constrained(schedule) => schedule.outcome(),
             Self::Surface(schedule) | Self::FairSurface(schedule) => schedule.outcome(),
+            Self::Several(levels) => levels.outcome(),
             Self::Nowhere => Some(Outcome::Overflow),
         }
     }

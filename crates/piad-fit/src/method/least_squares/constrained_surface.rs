@@ -36,7 +36,11 @@ impl ConstrainedSurface {
     /// With some fairness, and stiff gaps, that nobody asked for.
     pub(crate) fn fair(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
         let with = |value: f64| LeastSquares {
-            fairness: Some(Fairness { value, order: 2 }),
+            fairness: Some(Fairness {
+                value,
+                order: 2,
+                by_data: false,
+            }),
             ..settings.clone()
         };
         Self {

@@ -67,7 +67,7 @@ impl Energy {
     }
 
     fn terms(setup: &Setup, fairness: Fairness, sum: f64) -> Option<Vec<Term>> {
-        let Fairness { value, order } = fairness;
+        let Fairness { value, order, .. } = fairness;
         let range = |direction: &Direction| {
             let (low, high) = direction.basis.domain();
             high - low

@@ -23,13 +23,14 @@
 //!
 //! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
 //! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
-//! - [`objective`]: what is made small, with [`fairness`] and the stiffness of [`gaps`]; [`end`]: how far it is above its minimum;
+//! - [`objective`]: what is made small, with [`fairness`], which the data may choose ([`cross_validation`]), and the stiffness of [`gaps`]; [`end`]: how far it is above its minimum;
 //! - [`constraints`]: what every level obeys.
 
 mod conjugate;
 pub(crate) mod constrained;
 pub(crate) mod constrained_surface;
 pub(crate) mod constraints;
+pub(crate) mod cross_validation;
 mod end;
 mod fairness;
 mod gaps;
@@ -109,6 +110,24 @@ impl LeastSquares {
         }
     }
 
+    /// What the choice of fairness by the data cannot be combined with.
+    fn check_chosen(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
+        let found = match scope {
+            _ if scope.is_surface => "that of a surface is not chosen by its data: give a number",
+            _ if !self.constraints.is_empty() => {
+                "with constraints or corners it is not chosen by the data: give a number"
+            }
+            _ if self.automatic.is_some() => {
+                "control_points \"auto\" with a tolerance do not smooth: give their number, or leave the tolerance out"
+            }
+            _ => return Ok(()),
+        };
+        Err(Invalid::at(
+            Place::Setting(Setting::Fairness),
+            format!("fairness is \"auto\": {found}"),
+        ))
+    }
+
     /// Gaps are those of surfaces.
     fn check_gaps(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let wrong =
@@ -161,6 +180,9 @@ impl Scheme for LeastSquares {
         }
         if let Some(fairness) = self.fairness {
             fairness.check()?;
+            if fairness.by_data {
+                self.check_chosen(scope)?;
+            }
         }
         self.check_gaps(scope)?;
         self.check_weights(scope.grid.count())

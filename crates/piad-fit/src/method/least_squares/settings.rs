@@ -191,7 +191,8 @@ impl LeastSquares {
 
     /// Fairness, if it matters.
     pub(super) fn fairness(&self) -> Option<Fairness> {
-        self.fairness.filter(|fairness| fairness.value > 0.0)
+        self.fairness
+            .filter(|fairness| fairness.value > 0.0 || fairness.by_data)
     }
 }
 
@@ -218,6 +219,9 @@ pub struct Fairness {
     pub value: f64,
     /// The order r of the derivative, 2 or 3.
     pub order: usize,
+    /// Whether the value is chosen by the data: see `super::cross_validation`. What is given is not looked at.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub by_data: bool,
 }
 
 /// The variants of the least-squares update.
@@ -240,9 +244,16 @@ pub enum Variant {
 }
 
 impl Fairness {
+    /// By the second derivative, as much as the data ask for.
+    pub const BY_DATA: Self = Self {
+        value: 0.0,
+        order: 2,
+        by_data: true,
+    };
+
     /// Refuses values and orders out of their range.
     pub(super) fn check(self) -> Result<(), Invalid> {
-        let Self { value, order } = self;
+        let Self { value, order, .. } = self;
         if !(value.is_finite() && value >= 0.0) {
             return Err(Invalid::at(
                 Place::Setting(Setting::Fairness),

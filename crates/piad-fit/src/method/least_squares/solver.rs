@@ -300,7 +300,7 @@ fn rotations(setup: &Setup, settings: &LeastSquares) -> usize {
 
 /// The order of the columns of a direction in which rows are narrow, and how wide they are then: those
 /// of the data, which can leave out functions that vanish, and those of any parameter.
-fn places(matrix: &Collocation, direction: &Direction) -> (Vec<u32>, usize) {
+pub(super) fn places(matrix: &Collocation, direction: &Direction) -> (Vec<u32>, usize) {
     let n = matrix.columns();
     let width = |banded: &Banded| banded.width().max(direction.basis.support_width());
     match matrix.as_banded() {
@@ -314,7 +314,7 @@ fn places(matrix: &Collocation, direction: &Direction) -> (Vec<u32>, usize) {
 }
 
 /// The entries of a row of a matrix.
-fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
+pub(super) fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
     match matrix {
         Collocation::Banded(banded) => banded.row(i).collect(),
         Collocation::Dense(dense) => dense.row(i).collect(),

@@ -1,0 +1,65 @@
+//! Fairness that the data choose.
+
+use super::request::Request;
+use crate::basis::choice::BasisChoice;
+use crate::invalid::{Invalid, Place, Setting};
+use crate::method::cross_validation;
+use crate::method::{EndPoints, LeastSquares, Method};
+use crate::setup::Setup;
+
+/// Up to so many data have as many control points, where no number is given.
+const FEW: usize = 50;
+
+/// More have at most so many, or this part of their number.
+const MOST: usize = 200;
+
+/// See [`MOST`].
+const PART: usize = 20;
+
+/// The settings of a fit of which the data choose the fairness.
+fn settings(request: &mut Request) -> Option<&mut LeastSquares> {
+    match &mut request.method {
+        Method::LeastSquares(settings) if settings.fairness.is_some_and(|it| it.by_data) => {
+            Some(settings)
+        }
+        _ => None,
+    }
+}
+
+/// Noise is at the ends, too: these are free unless they are to be interpolated. Without a tolerance enough control
+/// points are taken, as fairness says how free they are.
+pub(super) fn settle(request: &mut Request) {
+    let (count, has_goal) = (request.grid.count(), request.tolerance.is_some());
+    let is_curve = request.v.is_none();
+    let degree = match request.u.basis {
+        BasisChoice::BSpline { degree, .. } => degree,
+        BasisChoice::Polynomial(_) => 1,
+    };
+    let Some(settings) = settings(request) else {
+        return;
+    };
+    if settings.ends == EndPoints::Usual {
+        settings.ends = EndPoints::Free;
+    }
+    if settings.automatic.is_some() && is_curve && !has_goal {
+        let most = MOST
+            .max(count / PART)
+            .min(FEW + count.saturating_sub(FEW) / 2);
+        settings.automatic = None;
+        settings.u = settings.u.min(most.min(count)).max(degree + 1);
+    }
+}
+
+/// Chooses the fairness, if the data are to choose it.
+pub(super) fn choose(request: &mut Request, setup: &Setup, tolerance: f64) -> Result<(), Invalid> {
+    let tolerance = request.tolerance.map(|_| tolerance);
+    let Some(settings) = settings(request) else {
+        return Ok(());
+    };
+    let value = cross_validation::chosen(setup, settings, tolerance).ok_or_else(|| {
+        let detail = "the data do not say what is noise: give a number, or fewer control points";
+        Invalid::at(Place::Setting(Setting::Fairness), detail)
+    })?;
+    settings.fairness.iter_mut().for_each(|it| it.value = value);
+    Ok(())
+}
