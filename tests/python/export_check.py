@@ -86,9 +86,9 @@ def check_data(file: cad.CadFile, spline: Spline, job: dict, what: str) -> None:
     for place in points[:: max(1, len(points) // 150)]:
         place = list(place) + [0.0] * (3 - len(place))
         distance = file.distance(place)
-        if distance > spline.error + slack:
-            # OpenCASCADE can miss the nearest of several minima, and one behind a corner of a curve.
-            distance = nearest(spline, np.array(place))[0] if spline.is_surface else to_curve(spline, np.array(place))
+        if distance > spline.error + slack and spline.is_surface:
+            # OpenCASCADE can miss the nearest of several minima.
+            distance = nearest(spline, np.array(place))[0]
         assert distance <= spline.error + slack, f"{what}: a data point is {distance} away"
         name = f"{what} data beyond the error of the fit"
         worst_of[name] = max(worst_of.get(name, 0.0), distance - spline.error)
@@ -333,15 +333,6 @@ def normal(spline: Spline, u: float, v: float) -> np.ndarray | None:
     cross = np.cross(*partial)
     length = np.linalg.norm(cross)
     return cross / length if length > 1e-2 else None
-
-
-def to_curve(spline: Spline, place: np.ndarray) -> float:
-    """The distance of a curve from a place: that of the polygon through many of its points."""
-    points = spline.evaluate(spline.parameters(0, 20_000))
-    edges = np.diff(points, axis=0)
-    lengths = np.maximum((edges**2).sum(axis=1), 1e-300)
-    along = np.clip(((place - points[:-1]) * edges).sum(axis=1) / lengths, 0, 1)
-    return float(np.linalg.norm(points[:-1] + along[:, None] * edges - place, axis=1).min())
 
 
 def nearest(spline: Spline, place: np.ndarray) -> tuple[float, tuple[float, float]]:

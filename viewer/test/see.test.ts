@@ -206,6 +206,9 @@ describe("the page", () => {
       await visit.page.waitForTimeout(500);
       return (await asked()) === before;
     }, "no frame is asked for within half a second");
+    const atRest = await visit.page.evaluate(() => (globalThis as unknown as { asked: number }).asked);
+    await visit.page.waitForTimeout(1000);
+    assert.equal(await visit.page.evaluate(() => (globalThis as unknown as { asked: number }).asked), atRest);
     await visit.end();
   });
 

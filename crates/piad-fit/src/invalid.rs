@@ -225,7 +225,7 @@ pub enum Place {
     Corners(Axis),
     /// One of them, by its place in the list.
     Corner(Axis, usize),
-    /// Whether the edges between the points are data, too.
+    /// The choice of a polyline, whose edges are data, too.
     Polyline,
     /// How a direction ends.
     Ends(Axis),

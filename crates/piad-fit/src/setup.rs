@@ -39,7 +39,7 @@ pub struct Setup {
     pub(super) missing: Option<Missing>,
     /// Whether the points of the surface are scattered.
     pub(super) scattered: bool,
-    /// Whether the edges between the points of the curve are data, too.
+    /// True if the edges between the points of the curve are data, too.
     pub(super) polyline: bool,
     /// The direction of a curve, or u of a surface.
     pub(super) u: Direction,

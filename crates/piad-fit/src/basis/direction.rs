@@ -181,7 +181,7 @@ impl Direction {
         self.free
     }
 
-    /// Whether it returns to its start: a closed direction is periodic, or clamped at its first corner.
+    /// Returns true if it returns to its start: a closed direction is periodic, or clamped at its first corner.
     pub fn is_closed(&self) -> bool {
         self.period().is_some()
     }

@@ -22,7 +22,7 @@ const TIMES: f64 = 3.0;
 /// Points of arcs turn by less than this angle, in degrees: a circle would have four of them.
 const SHARP: f64 = 75.0;
 
-/// At most so many points turn, or this part of them, unless it is noise.
+/// Where more points than this turn, and more than one in [`PART`], they are noise.
 const FEW: usize = 16;
 
 /// See [`FEW`].

@@ -19,7 +19,7 @@ pub struct KnotVector {
     /// Non-decreasing knots, p + 1 more than control points. Clamped, or of a closed direction without corners
     /// the knots of a period, continued by p on both sides.
     pub knots: Vec<f64>,
-    /// Whether the direction returns to its start.
+    /// True if the direction returns to its start.
     pub closed: bool,
 }
 
@@ -44,7 +44,7 @@ impl KnotVector {
         }
     }
 
-    /// Whether the direction is closed and its knots are not clamped: then the last p control points are the first ones
+    /// Returns true if the direction is closed and its knots are not clamped: then the last p control points are the first ones
     /// again.
     pub fn is_periodic(&self) -> bool {
         self.closed && self.knots[0] < self.knots[self.degree]

@@ -28,7 +28,7 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    /// The most points along the edges between so many vertices.
+    /// The largest number of points along the edges of a polyline with this number of vertices.
     pub(crate) fn most(vertices: usize) -> usize {
         vertices.saturating_mul(PARTS + 1).saturating_add(SHARED) + 1
     }

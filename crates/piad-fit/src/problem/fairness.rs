@@ -7,10 +7,10 @@ use crate::method::cross_validation;
 use crate::method::{EndPoints, LeastSquares, Method};
 use crate::setup::Setup;
 
-/// Up to so many data have as many control points, where no number is given.
+/// Without a given number there are as many control points as data, up to this number of data.
 const FEW: usize = 50;
 
-/// More have at most so many, or this part of their number.
+/// The largest number of control points of more data, unless one for every [`PART`] data is more.
 const MOST: usize = 200;
 
 /// See [`MOST`].

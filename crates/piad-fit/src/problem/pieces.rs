@@ -44,7 +44,7 @@ impl Problem {
         Some(data.iter().map(most).sum())
     }
 
-    /// The most control points of a curve through so many data, with points between them.
+    /// The largest number of control points of a curve with this number of data, and points between them.
     pub(super) fn most_beside_data(&self, data: usize) -> usize {
         match self.request.polyline {
             true => Edges::most(data),

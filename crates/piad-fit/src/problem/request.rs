@@ -53,7 +53,7 @@ pub struct Request {
     /// How the points of a surface get their parameters if they are scattered: then they are in a grid of
     /// one column, and the parameters of the directions are not looked at.
     pub scattered: Option<Scattered>,
-    /// Whether the edges between the points of a curve are data, too.
+    /// True if the edges between the points of a curve are data, too.
     pub polyline: bool,
     /// The direction of a curve, or u of a surface.
     pub u: DirectionChoice,

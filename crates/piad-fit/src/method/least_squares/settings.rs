@@ -219,7 +219,7 @@ pub struct Fairness {
     pub value: f64,
     /// The order r of the derivative, 2 or 3.
     pub order: usize,
-    /// Whether the value is chosen by the data: see `super::cross_validation`. What is given is not looked at.
+    /// True if the data choose the value, and replace the one that is given: see `super::cross_validation`.
     #[cfg_attr(feature = "serde", serde(default))]
     pub by_data: bool,
 }
