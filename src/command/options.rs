@@ -105,19 +105,30 @@ impl Asked {
     fn take_settings(&mut self, arguments: &FitArguments) -> Result<(), Failure> {
         let method = arguments.method.as_deref();
         let (count, fairness) = (&arguments.control_points, &arguments.fairness);
-        let implied = [(count, "--control-points"), (fairness, "--fairness")];
-        let implied = implied.iter().find(|(flag, _)| flag.is_some());
+        let implied = [
+            ("--control-points", count.is_some()),
+            ("--fairness", fairness.is_some()),
+            ("--robust", arguments.robust),
+        ];
+        let implied = implied.iter().find(|(_, is_given)| *is_given);
         match (method, implied) {
             (Some(kind), _) => self.take("method.kind", "--method", Value::from(kind))?,
-            (None, Some((_, flag))) => {
+            (None, Some((flag, _))) => {
                 self.take("method.kind", flag, Value::from("least_squares"))?
             }
             (None, None) => {}
         }
-        if let Some(text) = count {
-            self.take("method.control_points", "--control-points", pair(text, 'x'))?;
-        } else if fairness.is_some() && method.is_none() {
-            self.take("method.control_points", "--fairness", Value::from("auto"))?;
+        match (count, implied) {
+            (Some(text), _) => {
+                self.take("method.control_points", "--control-points", pair(text, 'x'))?;
+            }
+            (None, Some((flag, _))) if method.is_none() => {
+                self.take("method.control_points", flag, Value::from("auto"))?;
+            }
+            (None, _) => {}
+        }
+        if arguments.robust {
+            self.take("method.robust", "--robust", Value::from(true))?;
         }
         if let Some(text) = fairness {
             self.take("method.fairness", "--fairness", number(text))?;

@@ -83,6 +83,10 @@ pub struct FitArguments {
     #[arg(long, value_name = "FAIRNESS", help_heading = "Fit")]
     pub(crate) fairness: Option<String>,
 
+    /// A least-squares fit without points that are far from where their neighbours lead.
+    #[arg(long, help_heading = "Fit")]
+    pub(crate) robust: bool,
+
     /// Points at which a curve may turn: their indices, such as 12,40, or auto, or an angle in degrees such as 30deg.
     #[arg(long, value_name = "CORNERS", help_heading = "Fit")]
     pub(crate) corners: Option<String>,

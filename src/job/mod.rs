@@ -29,6 +29,7 @@ pub(crate) mod cursor;
 pub(crate) mod encoding_cache;
 pub(crate) mod frame;
 pub(crate) mod memory;
+pub(crate) mod outliers;
 pub(crate) mod outline;
 pub(crate) mod peer;
 pub(crate) mod probation;

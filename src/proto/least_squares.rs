@@ -91,6 +91,7 @@ pub(super) fn input(
             false => settings.fairness.map(|value| FairnessInput(Some(value))),
         },
         gap_stiffness: settings.gap_stiffness,
+        robust: settings.robust.then_some(true),
         fairness_order: (order != 0).then_some(order as usize),
         constraints: constraints(settings.constraints, target)?,
     })
@@ -204,6 +205,7 @@ pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares
         fairness: settings.fairness.map(|fairness| fairness.value),
         fairness_by_data: settings.fairness.is_some_and(|it| it.by_data),
         gap_stiffness: settings.gap_stiffness,
+        robust: settings.robust,
         fairness_order: settings
             .fairness
             .map_or(0, |fairness| count(fairness.order)),

@@ -221,6 +221,7 @@ pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
                 | Setting::Fairness
                 | Setting::FairnessOrder
                 | Setting::GapStiffness
+                | Setting::Robust
                 | Setting::Variant => "least_squares",
                 Setting::CorrectParameters => "least_squares.automatic",
                 Setting::Indices | Setting::Sweeps => "local",

@@ -89,6 +89,7 @@ mod obeying_surfaces;
 mod omega;
 mod one_answer;
 mod openapi;
+mod outliers;
 mod page;
 mod peers;
 mod plain_words;

@@ -23,7 +23,7 @@ const CHANGES: Readonly<Record<string, (page: Page) => Promise<unknown>>> = {
   "a list that has no other fields": (page) => field(page, "/method/kind").selectOption("global"),
   "a box": (page) => field(page, "/curve/closed").setChecked(false),
   "a number that is cleared": (page) => field(page, "/stop/max_iterations").fill(""),
-  "a folded section": (page) => unfold(page, "Ends, parameters, weights"),
+  "a folded section": (page) => unfold(page, "Corners, ends, parameters, weights"),
   "a list in a folded section": (page) => field(page, "/curve/parameters").selectOption({ index: 1 }),
   "the request as JSON": async (page) => {
     await unfold(page, "The request, as JSON and for curl");

@@ -196,6 +196,17 @@ def test_data_choose_their_fairness(client: piad.Client) -> None:
     assert np.sqrt((off**2).sum(axis=1).mean()) < 0.6
 
 
+def test_outliers_are_left_out(client: piad.Client) -> None:
+    s = np.linspace(0, 1, 150)
+    points = np.stack([100 * s, 20 * np.sin(7 * s)], axis=1)
+    points[[31, 77]] += [0, 15]
+    fit = client.fit(points, method={"kind": "least_squares", "control_points": 25, "robust": True})
+    assert fit.outliers == (31, 77)
+    low, high = fit.curve.domain
+    on = fit.curve.evaluate(np.linspace(low, high, 500))
+    assert np.abs(on[:, 1] - 20 * np.sin(0.07 * on[:, 0])).max() < 0.05
+
+
 def test_ends_have_the_derivatives_that_are_given(client: piad.Client) -> None:
     angle = np.linspace(0, np.pi, 9)
     points = np.stack([np.cos(angle), np.sin(angle)], axis=1)

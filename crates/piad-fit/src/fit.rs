@@ -192,6 +192,15 @@ impl<S: Shape> Fit<S> {
         self.method(Method::LeastSquares(settings))
     }
 
+    /// Least squares that leaves out points which are far from where their neighbours lead.
+    pub fn robust(self) -> Self {
+        self.with(|request| {
+            if let Method::LeastSquares(settings) = &mut request.method {
+                settings.robust = true;
+            }
+        })
+    }
+
     /// Positive weights, one for each data point: the fit is rational, in homogeneous coordinates (Lin 2010, 2.1).
     pub fn weights(self, weights: Vec<f64>) -> Self {
         self.with(|request| request.weights = Weights::Homogeneous(weights))

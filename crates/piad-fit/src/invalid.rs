@@ -294,6 +294,8 @@ pub enum Setting {
     FairnessOrder,
     /// How stiff least-squares surfaces are where they have no data.
     GapStiffness,
+    /// Whether least-squares PIA leaves points out.
+    Robust,
     /// The update of least-squares PIA.
     Variant,
     /// Whether parameters move while least-squares PIA chooses its knots.
@@ -316,6 +318,7 @@ impl Setting {
             Self::Fairness => "fairness",
             Self::FairnessOrder => "fairness_order",
             Self::GapStiffness => "gap_stiffness",
+            Self::Robust => "robust",
             Self::Variant => "variant",
             Self::CorrectParameters => "correct_parameters",
         }

@@ -35,7 +35,7 @@ pub struct Setup {
     pub(super) target: Arc<Points>,
     /// The extent of each coordinate of the data, lifted if they are.
     pub(super) extents: Vec<Extent>,
-    /// Which points are missing, for least-squares fits.
+    /// Which points are missing or left out, for least-squares fits.
     pub(super) missing: Option<Missing>,
     /// Whether the points of the surface are scattered.
     pub(super) scattered: bool,
@@ -139,6 +139,14 @@ impl Setup {
     /// The second direction of a surface.
     pub fn v(&self) -> Option<&Direction> {
         self.v.as_ref()
+    }
+
+    /// The first and the last data point of a curve that are not missing.
+    pub(super) fn ends(&self) -> [usize; 2] {
+        let last = self.grid.count() - 1;
+        let is_there = |index: &usize| self.missing().is_none_or(|it| !it.contains(*index));
+        let first = (0..=last).find(is_there).unwrap_or(0);
+        [first, (0..=last).rfind(is_there).unwrap_or(last)]
     }
 
     /// The parameters (u, v) of a data point; v of a curve is zero.

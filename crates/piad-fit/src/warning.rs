@@ -11,6 +11,7 @@ use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::basis::end_conditions::{End, Ends, MOST_ESTIMATED};
 use crate::data::no_data::no_data;
+use crate::data::outliers;
 use crate::data::point_order::is_unordered;
 use crate::data::points::Points;
 use crate::geometry::between::Excursion;
@@ -47,6 +48,13 @@ pub enum Warning {
         inner: f64,
         /// The tolerance in data units.
         tolerance: f64,
+    },
+    /// Least squares: a few points of a curve are far from where their neighbours lead.
+    Spikes {
+        /// How many.
+        count: usize,
+        /// The first of them.
+        index: usize,
     },
     /// The points of a curve have no order along it.
     Unordered,
@@ -109,6 +117,9 @@ const WIDE: f64 = 100.0;
 /// At least this part of the slowest part of the error is left, if the iterations hardly change it.
 const UNCHANGED: f64 = 0.99;
 
+/// What to do about points that are wrong.
+const ROBUST: &str = "\"robust\": true leaves such points out";
+
 impl Warning {
     /// What is doubtful about a direction as it is asked for, with a control point for each data point.
     pub(super) fn of_direction(
@@ -152,6 +163,13 @@ impl Warning {
         is_unordered(points).then_some(Self::Unordered)
     }
 
+    /// Whether a few points of a curve are far from where their neighbours lead.
+    pub(super) fn of_spikes(points: &Points, closed: bool) -> Option<Self> {
+        let spikes = outliers::spikes(points, closed);
+        let (count, index) = (spikes.len(), *spikes.first()?);
+        Some(Self::Spikes { count, index })
+    }
+
     /// Whether the values of a grid have one that stands for missing data.
     pub(super) fn of_grid(points: &Points, missing: &[usize]) -> Option<Self> {
         no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
@@ -174,7 +192,7 @@ impl Warning {
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 13] = [
+    pub const CODES: [&str; 14] = [
         "few_points",
         "even_degree",
         "rounding",
@@ -188,6 +206,7 @@ impl Warning {
         "no_data_value",
         "between_points",
         "folded_parameters",
+        "spikes",
     ];
 
     /// The name on the wire.
@@ -206,6 +225,7 @@ impl Warning {
             Self::NoData { .. } => "no_data_value",
             Self::Between(_) => "between_points",
             Self::Folded(_) => "folded_parameters",
+            Self::Spikes { .. } => "spikes",
         }
     }
 
@@ -215,6 +235,7 @@ impl Warning {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
             Self::Outliers { .. } | Self::Unordered | Self::NoData { .. } => Place::Points,
             Self::Between(excursion) => Place::Point(excursion.index),
+            Self::Spikes { index, .. } => Place::Point(index),
             Self::Folded(Fold {
                 points: [index, _], ..
             }) => Place::Point(index),
@@ -291,6 +312,13 @@ impl Warning {
                 "points {first} and {second} have nearly the same parameters and are {distance:.3e} apart, and so are \
                  others: the parameters fold, and no surface is near both; project to another plane, as with \
                  {{\"project\": \"xy\"}}, take foot points on another surface, or give parameters"
+            ),
+            Self::Spikes { count: 1, index } => format!(
+                "point {index} is far from where its neighbours lead, and the fit is drawn towards it: {ROBUST}"
+            ),
+            Self::Spikes { count, index } => format!(
+                "{count} points, of which the first is point {index}, are far from where their neighbours lead, and the fit \
+                 is drawn towards them: {ROBUST}"
             ),
             Self::WithoutData { count } => format!(
                 "{count} control points have no data where their functions differ from zero: they stay where they \

@@ -7,7 +7,7 @@ use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint};
 
 use super::names;
-use super::view::{directions, distances};
+use super::view::{directions, distances, outliers};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::job::Job;
@@ -99,6 +99,8 @@ pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> C
         bad_weight: bad_weight(level),
         geometry: None,
         notices: outline.label.notices.clone(),
+        fairness: problem.method().fairness(),
+        outliers: outliers(problem),
     };
     written(&message, large)
 }

@@ -12,6 +12,7 @@ use crate::api::problem::{self as api, Words};
 use crate::api::rates::Rates;
 use crate::job::Job;
 use crate::job::content::Content;
+use crate::job::outliers::Outliers;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
 use crate::model::mistakes::SpecPart;
@@ -265,8 +266,18 @@ pub(crate) fn description(
         stop: Some(stop(outline)),
         warnings: warnings(outline, levels.as_ref()),
         notices: outline.label.notices.clone(),
+        outliers: outliers(problem),
     };
     Bytes::from(message.encode_to_vec()).into()
+}
+
+/// The points that a robust fit leaves out, if there are any.
+pub(super) fn outliers(problem: &Problem) -> Option<pb::Outliers> {
+    let outliers = Outliers::of(problem)?;
+    Some(pb::Outliers {
+        count: count(outliers.count),
+        indices: outliers.indices.iter().map(|&index| count(index)).collect(),
+    })
 }
 
 /// The end of a job, as the bytes of a `JobEnd`.

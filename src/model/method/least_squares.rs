@@ -89,6 +89,10 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub gap_stiffness: Option<f64>,
+    /// Of curves and scattered points: points that are far from where their neighbours lead are left out. They are listed as
+    /// `outliers`. Default: `false`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robust: Option<bool>,
     /// What every iteration obeys: points to pass through and derivatives.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<ConstraintInput>>", length(min = 1, max = MOST_CONDITIONS))]
@@ -148,6 +152,7 @@ impl LeastSquaresInput {
                 by_data: value.is_none(),
             }),
             gap_stiffness: self.gap_stiffness,
+            robust: self.robust.unwrap_or(false),
             data_weights: weights.transpose()?.map(Into::into),
             automatic,
             ..LeastSquares::new(u, v)
@@ -219,6 +224,7 @@ impl LeastSquaresInput {
                 .map(|it| FairnessInput((!it.by_data).then_some(it.value))),
             fairness_order: settings.fairness.map(|fairness| fairness.order),
             gap_stiffness: settings.gap_stiffness,
+            robust: settings.robust.then_some(true),
             constraints: Some(AtMost(constraints.collect())).filter(|it| !it.0.is_empty()),
         }
     }

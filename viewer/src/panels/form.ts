@@ -77,7 +77,7 @@ export class Form {
     const stop = this.#all("StopRules", "/stop");
     const more = this.#moreFields(shape);
     this.#fields = [name, ...basis, ...method, ...stop, ...more];
-    return [name.element, section("Basis", basis), section("Method", method), section("Stop", stop), section("Ends, parameters, weights", more, !more.some(isGiven))];
+    return [name.element, section("Basis", basis), section("Method", method), section("Stop", stop), section("Corners, ends, parameters, weights", more, !more.some(isGiven))];
   }
 
   #basis(side: Side | null): string {
@@ -168,7 +168,8 @@ export class Form {
     const ends = open.length === 0 ? [] : [of("ends", {}, this.#slots(`/${shape}/ends`, "", open))];
     const rational = this.#description.field("JobRequest", "rational");
     const ways = { ...this.#description.kind(rational), choices: this.#description.capabilities.rational };
-    return [...ends, of("parameters", { kind, usual: this.#description.usual(this.#description.schema("ParameterChoice")) }), of("weights"), fieldOf(this.#description, rational, "Rational", this.#slots("/rational", "", [null]), { kind: ways })];
+    const ofCurve = shape === "curve" && this.#basis(null) === "bspline" ? [of("corners"), of("polyline")] : [];
+    return [...ofCurve, ...ends, of("parameters", { kind, usual: this.#description.usual(this.#description.schema("ParameterChoice")) }), of("weights"), fieldOf(this.#description, rational, "Rational", this.#slots("/rational", "", [null]), { kind: ways })];
   }
 
   /** All fields of a schema. */

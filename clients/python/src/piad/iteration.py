@@ -299,6 +299,10 @@ class Result:
     parameters: tuple[Array, ...]
     """Where on it the data points lie: on a curve, or those of u and of v."""
     bad_weight: Optional[BadWeight] = None
+    fairness: Optional[float] = None
+    """That of a least-squares fit, also if the data have chosen it."""
+    outliers: tuple[int, ...] = ()
+    """The points that a robust fit leaves out, at most the first 1000."""
 
     def __repr__(self) -> str:
         return f"<piad.Result {self.id}: {self.state} after iteration {self.iteration}, {self.error.brief}>"
@@ -320,6 +324,8 @@ class Result:
             shape.with_net(_array(value, "control_points"), weights),
             tuple(_line_of(line, 8) if isinstance(line, str) else as_array(line) for line in lines),
             _bad_weight(value),
+            value.get("fairness"),
+            tuple(value.get("outliers", {}).get("indices", ())),
         )
 
     @property

@@ -97,7 +97,9 @@ fn scattered(
     let points = &problem.request().points;
     let cost = 8 * nurbs.columns() * (nurbs.u.degree + 1);
     let most = (MOST_OPERATIONS / cost).clamp(1, MOST_MEASURED);
+    let is_there = |index: &usize| !problem.missing().is_some_and(|it| it.contains(*index));
     let some = (0..points.len()).step_by(points.len().div_ceil(most));
+    let some = some.filter(is_there);
     let (mut u, mut v, mut distances) = (Vec::new(), Vec::new(), Vec::new());
     for index in some {
         let (s, t) = (problem.u().parameters[index], across.parameters[index]);

@@ -131,6 +131,14 @@ impl Direction {
         }
     }
 
+    /// The same with other parameters of the data.
+    pub(crate) fn with_parameters(&self, parameters: Vec<f64>) -> Self {
+        Self {
+            parameters: Arc::new(parameters),
+            ..self.clone()
+        }
+    }
+
     /// The same with other copies on both sides.
     pub(crate) fn with_copies(mut self, rules: [CopyRule; 2]) -> Self {
         if let Sharing::Open { copies, .. } = &mut self.sharing {

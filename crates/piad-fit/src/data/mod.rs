@@ -4,7 +4,7 @@
 //!   have them;
 //! - `missing`: grids with missing points; `no_data`: values that stand for them in files of heights;
 //! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve; `corners`: where a
-//!   polyline has corners;
+//!   polyline has corners; `outliers`: points that are wrong;
 //! - `distances` and `blocks`: lengths of residuals, and their norms in blocks;
 //! - `aligned`, `bounds`, `monotonic`, `quantiles`: arrays of numbers.
 
@@ -18,6 +18,7 @@ mod input;
 pub(crate) mod missing;
 pub(crate) mod monotonic;
 pub(crate) mod no_data;
+pub(crate) mod outliers;
 pub(crate) mod point_order;
 pub(crate) mod points;
 pub(crate) mod quantiles;

@@ -105,9 +105,8 @@ pub fn excesses(setup: &Setup, control_points: &Points) -> Vec<f64> {
         .distances(control_points)
         .into_iter()
         .zip(gaps.freedom());
-    pairs
-        .map(|(distance, free)| (distance - free).max(0.0))
-        .collect()
+    let excesses = pairs.map(|(distance, free)| (distance - free).max(0.0));
+    gaps.of_all_data(excesses.collect())
 }
 
 /// How far a surface of scattered data leaves their bounding box, as a part of its diagonal.
@@ -118,7 +117,7 @@ pub(crate) fn outside(setup: &Setup, control_points: &Points) -> f64 {
         places.next().unwrap_or_default(),
         places.next().unwrap_or_default(),
     );
-    let extents = setup.points.extents();
+    let extents = setup.extents();
     let mut farthest = 0.0;
     for u in u.chunks((AT_ONCE / v.len().max(1)).max(1)) {
         let points = geometry.evaluate(u, &v);

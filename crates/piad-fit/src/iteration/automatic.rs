@@ -7,12 +7,14 @@
 //! A fit that is within the tolerance at its data and far from them in between continues with a second schedule
 //! ([`careful`]).
 
+mod alone;
 mod careful;
 mod pieces;
 mod schedules;
 
 use std::sync::Arc;
 
+use self::alone::Alone;
 use self::careful::{FAR, NEAR};
 use self::pieces::{Piece, Pieces};
 use self::schedules::{Fit, Schedules};
@@ -39,9 +41,15 @@ impl Automatic {
     /// Level 0 of an automatic fit; `None` of any other.
     pub(crate) fn start(problem: &Arc<Problem>) -> Option<Self> {
         let (settings, automatic) = problem.method().automatic()?;
-        let mut schedule = match problem.corners() {
-            Some(_) => Self::of_pieces(problem),
-            None => Schedules::new(problem, settings, automatic),
+        let mut schedule = match (problem.alone(), problem.corners()) {
+            (Some((alone, inliers)), _) => match Self::start(alone) {
+                Some(fit) => {
+                    Schedules::Several(Box::new(Alone::new(Box::new(fit), Arc::clone(inliers))))
+                }
+                None => Schedules::Nowhere,
+            },
+            (None, Some(_)) => Self::of_pieces(problem),
+            (None, None) => Schedules::new(problem, settings, automatic),
         };
         let now = schedule.next(problem).unwrap_or_else(|| {
             // Not even the first level has finite numbers.

@@ -188,6 +188,14 @@ impl Method {
         self.scheme().about()
     }
 
+    /// The fairness of a least-squares fit, also if the data have chosen it.
+    pub fn fairness(&self) -> Option<f64> {
+        match self {
+            Self::LeastSquares(method) => method.fairness.map(|it| it.value),
+            _ => None,
+        }
+    }
+
     /// What to do where a least-squares fit is at its minimum, and further from the data than was asked for.
     pub fn advice_at_minimum(&self) -> String {
         match self {

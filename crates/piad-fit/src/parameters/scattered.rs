@@ -11,12 +11,16 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::LARGEST;
+use crate::data::outliers::median;
 use crate::data::points::{Points, normalizing_scale};
 use crate::invalid::{Axis, Invalid, Place};
 use crate::linear::triangular::Triangular;
 
 /// Points that spread less than this part across a line lie on it.
 const LINE: f64 = 1e-12;
+
+/// How many planes are looked at for one that outliers do not turn.
+const PLANES: usize = 4;
 
 /// How scattered points get their parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,6 +67,16 @@ impl Scattered {
     /// Names the parameter that is not a finite number, the wrong number of parameters, or why the
     /// points have no plane.
     pub(crate) fn parameters(&self, points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
+        let all: Vec<usize> = (0..points.len()).collect();
+        self.parameters_by(points, &all)
+    }
+
+    /// The same, where the plane is that nearest to some of the points.
+    pub(crate) fn parameters_by(
+        &self,
+        points: &Points,
+        some: &[usize],
+    ) -> Result<[Vec<f64>; 2], Invalid> {
         let parameters = match self {
             Self::Given(pairs) => {
                 let (given, expected) = (pairs.len(), points.len());
@@ -71,7 +85,7 @@ impl Scattered {
                 }
                 [pairs.lane(0).to_vec(), pairs.lane(1).to_vec()]
             }
-            Self::Plane => in_plane(points)?,
+            Self::Plane => Plane::of(points, some)?.parameters(),
             Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
             Self::Coordinates(plane) => {
                 let axes = plane.axes();
@@ -106,34 +120,101 @@ fn check(values: &[f64], axis: Axis) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Coordinates along the principal axes of the points, from their mean.
-fn in_plane(points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
-    let dimension = points.dimension();
-    if dimension < 2 {
-        return Err(no_plane());
+/// The plane that lies nearest to points.
+struct Plane<'a> {
+    points: &'a Points,
+    /// Scaled by this, neither sums nor squares leave the range of numbers.
+    scale: f64,
+    mean: Vec<f64>,
+    axes: [Vec<f64>; 2],
+}
+
+impl<'a> Plane<'a> {
+    /// That of some of the points, along their principal axes.
+    fn of(points: &'a Points, some: &[usize]) -> Result<Self, Invalid> {
+        let dimension = points.dimension();
+        if dimension < 2 {
+            return Err(no_plane());
+        }
+        let scale = normalizing_scale(points.magnitude());
+        let count = some.len() as f64;
+        let lanes = points.lanes().iter();
+        let mean = lanes.map(|lane| some.iter().map(|&i| lane[i] * scale / count).sum());
+        let mut plane = Self {
+            points,
+            scale,
+            mean: mean.collect(),
+            axes: [Vec::new(), Vec::new()],
+        };
+        let mut factor = Triangular::new((0..dimension as u32).collect(), dimension);
+        for &i in some {
+            factor.insert_row(plane.centred(i).enumerate());
+        }
+        let mut matrix = DMatrix::zeros(dimension, dimension);
+        for (row, entries) in factor.rows().enumerate() {
+            let entries = entries.filter(|(column, _)| *column < dimension);
+            entries.for_each(|(column, value)| matrix[(row, column)] = value);
+        }
+        plane.axes = principal_axes(matrix).ok_or_else(on_line)?;
+        Ok(plane)
     }
-    // Scaled, so that neither sums nor squares leave the range of numbers.
-    let scale = normalizing_scale(points.magnitude());
-    let count = points.len() as f64;
-    let lanes = points.lanes().iter();
-    let mean = lanes.map(|lane| lane.iter().map(|x| x * scale / count).sum());
-    let mean: Vec<f64> = mean.collect();
-    let centred = |i: usize| {
-        let lanes = points.lanes().iter().zip(&mean).enumerate();
-        lanes.map(move |(c, (lane, mean))| (c, lane[i] * scale - mean))
+
+    /// A point relative to the mean, scaled.
+    fn centred(&self, i: usize) -> impl Iterator<Item = f64> + Clone + '_ {
+        let lanes = self.points.lanes().iter().zip(&self.mean);
+        lanes.map(move |(lane, mean)| lane[i] * self.scale - mean)
+    }
+
+    /// A point along an axis, scaled.
+    fn along(&self, axis: usize, i: usize) -> f64 {
+        self.centred(i)
+            .zip(&self.axes[axis])
+            .map(|(x, a)| x * a)
+            .sum()
+    }
+
+    /// All points along both axes.
+    fn parameters(&self) -> [Vec<f64>; 2] {
+        let all = 0..self.points.len();
+        [0, 1].map(|axis| {
+            all.clone()
+                .map(|i| self.along(axis, i) / self.scale)
+                .collect()
+        })
+    }
+
+    /// How far a point is from it, scaled.
+    fn distance(&self, i: usize) -> f64 {
+        let [u, v] = [0, 1].map(|axis| self.along(axis, i));
+        let pairs = self.centred(i).zip(self.axes[0].iter().zip(&self.axes[1]));
+        pairs.fold(0.0, |sum: f64, (x, (a, b))| sum.hypot(x - u * a - v * b))
+    }
+}
+
+/// The points that are nearest to a plane which outliers do not turn: first that of the half that is nearest to their
+/// middle, then that of the three quarters that are nearest to the plane before.
+pub(crate) fn nearest_to_their_plane(points: &Points) -> Result<Vec<usize>, Invalid> {
+    let middle = points.lanes().iter().map(|lane| median(lane.to_vec()));
+    let middle: Vec<f64> = middle.collect();
+    let away = |i: usize| {
+        let pairs = points.point(i).zip(&middle);
+        pairs.fold(0.0, |away: f64, (x, m)| away.hypot(x - m))
     };
-    let mut factor = Triangular::new((0..dimension as u32).collect(), dimension);
-    (0..points.len()).for_each(|i| factor.insert_row(centred(i)));
-    let mut matrix = DMatrix::zeros(dimension, dimension);
-    for (row, entries) in factor.rows().enumerate() {
-        let entries = entries.filter(|(column, _)| *column < dimension);
-        entries.for_each(|(column, value)| matrix[(row, column)] = value);
+    let mut some = nearest(points.len() / 2, (0..points.len()).map(away).collect());
+    for _ in 0..PLANES {
+        let plane = Plane::of(points, &some)?;
+        let distances = (0..points.len()).map(|i| plane.distance(i));
+        some = nearest(points.len() * 3 / 4, distances.collect());
     }
-    let axes = principal_axes(matrix).ok_or_else(on_line)?;
-    Ok(axes.map(|axis| {
-        let along = |i| centred(i).map(|(c, x)| x * axis[c]).sum::<f64>() / scale;
-        (0..points.len()).map(along).collect()
-    }))
+    Ok(some)
+}
+
+/// The indices of the least of some distances.
+fn nearest(count: usize, distances: Vec<f64>) -> Vec<usize> {
+    let mut all: Vec<usize> = (0..distances.len()).collect();
+    all.sort_by(|&i, &j| distances[i].total_cmp(&distances[j]));
+    all.truncate(count);
+    all
 }
 
 /// The directions in which the rows of a matrix are longest; `None` if they are all on a line.

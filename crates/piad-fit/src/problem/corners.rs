@@ -3,15 +3,17 @@
 use std::sync::Arc;
 
 use super::request::{Request, Weights};
+use super::robust::Inliers;
 use crate::basis::choice::{BasisChoice, Corners};
 use crate::basis::knots::Knots;
 use crate::data::corners;
+use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 use crate::method::{At, Constraint, EndPoints, Method, Wanted};
 
 /// Finds the corners of a curve where they are not given, and leaves them out where there are none; least squares passes
 /// through them.
-pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
+pub(super) fn resolve(request: &mut Request, inliers: Option<&Inliers>) -> Result<(), Invalid> {
     if request.v.iter().any(|v| v.corners.is_some()) {
         return Err(wrong(
             "corners are those of curves: a surface has none".to_owned(),
@@ -33,7 +35,13 @@ pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
                     "points of one coordinate have no angles: give the indices of the corners";
                 return Err(wrong(detail.to_owned()));
             }
-            corners::find(&request.points, request.u.closed, angle).into()
+            let find = |points: &Points| corners::find(points, request.u.closed, angle);
+            match inliers {
+                None => find(&request.points).into(),
+                Some(Inliers {
+                    points, indices, ..
+                }) => find(points).into_iter().map(|it| indices[it]).collect(),
+            }
         }
     };
     request.u.corners = (!indices.is_empty()).then(|| Corners::At(Arc::clone(&indices)));

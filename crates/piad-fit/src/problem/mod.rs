@@ -16,7 +16,10 @@ mod first;
 mod pieces;
 mod polyline;
 pub(crate) mod request;
+mod robust;
 mod scattered;
+
+pub(crate) use robust::Inliers;
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -52,6 +55,16 @@ pub struct Problem {
     setup: Arc<Setup>,
     /// The tolerance in data units, as it was asked for: methods may have a larger one.
     tolerance: f64,
+    /// Of a robust fit that leaves points out.
+    robust: Option<Robust>,
+}
+
+/// What a robust fit leaves out.
+#[derive(Clone, Debug)]
+struct Robust {
+    inliers: Arc<Inliers>,
+    /// The same fit of the inliers alone, if it chooses its knots by itself.
+    alone: Option<Arc<Problem>>,
 }
 
 impl Deref for Problem {
@@ -81,26 +94,34 @@ impl Problem {
     /// Those of [`new`](Self::new), and what is too much, before the start is looked at.
     pub fn admitted(mut request: Request, admission: &Admission) -> Result<Self, Invalid> {
         let missing = check_points(&mut request)?;
-        let extents = request.points.extents();
-        check_finite(&request.points, &extents)?;
+        check_finite(&request.points, &request.points.extents())?;
+        check_scattered(&request)?;
+        let inliers = Inliers::of(&request)?.map(Arc::new);
+        let fitted = |it: &Arc<Inliers>| Arc::clone(&it.points);
+        let fitted = inliers.as_ref().map_or(Arc::clone(&request.points), fitted);
+        let extents = fitted.extents();
         let diagonal = points::diagonal(&extents);
         if !diagonal.is_finite() {
             return Err(Invalid::too_large());
         }
         let tolerance =
             resolve_tolerance(request.tolerance, points::magnitude(&extents), diagonal)?;
-        check_scattered(&request)?;
         imply_control_points(&mut request)?;
         fairness::settle(&mut request);
         polyline::resolve(&mut request)?;
-        corners::resolve(&mut request)?;
+        corners::resolve(&mut request, inliers.as_deref())?;
         request.method.scheme().check(&scope(&request))?;
         automatic::check_request(&request)?;
         settle(&mut request);
-        let (u, v) = match (&request.scattered, request.method.automatic()) {
-            (_, Some(settings)) => first::first_directions(&request, settings)?,
-            (Some(scattered), None) => scattered_directions(&request, scattered)?,
-            (None, None) => directions(&request, missing.as_ref())?,
+        let alone = inliers.as_ref().map(|it| it.alone(&request));
+        let (u, v) = match inliers.as_ref().zip(alone.as_ref()) {
+            None => all_directions(&request, missing.as_ref())?,
+            Some((inliers, alone)) => {
+                alone.method.scheme().check(&scope(alone))?;
+                let (u, v) = all_directions(alone, None)?;
+                let with_outliers = |it: &Direction| inliers.with_outliers(it, v.is_some());
+                (with_outliers(&u), v.as_ref().map(with_outliers))
+            }
         };
         let lifted = match &request.weights {
             Weights::Homogeneous(values) => Some(Arc::new(weights::lift(&request.points, values)?)),
@@ -114,7 +135,7 @@ impl Problem {
             grid: request.grid,
             extents: lifted.as_ref().map_or(extents, |it| it.extents()),
             lifted,
-            missing,
+            missing: missing.or_else(|| inliers.as_ref()?.missing()),
             scattered: request.scattered.is_some(),
             polyline: request.polyline,
             offsets,
@@ -133,11 +154,23 @@ impl Problem {
             request,
             setup: Arc::new(setup),
             tolerance,
+            robust: None,
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
         fairness::choose(&mut problem.request, &problem.setup, problem.tolerance)?;
-        problem.pieces()?;
+        problem.robust = match (inliers, alone) {
+            (Some(inliers), Some(alone)) => {
+                let alone = problem.is_automatic().then_some(alone);
+                let alone = alone.map(|alone| Self::admitted(alone, admission));
+                let alone = alone.transpose()?.map(Arc::new);
+                Some(Robust { inliers, alone })
+            }
+            _ => {
+                problem.pieces()?;
+                None
+            }
+        };
         while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
             let finer = first::finer(&problem.setup, &problem.request);
             problem.setup = Arc::new(finer.ok_or(mistake)?);
@@ -157,6 +190,10 @@ impl Problem {
         request.tolerance = request
             .tolerance
             .and(Some(Tolerance::Absolute(self.tolerance)));
+        // Which points are left out is found again, and parameters are those of the others.
+        if self.robust.is_some() {
+            return request;
+        }
         if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
             let lanes = [&self.u().parameters, &v.parameters];
             let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
@@ -183,10 +220,20 @@ impl Problem {
             .zip(directions)
             .for_each(|(place, direction)| *place = direction);
         Self {
-            request: self.request.clone(),
             setup: Arc::new(setup),
-            tolerance: self.tolerance,
+            ..self.clone()
         }
+    }
+
+    /// The points that a robust fit leaves out, by index.
+    pub fn outliers(&self) -> &[usize] {
+        self.robust.as_ref().map_or(&[], |it| &it.inliers.outliers)
+    }
+
+    /// The fit of the points that a robust fit that chooses its knots does not leave out, and which these are.
+    pub(crate) fn alone(&self) -> Option<(&Arc<Self>, &Arc<Inliers>)> {
+        let Robust { inliers, alone } = self.robust.as_ref()?;
+        Some((alone.as_ref()?, inliers))
     }
 
     /// Whether the fit chooses its knots by itself, so that each level has knots of its own.
@@ -199,6 +246,9 @@ impl Problem {
         let Some((settings, _)) = self.method().automatic() else {
             return self.control_grid().count();
         };
+        if let Some((alone, _)) = self.alone() {
+            return alone.most_control_points();
+        }
         if let Some(most) = self.most_control_points_of_pieces() {
             return settings.u.min(most);
         }
@@ -256,6 +306,12 @@ impl Problem {
             }
             Some(_) => None,
         });
+        if let (Method::LeastSquares(settings), None) = (self.method(), v)
+            && !settings.robust
+            && !request.polyline
+        {
+            warnings.extend(Warning::of_spikes(&request.points, u.closed));
+        }
         // Fewer control points have knots of their own, which are not at the data.
         if self.method().scheme().control_points().is_some() {
             return warnings;
@@ -309,6 +365,18 @@ impl Problem {
     }
 }
 
+/// The directions of what was asked for.
+fn all_directions(
+    request: &Request,
+    missing: Option<&Missing>,
+) -> Result<(Direction, Option<Direction>), Invalid> {
+    match (&request.scattered, request.method.automatic()) {
+        (_, Some(settings)) => first::first_directions(request, settings),
+        (Some(scattered), None) => scattered_directions(request, scattered),
+        (None, None) => directions(request, missing),
+    }
+}
+
 /// The directions of scattered points.
 fn scattered_directions(
     request: &Request,
@@ -323,7 +391,7 @@ fn scattered_directions(
     Ok((u, v.transpose()?))
 }
 
-/// The directions of what was asked for, with fixed weights from a grid separated, and with as many
+/// The directions of curves and grids, with fixed weights from a grid separated, and with as many
 /// control points as the method has.
 fn directions(
     request: &Request,

@@ -23,6 +23,7 @@ use crate::api::json::plain::never_null;
 use crate::api::problem::ProblemBody;
 use crate::job::Job;
 use crate::job::content::Content;
+use crate::job::outliers::Outliers;
 use crate::job::state::{Levels, Reason, State, Status};
 use crate::model::basis::BasisKind;
 use crate::model::per_direction::{Count, PerDirection};
@@ -60,13 +61,17 @@ struct JobEvent<'a> {
     /// The degree.
     #[schemars(with = "PerDirection<Count>")]
     degree: PerDirection<usize>,
-    /// Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
+    /// True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
     closed: PerDirection<bool>,
     /// How it ends.
     ends: PerDirection<EndRules>,
     /// The points at which a curve may turn, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<&'a [usize]>,
+    /// The points that a robust fit leaves out, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Outliers")]
+    outliers: Option<Outliers<'a>>,
     /// How weights are used, if there are any.
     rational: Option<Rational>,
     /// The method, with numbers that were computed for it.
@@ -137,6 +142,7 @@ pub(crate) fn description(
         closed: each(problem, |_, direction| direction.is_closed()),
         ends: EndRules::of(problem),
         corners: problem.request().u.corners.as_ref().map(Corners::indices),
+        outliers: Outliers::of(problem),
         rational: Rational::of(problem.request()),
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
         predicted: Prediction::at_first(levels),

@@ -14,6 +14,7 @@ use super::net::{ArrayShape, BadWeight, ControlNet, each, fixed_weights, knots, 
 use crate::api::json::plain::never_null;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
+use crate::job::outliers::Outliers;
 use crate::job::outline::Outline;
 use crate::job::state::{State, Status};
 use crate::model::basis::BasisKind;
@@ -21,7 +22,6 @@ use crate::model::per_direction::{Count, Pair, PerDirection};
 use crate::model::schema::schema_of;
 use crate::model::stream::form::Form;
 use crate::model::weights::Rational;
-use piad_fit::method::Method;
 
 /// The final curve or surface: geometry that can be read without anything else.
 #[derive(Serialize, JsonSchema)]
@@ -50,7 +50,7 @@ pub(crate) struct FitResult<'a> {
     /// The degree.
     #[schemars(with = "PerDirection<Count>")]
     degree: PerDirection<usize>,
-    /// Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
+    /// True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
     closed: PerDirection<bool>,
     /// How weights are used, if there are any.
     rational: Option<Rational>,
@@ -65,6 +65,10 @@ pub(crate) struct FitResult<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     fairness: Option<f64>,
+    /// The points that a robust fit leaves out, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Outliers")]
+    outliers: Option<Outliers<'a>>,
     /// How the arrays are written, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
@@ -124,10 +128,8 @@ pub(crate) fn result(outline: &Outline, status: &Status, frame: &Frame, form: &F
         bad_weight: BadWeight::of(level, problem),
         knots,
         parameters,
-        fairness: match problem.method() {
-            Method::LeastSquares(settings) => settings.fairness.map(|it| it.value),
-            _ => None,
-        },
+        fairness: problem.method().fairness(),
+        outliers: Outliers::of(problem),
         encoding,
         shape: encoding.map(|_| ArrayShape(net.shape)),
         control_points: net.points,

@@ -29,7 +29,8 @@ pub(crate) struct WarningView {
     /// `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
     /// points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
     /// `between_points`: the fit leaves its data between neighbours by more than these leave it free. `folded_parameters`: points of a
-    /// surface with nearly the same parameters are far from each other, so that no surface is near both. There may be others in later versions.
+    /// surface with nearly the same parameters are far from each other, so that no surface is near both. `spikes`: a few
+    /// points of a curve that least squares fits are far from where their neighbours lead. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
     /// A JSON pointer into the input of the job.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::view::{Canvas, Projected, Projection};
+use super::view::{Canvas, Projected, Projection, WIDTH};
 use crate::export::deviation::stride;
 use crate::export::nurbs::Nurbs;
 use crate::export::options::Dots;
@@ -46,6 +46,8 @@ const MOST_COVERED: f64 = 1.0 / 3.0;
 /// The data points of the drawing.
 pub(super) struct DrawnData {
     pub(super) places: Vec<Projected>,
+    /// Those that a robust fit leaves out, as many as are drawn.
+    outliers: Vec<Projected>,
     /// Every `stride`-th point of a curve, or row and column of a grid, is among them.
     stride: usize,
     is_grid: bool,
@@ -64,8 +66,10 @@ impl DrawnData {
         let some = (0..columns).step_by(stride);
         let indices = (0..rows).step_by(stride);
         let indices = indices.flat_map(|i| some.clone().map(move |j| i * columns + j));
+        let outliers = problem.outliers().iter().take(MOST_POINTS);
         Self {
             places: indices.filter(known).map(place).collect(),
+            outliers: outliers.map(|&index| place(index)).collect(),
             stride,
             is_grid: columns > 1,
             is_curve: problem.v().is_none(),
@@ -93,6 +97,23 @@ impl DrawnData {
             81..=300 => 2.0,
             _ => 1.5,
         }
+    }
+
+    /// Draws the outliers that are not beyond the drawing.
+    pub(super) fn draw_outliers(&self, text: &mut Text, canvas: &Canvas) {
+        let inside = |x: f64, most: f64| (0.0..=most).contains(&x);
+        for (x, y) in self.outliers.iter().map(|&it| canvas.pixel(it)) {
+            if inside(x, WIDTH) && inside(y, canvas.height()) {
+                text.put(format_args!(
+                    "<circle class=\"outlier\" cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"3.5\"/>\n"
+                ));
+            }
+        }
+    }
+
+    /// What the circles around outliers are.
+    pub(super) fn legend_of_outliers(&self) -> Option<&'static str> {
+        (!self.outliers.is_empty()).then_some("outliers, left out")
     }
 
     /// What the dots are.

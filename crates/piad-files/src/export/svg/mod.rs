@@ -74,6 +74,7 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
         }
         Scene::Surface(parts) => surface::draw(&mut text, parts, &data, &canvas),
     }
+    data.draw_outliers(&mut text, &canvas);
     text.push("</svg>\n");
     caption(&mut text, nurbs, fitted, &data, canvas.height());
     if let Some(most) = heat {
@@ -122,14 +123,18 @@ fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &DrawnData
     ));
     let middle = fourth - 4.0;
     let mut left = MARGIN;
-    if let Some(dots) = data.legend() {
+    let dots = data.legend().map(|dots| ("data", dots));
+    let outliers = data
+        .legend_of_outliers()
+        .map(|dots| ("outlier", dots.to_owned()));
+    for (class, dots) in dots.into_iter().chain(outliers) {
         text.put(format_args!(
-            "<circle class=\"data\" cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"3\"/>\
+            "<circle class=\"{class}\" cx=\"{:.1}\" cy=\"{middle:.1}\" r=\"3\"/>\
              <text x=\"{:.1}\" y=\"{fourth:.1}\">{dots}</text>\n",
             left + 4.0,
             left + 14.0,
         ));
-        left += 190.0;
+        left += if class == "data" { 190.0 } else { 140.0 };
     }
     let mut line = |class: &str, what: &str| {
         let to = left + 24.0;

@@ -10,6 +10,7 @@ text{font:12px system-ui,sans-serif;fill:#495057}\
 .net{fill:none;stroke:#868e96;stroke-width:.8;stroke-opacity:.8;stroke-linejoin:round}\
 .control{fill:#fff;stroke:#868e96;stroke-width:.8}\
 .data{fill:#212529;stroke:#fff;stroke-width:.6}\
+.outlier{fill:none;stroke:#d00;stroke-width:1.5}\
 circle.end{fill:#1864ab}\
 text.end{font-weight:600;fill:#1864ab}\
 .axis{fill:none;stroke:#495057}\

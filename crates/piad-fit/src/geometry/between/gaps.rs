@@ -45,10 +45,11 @@ struct Place {
 }
 
 impl Line {
-    /// With places at some parts of each gap, and of each span of knots, as these can be shorter.
-    fn new(direction: &Direction, parts: &[f64]) -> Self {
-        let all = direction.explicit_parameters();
-        let (count, gaps) = (direction.parameters.len(), all.len() - 1);
+    /// Between data with these indices, with places at some parts of each gap, and of each span of knots, as these can be
+    /// shorter.
+    fn new(direction: &Direction, data: &[usize], parts: &[f64]) -> Self {
+        let all = parameters(direction, data);
+        let gaps = all.len() - 1;
         let inside = |[from, to]: [f64; 2]| {
             let parts = parts.iter();
             parts.map(move |part| (1.0 - part) * from + part * to)
@@ -70,7 +71,9 @@ impl Line {
             (gap < gaps).then(|| place(gap, t))
         });
         Self {
-            ends: (0..gaps).map(|i| [i, (i + 1) % count]).collect(),
+            ends: (0..gaps)
+                .map(|i| [data[i], data[(i + 1) % data.len()]])
+                .collect(),
             ranges: (0..gaps).map(|i| [all[i], all[i + 1]]).collect(),
             places: in_gaps.chain(in_spans).collect(),
         }
@@ -115,10 +118,19 @@ pub(super) fn spans(direction: &Direction) -> impl Iterator<Item = [f64; 2]> {
     spans.filter(move |&[from, to]| low <= from && from < to && to <= high)
 }
 
+/// The parameters of some data of a direction, of a closed one also the first of them after a period.
+fn parameters(direction: &Direction, data: &[usize]) -> Vec<f64> {
+    let t = &direction.parameters;
+    let again = direction.period().map(|period| t[data[0]] + period);
+    data.iter().map(|&i| t[i]).chain(again).collect()
+}
+
 /// The gaps of a curve, or the cells of a grid.
 pub(super) struct Gaps<'a> {
     setup: &'a Setup,
     points: &'a Points,
+    /// The data of a curve that are not left out, or the rows of a grid.
+    rows: Vec<usize>,
     along: Line,
     across: Line,
     /// The number of data in a row.
@@ -128,6 +140,12 @@ pub(super) struct Gaps<'a> {
 impl<'a> Gaps<'a> {
     pub(super) fn new(setup: &'a Setup) -> Self {
         let v = setup.v();
+        let is_there = |row: &usize| {
+            let missing = setup.missing().filter(|_| v.is_none());
+            missing.is_none_or(|missing| !missing.contains(*row))
+        };
+        let rows: Vec<usize> = (0..setup.grid().rows).filter(is_there).collect();
+        let all: Vec<usize> = (0..setup.grid().columns).collect();
         let parts: &[f64] = match v {
             _ if setup.grid().count() > MANY => &[0.5],
             Some(_) => &PLACES_OF_SURFACES,
@@ -136,8 +154,9 @@ impl<'a> Gaps<'a> {
         Self {
             setup,
             points: &setup.points,
-            along: Line::new(setup.u(), parts),
-            across: v.map_or_else(Line::single, |v| Line::new(v, parts)),
+            along: Line::new(setup.u(), &rows, parts),
+            across: v.map_or_else(Line::single, |v| Line::new(v, &all, parts)),
+            rows,
             columns: setup.grid().columns,
         }
     }
@@ -151,6 +170,25 @@ impl<'a> Gaps<'a> {
 
     pub(super) fn first(&self, cell: usize) -> usize {
         self.corners(cell)[0][0]
+    }
+
+    /// Values of gaps as those between all successive data of a curve, of which some can be left out.
+    pub(super) fn of_all_data(&self, values: Vec<f64>) -> Vec<f64> {
+        let data = self.setup.u().parameters.len();
+        if self.rows.len() == data {
+            return values;
+        }
+        let closed = self.setup.u().is_closed();
+        let value = |index: usize| {
+            let before = self
+                .rows
+                .partition_point(|&row| row <= index)
+                .checked_sub(1);
+            let gap = before.or(closed.then(|| values.len() - 1));
+            gap.and_then(|gap| values.get(gap)).copied().unwrap_or(0.0)
+        };
+        let count = data - usize::from(!closed);
+        (0..count).map(value).collect()
     }
 
     pub(super) fn count(&self) -> usize {
@@ -201,10 +239,9 @@ impl<'a> Gaps<'a> {
     /// The bend of each cell, of grids the sum of those along its rows and its columns.
     fn bends(&self) -> Vec<f64> {
         let (setup, points) = (self.setup, self.points);
-        let u = setup.u().explicit_parameters();
+        let u = parameters(setup.u(), &self.rows);
         let Some(v) = setup.v() else {
-            let indices: Vec<usize> = (0..points.len()).collect();
-            return freedom::bends(points, &indices, &u);
+            return freedom::bends(points, &self.rows, &u);
         };
         let Grid { rows, columns } = setup.grid();
         let t = v.explicit_parameters();

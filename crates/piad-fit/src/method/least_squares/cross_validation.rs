@@ -13,7 +13,10 @@
 //! M and K are banded, and so are the parts of the inverse that the trace needs (Hutchinson, de Hoog, *Smoothing noisy
 //! data with spline functions*, Numer. Math. 47 (1985)): a value f takes O(m p²).
 
+use std::sync::Arc;
+
 use super::fairness::Energy;
+use super::objective::weights;
 use super::settings::{EndPoints, Fairness, LeastSquares};
 use super::solver::{places, row};
 use crate::interrupt;
@@ -74,7 +77,7 @@ struct Score {
 struct Equations<'a> {
     setup: &'a Setup,
     matrix: Collocation,
-    weights: Option<&'a [f64]>,
+    weights: Option<Arc<[f64]>>,
     /// The sum of the weights, and how many data have one.
     sum: f64,
     count: usize,
@@ -91,9 +94,9 @@ struct Equations<'a> {
 
 impl<'a> Equations<'a> {
     fn new(setup: &'a Setup, settings: &'a LeastSquares) -> Option<Self> {
-        let weights = settings.data_weights.as_deref();
+        let weights = weights(setup, settings);
         let (data, direction) = (setup.data(), setup.u());
-        let weight = |i: usize| weights.map_or(1.0, |weights| weights[i]);
+        let weight = |i: usize| weights.as_ref().map_or(1.0, |weights| weights[i]);
         let count = (0..data.len()).filter(|&i| weight(i) > 0.0).count();
         let sum: f64 = (0..data.len()).map(weight).sum();
         let matrix = setup.tensor().u;
@@ -124,7 +127,8 @@ impl<'a> Equations<'a> {
         let mut energy = Band::new(free, width);
         Energy::new(setup, &settings, 1.0)?.each_row(|row| energy.add(&row, 1.0, &places));
         let is_fixed = settings.ends == EndPoints::Interpolated && !direction.is_closed();
-        let ends = [(0, 0), (free - 1, data.len() - 1)];
+        let [first, last] = setup.ends();
+        let ends = [(0, first), (free - 1, last)];
         Some(Self {
             setup,
             matrix,
@@ -165,7 +169,7 @@ impl<'a> Equations<'a> {
                 *square += (lane[i] - value) * (lane[i] - value);
             }
         }
-        let weight = |i: usize| self.weights.map_or(1.0, |weights| weights[i]);
+        let weight = |i: usize| self.weights.as_ref().map_or(1.0, |weights| weights[i]);
         let mean = squares
             .iter()
             .enumerate()
@@ -174,7 +178,9 @@ impl<'a> Equations<'a> {
             / self.sum;
         let trace = whole.trace_of_inverse_times(&self.data, &fixed) + fixed.len() as f64;
         let left = 1.0 - trace / n;
-        let largest = squares.iter().copied().fold(0.0, f64::max).sqrt();
+        let is_there = |i: &usize| self.setup.missing().is_none_or(|it| !it.contains(*i));
+        let there = (0..squares.len()).filter(is_there);
+        let largest = there.map(|i| squares[i]).fold(0.0, f64::max).sqrt();
         (left > LEAST_LEFT).then(|| Score {
             value: mean / (left * left),
             largest,

@@ -31,7 +31,7 @@ pub(super) struct Objective {
 impl Objective {
     /// That of a fit with such settings.
     pub(super) fn new(setup: &Setup, settings: &LeastSquares) -> Self {
-        let weights = settings.data_weights.as_ref().map(normalized);
+        let weights = weights(setup, settings).as_ref().map(normalized);
         let is_there = |i: &usize| setup.missing().is_none_or(|missing| !missing.contains(*i));
         let points = (0..setup.grid().count()).filter(is_there);
         let sum = points
@@ -195,6 +195,18 @@ impl Objective {
         let moves = have_data(&sums_of(&counted));
         (sums_of(&weighted), moves)
     }
+}
+
+/// How much each data point counts; `None` if all do alike. Curves and scattered points that are left out have weight
+/// zero; grids with missing points leave out their rows.
+pub(super) fn weights(setup: &Setup, settings: &LeastSquares) -> Option<Arc<[f64]>> {
+    let given = settings.data_weights.clone();
+    let Some(missing) = setup.missing().filter(|_| !setup.grid().is_rows()) else {
+        return given;
+    };
+    let mut weights = given.map_or_else(|| vec![1.0; setup.grid().count()], |it| it.to_vec());
+    missing.clear(&mut weights);
+    Some(weights.into())
 }
 
 /// Weights in a unit, a power of two, in which the largest is near one, so that neither sums nor

@@ -38,6 +38,9 @@ pub struct LeastSquares {
     pub gap_stiffness: Option<f64>,
     /// How much each data point counts; all of them 1 without it.
     pub data_weights: Option<Arc<[f64]>>,
+    /// True if points that are far from where their neighbours lead are left out.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub robust: bool,
 }
 
 /// Settings of a fit that chooses the number of its control points and its knots.
@@ -80,6 +83,7 @@ impl LeastSquares {
             fairness: None,
             gap_stiffness: None,
             data_weights: None,
+            robust: false,
         }
     }
 
@@ -113,9 +117,8 @@ impl LeastSquares {
         }
     }
 
-    /// Weights of data are finite and not negative, one for each of so many points, and some of them are
-    /// greater than zero.
-    pub(super) fn check_weights(&self, expected: usize) -> Result<(), Invalid> {
+    /// Weights of data are finite and not negative, one for each point, and some of them are greater than zero.
+    pub(crate) fn check_weights(&self, expected: usize) -> Result<(), Invalid> {
         let Some(weights) = self.data_weights.as_deref() else {
             return Ok(());
         };

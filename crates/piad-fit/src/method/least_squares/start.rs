@@ -12,7 +12,13 @@ use crate::setup::Setup;
 /// Level 0: data at equal distances of their indices, the first and the last point among them.
 pub(super) fn start(setup: &Setup) -> Points {
     let (data, grid) = (setup.data(), setup.grid());
-    let rows = samples(grid.rows, setup.u());
+    // Those of a curve that are not left out.
+    let is_there = |row: &usize| {
+        let missing = setup.missing().filter(|_| setup.v().is_none());
+        missing.is_none_or(|missing| !missing.contains(*row))
+    };
+    let there: &Vec<usize> = &(0..grid.rows).filter(is_there).collect();
+    let rows = samples(there.len(), setup.u());
     let columns = setup
         .v()
         .map_or(vec![Position::at(0)], |v| samples(grid.columns, v));
@@ -21,7 +27,7 @@ pub(super) fn start(setup: &Setup) -> Points {
             let i = *i;
             let at = |row: usize, j: Position| j.between(|j| lane[row * grid.columns + j]);
             let points = columns.iter();
-            points.map(move |j| i.between(|row| at(row, *j)))
+            points.map(move |j| i.between(|row| at(there[row], *j)))
         };
         rows.iter().flat_map(row).collect::<Vec<f64>>()
     };
@@ -57,7 +63,11 @@ pub(super) fn means(equations: &Equations) -> Points {
     let (data, grid) = (setup.data(), setup.control_grid());
     let mut scratch = vec![0.0; matrix.scratch()];
     let mut weights = vec![0.0; grid.count()];
-    matrix.apply_transposed(&vec![1.0; data.len()], &mut weights, &mut scratch);
+    let mut counted = vec![1.0; data.len()];
+    if let Some(missing) = setup.missing() {
+        missing.clear(&mut counted);
+    }
+    matrix.apply_transposed(&counted, &mut weights, &mut scratch);
     let largest = weights.iter().copied().fold(0.0, f64::max);
     let is_lost = |j: &usize| weights[*j] <= NO_DATA * largest;
     let lost: Vec<usize> = (0..weights.len()).filter(is_lost).collect();
@@ -65,15 +75,20 @@ pub(super) fn means(equations: &Equations) -> Points {
     let missing = Missing::new(&lost, grid.count());
     if let Some(missing) = &missing {
         for (means, lane) in means.lanes_mut().iter_mut().zip(data.lanes()) {
-            matrix.apply_transposed(lane, means, &mut scratch);
+            let lane: Vec<f64> = lane.iter().zip(&counted).map(|(x, one)| x * one).collect();
+            matrix.apply_transposed(&lane, means, &mut scratch);
             let means = means.iter_mut().zip(&weights);
             means.for_each(|(mean, weight)| *mean /= weight);
         }
         missing.fill(&mut means, grid);
     }
-    let count = data.len() as f64;
+    let count: f64 = counted.iter().sum();
     for (means, lane) in means.lanes_mut().iter_mut().zip(data.lanes()) {
-        let mean: f64 = lane.iter().map(|x| x / count).sum();
+        let mean: f64 = lane
+            .iter()
+            .zip(&counted)
+            .map(|(x, one)| one * x / count)
+            .sum();
         for (j, place) in means.iter_mut().enumerate() {
             if !missing.as_ref().is_some_and(|it| it.contains(j)) {
                 *place = mean;

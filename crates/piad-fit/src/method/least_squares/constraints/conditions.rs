@@ -103,16 +103,14 @@ fn corners(setup: &Setup) -> Vec<usize> {
     if setup.is_scattered() || setup.directions().any(Direction::is_closed) {
         return Vec::new();
     }
+    if setup.v().is_none() {
+        return setup.ends().to_vec();
+    }
     let grid = setup.grid();
     let rows = [0, grid.rows - 1].into_iter();
     let columns = [0, grid.columns - 1];
-    let columns = &columns[..1 + usize::from(setup.v().is_some())];
-    rows.flat_map(|row| {
-        columns
-            .iter()
-            .map(move |column| row * grid.columns + column)
-    })
-    .collect()
+    rows.flat_map(|row| columns.map(|column| row * grid.columns + column))
+        .collect()
 }
 
 /// Returns true if a constraint gives the point at an end of a curve, or at a corner of a surface.
@@ -130,13 +128,22 @@ fn replaces(setup: &Setup, constraint: &Constraint, end: usize) -> bool {
     };
     is_point
         && match constraint.at {
-            At::Side(side) => end == last(grid.count(), side),
+            At::Side(side) => end == end_of_curve(setup, side),
             At::Index(point) => end == point,
             At::Parameter(u) => at_end[0] == u,
             At::Parameters(u, v) => at_end == [u, v],
             At::Boundary(Axis::U, side) => end / grid.columns == last(grid.rows, side),
             At::Boundary(Axis::V, side) => end % grid.columns == last(grid.columns, side),
         }
+}
+
+/// The data point at an end of a curve.
+fn end_of_curve(setup: &Setup, side: Side) -> usize {
+    let [first, last] = setup.ends();
+    match side {
+        Side::Start => first,
+        Side::End => last,
+    }
 }
 
 /// The condition to pass through a data point, unless it is missing.
@@ -150,7 +157,7 @@ fn end(setup: &Setup, point: usize) -> Option<Condition> {
     Some(Condition {
         origin: match (setup.v(), point) {
             (Some(_), _) => Origin::Corner,
-            (None, 0) => Origin::Start,
+            (None, _) if point == setup.ends()[0] => Origin::Start,
             (None, _) => Origin::End,
         },
         row: row(setup, parameters(setup, point), [0, 0])?,
@@ -260,8 +267,7 @@ impl Maker<'_> {
             At::Side(_) if setup.u().is_closed() => {
                 return Err(unfit(index, "is at an end, and a closed curve has none"));
             }
-            At::Side(Side::Start) => 0,
-            At::Side(Side::End) => count - 1,
+            At::Side(side) => end_of_curve(setup, side),
             At::Index(point) if point >= count => {
                 return Err(unfit(
                     index,

@@ -1,0 +1,153 @@
+//! Scattered points of a surface, compared with those whose parameters are nearest.
+//!
+//! A point is off by its distance from the plane over the parameters that is nearest to two thirds of its twelve
+//! neighbours, as the others may be wrong. The twelve behind them lead to another plane where the surface bends: that is the
+//! doubt. A point by itself, whose neighbours are much further away than others', is off by how far it is away.
+
+use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::{Comparison, Neighbourhood, median};
+use crate::data::points::Points;
+
+/// How many neighbours make a plane.
+const NEAR: usize = 12;
+
+/// How many more are compared with them.
+const FAR: usize = 12;
+
+/// How many are looked up, as some of them may be outliers.
+const LOOKED_UP: usize = 2 * (NEAR + FAR);
+
+/// How often the third of the neighbours that is furthest from a plane is left out.
+const STEPS: usize = 3;
+
+/// A point is by itself if its neighbours are this number of times further away than theirs, ...
+const BY_ITSELF: f64 = 4.0;
+
+/// ... or than those of most points.
+const SPARSE: f64 = 10.0;
+
+/// Scattered points with their neighbours.
+pub(crate) struct Cloud<'a> {
+    points: &'a Points,
+    /// Where each point is.
+    parameters: Vec<[f64; 2]>,
+    /// The nearest others of each point, the nearest first.
+    neighbours: Vec<Vec<u32>>,
+    /// How far they are away from most points.
+    usual_reach: f64,
+}
+
+impl<'a> Cloud<'a> {
+    /// Of points with these parameters, whose range does not matter.
+    pub(crate) fn new(points: &'a Points, [u, v]: &[Vec<f64>; 2]) -> Self {
+        let scales = [u, v].map(|lane| Points::from_lanes([lane.clone()]).inner_diagonal());
+        let scaled = |t: f64, scale: f64| if scale > 0.0 { t / scale } else { t };
+        let pairs = u.iter().zip(v);
+        let parameters: Vec<[f64; 2]> = pairs
+            .map(|(u, v)| [scaled(*u, scales[0]), scaled(*v, scales[1])])
+            .collect();
+        let leaf = |(i, it): (usize, &[f64; 2])| GeomWithData::new(*it, i as u32);
+        let tree: RTree<GeomWithData<[f64; 2], u32>> =
+            RTree::bulk_load(parameters.iter().enumerate().map(leaf).collect());
+        let nearest = |(i, it): (usize, &[f64; 2])| {
+            let others = tree.nearest_neighbor_iter(*it).map(|it| it.data);
+            others
+                .filter(|&other| other != i as u32)
+                .take(LOOKED_UP)
+                .collect()
+        };
+        let mut cloud = Self {
+            neighbours: parameters.par_iter().enumerate().map(nearest).collect(),
+            points,
+            parameters,
+            usual_reach: 0.0,
+        };
+        let none = vec![false; points.len()];
+        let reaches = (0..points.len()).filter_map(|i| cloud.reach(i, &none));
+        cloud.usual_reach = median(reaches.collect());
+        cloud
+    }
+
+    /// The neighbours of a point that are not left out.
+    fn around<'b>(
+        &'b self,
+        index: usize,
+        is_left_out: &'b [bool],
+    ) -> impl Iterator<Item = usize> + 'b {
+        let all = self.neighbours[index].iter().map(|&it| it as usize);
+        all.filter(|&it| !is_left_out[it])
+    }
+
+    /// How far the last neighbour that makes a plane is away, by parameters.
+    fn reach(&self, index: usize, is_left_out: &[bool]) -> Option<f64> {
+        let last = self.around(index, is_left_out).take(NEAR).last()?;
+        let ([u, v], [s, t]) = (self.parameters[index], self.parameters[last]);
+        Some((u - s).hypot(v - t))
+    }
+
+    /// The plane nearest to two thirds of some points, at another one: relative to that, for each coordinate.
+    fn plane(&self, index: usize, some: &[usize], reach: f64) -> Option<Vec<f64>> {
+        let [u, v] = self.parameters[index];
+        let row = |it: usize| {
+            let [s, t] = self.parameters[it];
+            Vector3::new(1.0, (s - u) / reach, (t - v) / reach)
+        };
+        let lanes = self.points.lanes();
+        let mut kept = some.to_vec();
+        let mut coefficients: Vec<Vector3<f64>> = Vec::new();
+        for step in 0..STEPS {
+            if step > 0 {
+                let off = |it: usize| {
+                    let pairs = lanes.iter().zip(&coefficients);
+                    pairs.fold(0.0, |off: f64, (lane, plane)| {
+                        off.hypot(lane[it] - lane[index] - plane.dot(&row(it)))
+                    })
+                };
+                let mut by_distance: Vec<(f64, usize)> =
+                    some.iter().map(|&it| (off(it), it)).collect();
+                by_distance.sort_by(|a, b| a.0.total_cmp(&b.0));
+                by_distance.truncate(2 * some.len() / 3);
+                kept = by_distance.into_iter().map(|(_, it)| it).collect();
+            }
+            let moments: Matrix3<f64> = kept.iter().map(|&it| row(it) * row(it).transpose()).sum();
+            let moments = moments.cholesky()?;
+            let solved = lanes.iter().map(|lane| {
+                let sums = kept.iter().map(|&it| row(it) * (lane[it] - lane[index]));
+                moments.solve(&sums.sum::<Vector3<f64>>())
+            });
+            coefficients = solved.collect();
+        }
+        Some(coefficients.iter().map(|plane| plane[0]).collect())
+    }
+}
+
+impl Neighbourhood for Cloud<'_> {
+    const DOUBT: f64 = 2.0;
+
+    fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    fn compare(&self, index: usize, is_left_out: &[bool]) -> Option<Comparison> {
+        let all: Vec<usize> = self.around(index, is_left_out).take(NEAR + FAR).collect();
+        let (near, far) = all.split_at_checked(NEAR)?;
+        let reach = self.reach(index, is_left_out)?;
+        let theirs = near.iter().filter_map(|&it| self.reach(it, is_left_out));
+        let usual = (BY_ITSELF * median(theirs.collect())).min(SPARSE * self.usual_reach);
+        if reach > usual {
+            let off = self.points.distance(index, near[0]);
+            return Some(Comparison { off, doubt: 0.0 });
+        }
+        let near = self.plane(index, near, reach)?;
+        let doubt = self.plane(index, far, reach).map_or(0.0, |far| {
+            let pairs = near.iter().zip(&far);
+            pairs.fold(0.0, |sum: f64, (a, b)| sum.hypot(a - b))
+        });
+        let off = near.iter().copied().fold(0.0, f64::hypot);
+        Some(Comparison { off, doubt })
+    }
+}
