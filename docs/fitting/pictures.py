@@ -24,6 +24,14 @@ def noisy() -> list:
     return np.c_[x, y].tolist()
 
 
+def with_outliers() -> list:
+    """120 points of a wave, of which three are wrong."""
+    s = np.linspace(0, 1, 120)
+    y = 20 * np.sin(7 * s)
+    y[[17, 60, 101]] += [12, 14, -15]
+    return np.c_[100 * s, y].tolist()
+
+
 def half_circle() -> list:
     angle = np.linspace(0, np.pi, 6)
     return np.c_[np.cos(angle), np.sin(angle)].tolist()
@@ -59,6 +67,8 @@ def jobs() -> dict:
             "method": least_squares
             | {"constraints": [{"at": "start", "tangent": [1, 0]}, {"at": "end", "tangent": [1, 0]}, {"at": {"parameter": 0.5}, "point": [3, 0.2]}]},
         },
+        "outliers": {"curve": {"points": with_outliers()}, "method": least_squares | {"control_points": 24}},
+        "robust": {"curve": {"points": with_outliers()}, "method": least_squares | {"control_points": 24, "robust": True}},
         "ends_repeated": {"curve": {"points": half_circle(), "ends": "repeated"}},
         "ends_estimated": {"curve": {"points": half_circle()}},
         "within_a_tenth": leaves(0.1),

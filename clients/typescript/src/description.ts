@@ -1340,6 +1340,11 @@ export interface components {
              *     added, too. Without it 1e-6 if there is `fairness`, otherwise 0. Only with `least_squares`.
              */
             gap_stiffness?: number | null;
+            /**
+             * @description Of curves and scattered points: points that are far from where their neighbours lead are left out. They are listed as
+             *     `outliers`. Default: `false`. Only with `least_squares`.
+             */
+            robust?: boolean | null;
             /** @description What every iteration obeys: points to pass through and derivatives. Only with `least_squares`. */
             constraints?: components["schemas"]["Constraint"][] | null;
             /** @description The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each. Only with `custom`. */
@@ -1925,7 +1930,8 @@ export interface components {
              *     `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
              *     points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
              *     `between_points`: the fit leaves its data between neighbours by more than these leave it free. `folded_parameters`: points of a
-             *     surface with nearly the same parameters are far from each other, so that no surface is near both. There may be others in later versions.
+             *     surface with nearly the same parameters are far from each other, so that no surface is near both. `spikes`: a few
+             *     points of a curve that least squares fits are far from where their neighbours lead. There may be others in later versions.
              * @example few_points
              * @example even_degree
              * @example rounding
@@ -1939,6 +1945,7 @@ export interface components {
              * @example no_data_value
              * @example between_points
              * @example folded_parameters
+             * @example spikes
              */
             code: string;
             /** @description A JSON pointer into the input of the job. */
@@ -2339,12 +2346,14 @@ export interface components {
             basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
             /** @description The degree. */
             degree: number | components["schemas"]["CountPair"];
-            /** @description Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
+            /** @description True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
             closed: boolean | components["schemas"]["BooleanPair"];
             /** @description How it ends. */
             ends: components["schemas"]["EndRules"] | components["schemas"]["EndRulesPair"];
             /** @description The points at which a curve may turn, if there are any. */
             corners?: number[];
+            /** @description The points that a robust fit leaves out, if there are any. */
+            outliers?: components["schemas"]["Outliers"];
             /** @description How weights are used, if there are any. */
             rational: components["schemas"]["Rational"] | null;
             /** @description The method, with numbers that were computed for it. */
@@ -2426,6 +2435,25 @@ export interface components {
             u: components["schemas"]["EndRules"];
             /** @description For v, from column to column. */
             v: components["schemas"]["EndRules"];
+        };
+        /**
+         * @description The points that a robust fit leaves out.
+         * @example {
+         *       "count": 2,
+         *       "indices": [
+         *         41,
+         *         97
+         *       ]
+         *     }
+         */
+        Outliers: {
+            /**
+             * Format: int64
+             * @description The number of them.
+             */
+            count: number;
+            /** @description Their indices, at most the first 1000. */
+            indices: number[];
         };
         /**
          * @description Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest.
@@ -3047,7 +3075,7 @@ export interface components {
             basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
             /** @description The degree. */
             degree: number | components["schemas"]["CountPair"];
-            /** @description Whether it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
+            /** @description True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
             closed: boolean | components["schemas"]["BooleanPair"];
             /** @description How weights are used, if there are any. */
             rational: components["schemas"]["Rational"] | null;
@@ -3062,6 +3090,8 @@ export interface components {
              * @description The fairness of a least-squares fit, also if the data have chosen it.
              */
             fairness?: number;
+            /** @description The points that a robust fit leaves out, if there are any. */
+            outliers?: components["schemas"]["Outliers"];
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */
@@ -4178,6 +4208,7 @@ export type Resumed = components['schemas']['Resumed'];
 export type BasisKindPair = components['schemas']['BasisKindPair'];
 export type EndRules = components['schemas']['EndRules'];
 export type EndRulesPair = components['schemas']['EndRulesPair'];
+export type Outliers = components['schemas']['Outliers'];
 export type BinaryEncoding = components['schemas']['BinaryEncoding'];
 export type NumberArray = components['schemas']['NumberArray'];
 export type NumberArrayPair = components['schemas']['NumberArrayPair'];

@@ -29,6 +29,9 @@ struct Start {
     /// The breaks of their knots, of a fit that chooses its knots.
     breaks: Vec<Lane>,
     lambda_min: Option<f64>,
+    /// The points that an edit of a robust fit leaves out.
+    #[serde(default)]
+    outliers: Option<Arc<[usize]>>,
 }
 
 /// The last level of a job.
@@ -97,6 +100,7 @@ impl Input {
             control_points: request.start.clone(),
             breaks: lanes(request.start_breaks.as_deref().unwrap_or_default()),
             lambda_min: request.lambda_min,
+            outliers: request.outliers.clone(),
         })?;
         let message = job::message(None, request, None);
         Ok(Self { start, message })
@@ -136,6 +140,7 @@ pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
         start: start.control_points,
         start_breaks: lists(start.breaks),
         lambda_min: start.lambda_min,
+        outliers: start.outliers,
         ..request.map_err(|mistakes| StoreError::damaged(&what, mistakes))?
     };
     Problem::new(request).map_err(|error| StoreError::damaged(what, error))

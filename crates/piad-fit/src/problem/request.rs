@@ -71,6 +71,8 @@ pub struct Request {
     /// The breaks of each direction that the given control points belong to, where the fit chooses its
     /// knots by itself.
     pub start_breaks: Option<Vec<Arc<Vec<f64>>>>,
+    /// The points that a robust fit leaves out, if they are known: they are not looked for then.
+    pub outliers: Option<Arc<[usize]>>,
     /// The least eigenvalue of the collocation matrix, if it is known from a fit with the same one:
     /// of many points it takes longer to compute than a local fit.
     pub lambda_min: Option<f64>,
@@ -105,6 +107,7 @@ impl Request {
             selected: None,
             start: None,
             start_breaks: None,
+            outliers: None,
             lambda_min: None,
             tolerance: None,
             max_iterations: ITERATIONS,

@@ -41,8 +41,15 @@ impl Inliers {
             return Ok(None);
         }
         check(request, settings)?;
-        let outliers = outliers(request, settings)?;
         let count = request.points.len();
+        let known = request
+            .outliers
+            .as_ref()
+            .filter(|it| it.iter().all(|&it| it < count));
+        let outliers = match known {
+            Some(known) => known.to_vec(),
+            None => outliers(request, settings)?,
+        };
         if 2 * outliers.len() > count {
             let detail = format!(
                 "{} of {count} points lie far from where their neighbours lead: with more than half of them left out nothing is fitted",

@@ -112,6 +112,7 @@ fn automatic(surface: bool) -> impl Iterator<Item = Problem> {
         let count = problem.control_grid().count();
         request.start = Some(Arc::new(Points::zeros(problem.dimension(), count)));
         request.start_breaks = problem.breaks();
+        request.outliers = Some(Arc::new([]));
         Problem::new(request).unwrap()
     })
 }

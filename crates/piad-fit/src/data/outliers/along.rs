@@ -133,16 +133,14 @@ impl Along<'_> {
         behind: &[Neighbour],
     ) -> Option<Comparison> {
         let (through, mut doubt) = self.narrow(index, before, behind)?;
-        // One of the neighbours beside it may be wrong.
-        for (before, behind) in [
-            (before.get(1..), Some(behind)),
-            (Some(before), behind.get(1..)),
-        ] {
-            if let (Some(before @ [_, _, ..]), Some(behind @ [_, _, ..])) = (before, behind)
-                && let Some((_, other)) = self.narrow(index, before, behind)
-            {
-                doubt = doubt.min(other);
-            }
+        // One of the three neighbours on either side may be wrong: by most pairs of them the doubt is at least the third.
+        let sides =
+            pairs(before).flat_map(|before| pairs(behind).map(move |behind| (before, behind)));
+        let others = sides.filter_map(|(before, behind)| self.narrow(index, &before, &behind));
+        let mut doubts: Vec<f64> = others.map(|(_, doubt)| doubt).collect();
+        doubts.sort_by(f64::total_cmp);
+        if let Some(third) = doubts.get(2) {
+            doubt = doubt.min(*third);
         }
         let all: Vec<Neighbour> = before.iter().chain(behind).copied().collect();
         let sides = [before, behind].into_iter().filter(|side| side.len() > 1);
@@ -191,6 +189,14 @@ impl Neighbourhood for Along<'_> {
             doubt: nearer.doubt,
         })
     }
+}
+
+/// Each two of the three nearest neighbours on one side; none if there are fewer.
+fn pairs(side: &[Neighbour]) -> impl Iterator<Item = [Neighbour; 2]> + '_ {
+    let three = side.first_chunk::<3>();
+    three
+        .into_iter()
+        .flat_map(|[a, b, c]| [[*a, *b], [*a, *c], [*b, *c]])
 }
 
 /// The polynomial through neighbours, at place zero.
