@@ -32,6 +32,24 @@ def with_outliers() -> list:
     return np.c_[100 * s, y].tolist()
 
 
+def profile() -> list:
+    """An open profile with sharp corners and a fillet: points along the first edge and the fillet, and ends of edges."""
+    edge = np.c_[np.linspace(0, 30, 7), np.zeros(7)]
+    angle = np.linspace(0, np.pi / 2, 9)[1:-1]
+    fillet = np.c_[50 + 20 * np.sin(angle), 20 - 20 * np.cos(angle)]
+    ends = [[70, 20], [70, 24], [70, 28], [70, 35], [70, 50], [60, 50], [60, 30], [0, 30], [0, 15]]
+    return [*edge.tolist(), [50, 0], *fillet.tolist(), *ends]
+
+
+def plate() -> list:
+    """An outline with round corners: edges have two points, arcs one every 15 degrees."""
+    centres = [(105, 15), (105, 55), (15, 55), (15, 15)]
+    angle = np.linspace(0, np.pi / 2, 7)
+    turns = [angle + (k - 1) * np.pi / 2 for k in range(4)]
+    arcs = [np.c_[x + 15 * np.cos(turn), y + 15 * np.sin(turn)] for (x, y), turn in zip(centres, turns)]
+    return np.concatenate(arcs).tolist()
+
+
 def half_circle() -> list:
     angle = np.linspace(0, np.pi, 6)
     return np.c_[np.cos(angle), np.sin(angle)].tolist()
@@ -69,6 +87,10 @@ def jobs() -> dict:
         },
         "outliers": {"curve": {"points": with_outliers()}, "method": least_squares | {"control_points": 24}},
         "robust": {"curve": {"points": with_outliers()}, "method": least_squares | {"control_points": 24, "robust": True}},
+        "swinging": {"curve": {"points": profile()}, "method": "direct"},
+        "cornered": {"curve": {"points": profile(), "corners": "auto"}, "method": "direct"},
+        "bulging": {"curve": {"points": plate(), "closed": True}, "method": "direct"},
+        "straight": {"curve": {"points": plate(), "closed": True, "polyline": True}, "stop": {"tolerance": 0.1}},
         "ends_repeated": {"curve": {"points": half_circle(), "ends": "repeated"}},
         "ends_estimated": {"curve": {"points": half_circle()}},
         "within_a_tenth": leaves(0.1),
@@ -97,7 +119,7 @@ def main() -> int:
         for name, job in (jobs() | recipes()).items():
             job["name"] = name.replace("_", " ")
             resource = json.loads(fetch(f"{base}/v1/jobs", json.dumps(job).encode()))
-            assert resource["state"] == "converged", resource
+            assert resource["state"] == "converged" or name in ("swinging", "bulging"), resource
             samples = "?samples=40x40" if resource["kind"] == "surface" else ""
             picture = fetch(f"{base}{resource['links']['result']}/svg{samples}")
             (FOLDER / f"{name}.svg").write_bytes(picture)

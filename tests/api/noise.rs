@@ -89,7 +89,12 @@ async fn what_the_data_do_not_choose_is_named() {
     let settings = |count: Value, field: &str, value: Value| json!({"kind": "least_squares", "control_points": count, "fairness": "auto", field: value});
     let plain = |count: Value| settings(count, "variant", json!("cg"));
     let constraints = settings(json!(20), "constraints", json!([{"index": 9}]));
+    let exact = json!({"points": data()[0]});
     for (job, reason) in [
+        (
+            json!({"curve": exact, "method": plain(json!(150))}),
+            "nothing is to be smoothed",
+        ),
         (
             json!({"surface": {"points": heights}, "method": plain(json!(4))}),
             "surface",

@@ -56,10 +56,8 @@ pub(super) fn choose(request: &mut Request, setup: &Setup, tolerance: f64) -> Re
     let Some(settings) = settings(request) else {
         return Ok(());
     };
-    let value = cross_validation::chosen(setup, settings, tolerance).ok_or_else(|| {
-        let detail = "the data do not say what is noise: give a number, or fewer control points";
-        Invalid::at(Place::Setting(Setting::Fairness), detail)
-    })?;
+    let value = cross_validation::chosen(setup, settings, tolerance)
+        .map_err(|detail| Invalid::at(Place::Setting(Setting::Fairness), detail))?;
     settings.fairness.iter_mut().for_each(|it| it.value = value);
     Ok(())
 }

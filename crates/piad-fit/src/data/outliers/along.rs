@@ -9,7 +9,7 @@
 //! It is off by its distance from the nearest of them. The cubic and the chord between the neighbours disagree where
 //! samples are coarse: that is the doubt.
 
-use super::{Combination, Comparison, Neighbourhood, apart, fitted, median};
+use super::{Combination, Neighbourhood, apart, fitted, median};
 use crate::data::aligned::Lane;
 use crate::data::points::Points;
 
@@ -27,6 +27,14 @@ pub(crate) struct Along<'a> {
     pub parameters: Option<&'a [f64]>,
     /// True if the first point follows the last one.
     pub closed: bool,
+}
+
+/// A point, which is at place zero, and its neighbours.
+struct Site<'a> {
+    points: &'a Points,
+    index: usize,
+    before: Vec<Neighbour>,
+    behind: Vec<Neighbour>,
 }
 
 /// A neighbour, and where it is along the curve from the point that is compared.
@@ -50,6 +58,18 @@ impl Along<'_> {
             .filter(|&index| !is_left_out[index])
             .take(NEAREST)
             .collect()
+    }
+
+    /// A point and its neighbours.
+    fn site(&self, index: usize, is_left_out: &[bool]) -> Site<'_> {
+        let [before, behind] = [-1, 1].map(|step| self.side(index, step, is_left_out));
+        let [before, behind] = self.placed(index, &before, &behind);
+        Site {
+            points: self.points,
+            index,
+            before,
+            behind,
+        }
     }
 
     /// Where neighbours are along the curve.
@@ -101,61 +121,6 @@ impl Along<'_> {
             ahead => ahead,
         }
     }
-
-    /// The cubic through two neighbours on either side, at an end the parabola through three; and how far the chord of those
-    /// beside the point is from it.
-    fn narrow(
-        &self,
-        index: usize,
-        before: &[Neighbour],
-        behind: &[Neighbour],
-    ) -> Option<(Combination, f64)> {
-        let (nearest, chord) = match (before, behind) {
-            ([], [a, b, c, ..]) | ([a, b, c, ..], []) => (vec![*a, *b, *c], [*a, *b]),
-            ([a, ..], [b, ..]) => {
-                let sides = before.iter().take(2).chain(behind.iter().take(2));
-                (sides.copied().collect(), [*a, *b])
-            }
-            _ => return None,
-        };
-        let through = interpolated(&nearest);
-        let doubt = apart(self.points, index, &through, &interpolated(&chord));
-        Some((through, doubt))
-    }
-}
-
-impl Along<'_> {
-    /// Compares a point with its neighbours at these places.
-    fn compared(
-        &self,
-        index: usize,
-        before: &[Neighbour],
-        behind: &[Neighbour],
-    ) -> Option<Comparison> {
-        let (through, mut doubt) = self.narrow(index, before, behind)?;
-        // One of the three neighbours on either side may be wrong: by most pairs of them the doubt is at least the third.
-        let sides =
-            pairs(before).flat_map(|before| pairs(behind).map(move |behind| (before, behind)));
-        let others = sides.filter_map(|(before, behind)| self.narrow(index, &before, &behind));
-        let mut doubts: Vec<f64> = others.map(|(_, doubt)| doubt).collect();
-        doubts.sort_by(f64::total_cmp);
-        if let Some(third) = doubts.get(2) {
-            doubt = doubt.min(*third);
-        }
-        let all: Vec<Neighbour> = before.iter().chain(behind).copied().collect();
-        let sides = [before, behind].into_iter().filter(|side| side.len() > 1);
-        let lines = sides.flat_map(|side| [&side[..2], side]);
-        let off_lines = lines.map(|side| {
-            let line = line(self.points, index, side);
-            line.into_iter().fold(0.0, f64::hypot)
-        });
-        let combined = parabola(&all).into_iter().chain([through]);
-        let off = combined.map(|it| apart(self.points, index, &it, &[]));
-        Some(Comparison {
-            off: off.chain(off_lines).fold(f64::INFINITY, f64::min),
-            doubt,
-        })
-    }
 }
 
 impl Neighbourhood for Along<'_> {
@@ -165,38 +130,120 @@ impl Neighbourhood for Along<'_> {
         self.points.len()
     }
 
-    fn compare(&self, index: usize, is_left_out: &[bool]) -> Option<Comparison> {
-        let before = self.side(index, -1, is_left_out);
-        let behind = self.side(index, 1, is_left_out);
-        let [before, behind] = self.placed(index, &before, &behind);
-        let comparison = self.compared(index, &before, &behind)?;
-        let nearer = match (&before[..], &behind[..]) {
+    fn off(&self, index: usize, is_left_out: &[bool]) -> Option<f64> {
+        let site = self.site(index, is_left_out);
+        let off = site.off()?;
+        let nearer = site.nearer().and_then(|site| site.off());
+        Some(nearer.map_or(off, |nearer| off.min(nearer)))
+    }
+
+    fn doubt(&self, index: usize, is_left_out: &[bool]) -> f64 {
+        let site = self.site(index, is_left_out);
+        site.nearer().unwrap_or(site).doubt()
+    }
+}
+
+impl Site<'_> {
+    /// How far the point is from the nearest place to which its neighbours lead; `None` if there are too few.
+    fn off(&self) -> Option<f64> {
+        let through = interpolated(&nearest(&self.before, &self.behind)?);
+        let all: Vec<Neighbour> = self.before.iter().chain(&self.behind).copied().collect();
+        let combined = parabola(&all).into_iter().chain([through]);
+        let combined = combined.map(|it| apart(self.points, self.index, &it, &[]));
+        let sides = [&self.before, &self.behind].into_iter();
+        let sides = sides.filter(|side| side.len() > 1);
+        let lines = sides.flat_map(|side| [&side[..2], side]).map(|side| {
+            let line = line(self.points, self.index, side);
+            line.into_iter().fold(0.0, f64::hypot)
+        });
+        Some(combined.chain(lines).fold(f64::INFINITY, f64::min))
+    }
+
+    /// How far the chord between the neighbours beside the point is from the cubic. One of the neighbours may be wrong: most
+    /// choices of them are without it, and the third least doubt is that of one of these.
+    fn doubt(&self) -> f64 {
+        let doubt = |before: &[Neighbour], behind: &[Neighbour]| {
+            let all = nearest(before, behind)?;
+            let chord = match (before, behind) {
+                ([first, ..], [last, ..]) => [*first, *last],
+                _ => [all[0], all[1]],
+            };
+            let (cubic, chord) = (interpolated(&all), interpolated(&chord));
+            Some(apart(self.points, self.index, &cubic, &chord))
+        };
+        let own = doubt(&self.before, &self.behind).unwrap_or(0.0);
+        let mut doubts: Vec<f64> = choices(&self.before, &self.behind)
+            .filter_map(|(before, behind)| doubt(&before, &behind))
+            .collect();
+        doubts.sort_by(f64::total_cmp);
+        doubts.get(2).map_or(own, |third| own.min(*third))
+    }
+
+    /// The same site of an end that is no further from its neighbours than they are from each other: an outlier is not as far
+    /// along the curve as it is away. `None` if it is no end.
+    fn nearer(&self) -> Option<Self> {
+        let by = match (&self.before[..], &self.behind[..]) {
             ([], [a, b, ..]) => (b.place - a.place).min(a.place) - a.place,
             ([a, b, ..], []) => (b.place - a.place).max(a.place) - a.place,
-            _ => return Some(comparison),
+            _ => return None,
         };
-        // An end that is an outlier is not as far along the curve as it is away.
-        let moved = |side: &[Neighbour]| -> Vec<Neighbour> {
+        let moved = |side: &[Neighbour]| {
             let moved = side.iter().map(|it| Neighbour {
-                place: it.place + nearer,
+                place: it.place + by,
                 ..*it
             });
             moved.collect()
         };
-        let nearer = self.compared(index, &moved(&before), &moved(&behind))?;
-        Some(Comparison {
-            off: comparison.off.min(nearer.off),
-            doubt: nearer.doubt,
+        Some(Self {
+            before: moved(&self.before),
+            behind: moved(&self.behind),
+            ..*self
         })
     }
 }
 
-/// Each two of the three nearest neighbours on one side; none if there are fewer.
-fn pairs(side: &[Neighbour]) -> impl Iterator<Item = [Neighbour; 2]> + '_ {
-    let three = side.first_chunk::<3>();
-    three
-        .into_iter()
-        .flat_map(|[a, b, c]| [[*a, *b], [*a, *c], [*b, *c]])
+/// Two neighbours on either side, or three at an end; `None` if there are fewer.
+fn nearest(before: &[Neighbour], behind: &[Neighbour]) -> Option<Vec<Neighbour>> {
+    match (before, behind) {
+        ([], side) | (side, []) => Some(side.first_chunk::<3>()?.to_vec()),
+        _ => Some(
+            before
+                .iter()
+                .take(2)
+                .chain(behind.iter().take(2))
+                .copied()
+                .collect(),
+        ),
+    }
+}
+
+/// Each two of three neighbours on either side; at an end each three of five.
+fn choices(
+    before: &[Neighbour],
+    behind: &[Neighbour],
+) -> impl Iterator<Item = (Vec<Neighbour>, Vec<Neighbour>)> {
+    let sides = match (before, behind) {
+        ([], side) => [vec![Vec::new()], subsets(side, 5, 3)],
+        (side, []) => [subsets(side, 5, 3), vec![Vec::new()]],
+        _ => [subsets(before, 3, 2), subsets(behind, 3, 2)],
+    };
+    let [before, behind] = sides;
+    before.into_iter().flat_map(move |before| {
+        let behind = behind.clone().into_iter();
+        behind.map(move |behind| (before.clone(), behind))
+    })
+}
+
+/// All choices of `count` among the first `of` neighbours; none if there are fewer.
+fn subsets(side: &[Neighbour], of: usize, count: usize) -> Vec<Vec<Neighbour>> {
+    let first = side.get(..of).unwrap_or_default();
+    let all = (0..1_usize << first.len()).filter(|set| set.count_ones() as usize == count);
+    let chosen = all.map(|set| {
+        let members = first.iter().enumerate();
+        let members = members.filter(|(k, _)| set >> k & 1 == 1);
+        members.map(|(_, it)| *it).collect()
+    });
+    chosen.collect()
 }
 
 /// The polynomial through neighbours, at place zero.

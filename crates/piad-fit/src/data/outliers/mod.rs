@@ -38,13 +38,6 @@ const DEVIATION: f64 = 1.4826;
 /// Tukey's biweight is zero beyond this number of standard deviations.
 const ZERO_WEIGHT: f64 = 4.685;
 
-/// How far a point is from where its neighbours would put it, and how far they disagree.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Comparison {
-    pub off: f64,
-    pub doubt: f64,
-}
-
 /// A combination of points, by index, whose factors have the sum one.
 type Combination = Vec<(usize, f64)>;
 
@@ -79,8 +72,11 @@ pub(crate) trait Neighbourhood: Sync {
     /// The number of points.
     fn count(&self) -> usize;
 
-    /// Compares a point with its neighbours, of which some are left out; `None` if there are too few.
-    fn compare(&self, index: usize, is_left_out: &[bool]) -> Option<Comparison>;
+    /// How far a point is from where its neighbours would put it, of which some are left out; `None` if there are too few.
+    fn off(&self, index: usize, is_left_out: &[bool]) -> Option<f64>;
+
+    /// How far these disagree.
+    fn doubt(&self, index: usize, is_left_out: &[bool]) -> f64;
 }
 
 /// The outliers, in order. Points that are off by no more than `least` are none, and neither are those that `is_kept`.
@@ -92,15 +88,18 @@ pub(crate) fn find<N: Neighbourhood>(
     let mut outliers = vec![false; points.count()];
     for _ in 0..ROUNDS {
         interrupt::check();
-        let all: Vec<Comparison> = (0..points.count())
-            .into_par_iter()
-            .map(|index| points.compare(index, &outliers).unwrap_or_default())
+        let all = (0..points.count()).into_par_iter();
+        let off: Vec<f64> = all
+            .clone()
+            .map(|index| points.off(index, &outliers).unwrap_or(0.0))
             .collect();
-        let usual = ZERO_WEIGHT * DEVIATION * median(all.iter().map(|it| it.off).collect());
-        let is_outlier = |(index, it): (usize, &Comparison)| {
-            it.off > least.max(usual + N::DOUBT * it.doubt) && !is_kept(index)
+        let usual = ZERO_WEIGHT * DEVIATION * median(off.clone());
+        let is_outlier = |index: usize| {
+            off[index] > least.max(usual)
+                && !is_kept(index)
+                && off[index] > usual + N::DOUBT * points.doubt(index, &outliers)
         };
-        let found: Vec<bool> = all.iter().enumerate().map(is_outlier).collect();
+        let found: Vec<bool> = all.map(is_outlier).collect();
         if found == outliers {
             break;
         }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use super::{Comparison, Neighbourhood, median};
+use super::{Neighbourhood, median};
 use crate::data::points::Points;
 
 /// How many neighbours make a plane.
@@ -89,6 +89,13 @@ impl<'a> Cloud<'a> {
         Some((u - s).hypot(v - t))
     }
 
+    /// Returns true if a point's neighbours are much further away than others'.
+    fn is_by_itself(&self, reach: f64, near: &[usize], is_left_out: &[bool]) -> bool {
+        let theirs = near.iter().filter_map(|&it| self.reach(it, is_left_out));
+        let usual = BY_ITSELF * median(theirs.collect());
+        reach > usual.min(SPARSE * self.usual_reach)
+    }
+
     /// The plane nearest to two thirds of some points, at another one: relative to that, for each coordinate.
     fn plane(&self, index: usize, some: &[usize], reach: f64) -> Option<Vec<f64>> {
         let [u, v] = self.parameters[index];
@@ -132,22 +139,33 @@ impl Neighbourhood for Cloud<'_> {
         self.points.len()
     }
 
-    fn compare(&self, index: usize, is_left_out: &[bool]) -> Option<Comparison> {
-        let all: Vec<usize> = self.around(index, is_left_out).take(NEAR + FAR).collect();
-        let (near, far) = all.split_at_checked(NEAR)?;
+    fn off(&self, index: usize, is_left_out: &[bool]) -> Option<f64> {
+        let near: Vec<usize> = self.around(index, is_left_out).take(NEAR).collect();
         let reach = self.reach(index, is_left_out)?;
-        let theirs = near.iter().filter_map(|&it| self.reach(it, is_left_out));
-        let usual = (BY_ITSELF * median(theirs.collect())).min(SPARSE * self.usual_reach);
-        if reach > usual {
-            let off = self.points.distance(index, near[0]);
-            return Some(Comparison { off, doubt: 0.0 });
+        if near.len() < NEAR {
+            return None;
         }
-        let near = self.plane(index, near, reach)?;
-        let doubt = self.plane(index, far, reach).map_or(0.0, |far| {
-            let pairs = near.iter().zip(&far);
-            pairs.fold(0.0, |sum: f64, (a, b)| sum.hypot(a - b))
-        });
-        let off = near.iter().copied().fold(0.0, f64::hypot);
-        Some(Comparison { off, doubt })
+        if self.is_by_itself(reach, &near, is_left_out) {
+            return Some(self.points.distance(index, near[0]));
+        }
+        let plane = self.plane(index, &near, reach)?;
+        Some(plane.into_iter().fold(0.0, f64::hypot))
+    }
+
+    fn doubt(&self, index: usize, is_left_out: &[bool]) -> f64 {
+        let all: Vec<usize> = self.around(index, is_left_out).take(NEAR + FAR).collect();
+        let Some((near, far)) = all.split_at_checked(NEAR) else {
+            return 0.0;
+        };
+        let reach = self.reach(index, is_left_out).unwrap_or(0.0);
+        if self.is_by_itself(reach, near, is_left_out) {
+            return 0.0;
+        }
+        let planes = [near, far].map(|some| self.plane(index, some, reach));
+        let [Some(near), Some(far)] = planes else {
+            return 0.0;
+        };
+        let pairs = near.iter().zip(&far);
+        pairs.fold(0.0, |sum: f64, (a, b)| sum.hypot(a - b))
     }
 }

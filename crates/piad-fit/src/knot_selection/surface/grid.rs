@@ -26,6 +26,9 @@ use crate::knot_selection::values::Values;
 /// Both directions together may leave the tolerance: each about this part of it.
 const SHARE: f64 = 0.6;
 
+/// Data points of all fits with fewer knot lines: a second or so.
+const WORK: usize = 4_000_000;
+
 /// How fair a surface is that is kept near its data where there are none, by decades as far as its tolerance asks for:
 /// multiples of the energy of spans of equal length.
 const FAIRNESS: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
@@ -168,6 +171,10 @@ impl Data for GridData {
     fn prefers(&self, fit: &Fit, _finer: &[Breaks; 2]) -> usize {
         let most = |axis: usize| fit.left[axis].iter().copied().fold(0.0, f64::max);
         usize::from(most(1) > most(0))
+    }
+
+    fn prunings(&self) -> usize {
+        WORK / self.points.len().max(1)
     }
 
     /// With fewer data in a direction than the fewest control points: scattered points.

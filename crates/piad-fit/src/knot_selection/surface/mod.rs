@@ -125,6 +125,11 @@ pub(crate) trait Data: Debug + Send + Sync {
         false
     }
 
+    /// How many fits with fewer knot lines are tried after all others.
+    fn prunings(&self) -> usize {
+        0
+    }
+
     /// The same data in a form of which a surface need not be determined, where that of the fewest
     /// control points is not.
     fn undetermined(&self, _options: &SurfaceOptions) -> Option<Box<dyn Data>> {

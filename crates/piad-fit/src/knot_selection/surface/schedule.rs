@@ -1,5 +1,7 @@
 //! From p + 1 × q + 1 control points to as few as the tolerance needs: which level comes next.
 
+mod pruning;
+
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -41,6 +43,10 @@ pub(crate) struct SurfaceSchedule {
     /// it.
     rms: f64,
     still: usize,
+    /// The most lines of each direction that are tried to be left out at once.
+    batches: [usize; 2],
+    /// Fits that are left for the removal of lines.
+    prunings: usize,
     outcome: Option<Outcome>,
 }
 
@@ -65,6 +71,8 @@ impl SurfaceSchedule {
     /// A fit of data; nothing is computed before the first level is asked for.
     pub(crate) fn new(data: Box<dyn Data>, options: SurfaceOptions) -> Self {
         Self {
+            batches: [usize::MAX; 2],
+            prunings: data.prunings(),
             data,
             options,
             stage: Stage::Start,
@@ -100,6 +108,7 @@ impl SurfaceSchedule {
             Stage::Growth(fit) => self.grow(fit),
             Stage::Search(search) => self.next_attempt(search),
             Stage::Attempt(search, attempt) => self.attempt(search, attempt),
+            Stage::Done if self.prune() => Stage::Done,
             Stage::Done => {
                 self.finish();
                 Stage::Done

@@ -272,3 +272,12 @@ fn tiny_grids() {
     let (levels, outcome) = all(SurfaceSchedule::new(Box::new(data), bicubic(1e-3)));
     assert_eq!((levels.len(), outcome), (0, Some(Outcome::Overflow)));
 }
+
+/// Across a crease knots want to be together, and along it there are as few as there can be.
+#[test]
+fn creases_take_few_lines() {
+    let (_, levels, outcome) = graph(60, 200, 1e-6, |u, _| (u - 29.0 / 59.0).abs());
+    assert_eq!(outcome, Some(Outcome::Converged));
+    let [rows, columns] = levels.last().unwrap().counts();
+    assert!(rows <= 20 && columns == 4, "{rows} × {columns}");
+}

@@ -38,14 +38,21 @@ const LEAST_LEFT: f64 = 1e-6;
 /// Pivots below this part of the diagonal are rounding: the data do not determine the curve.
 const SINGULAR: f64 = 1e-13;
 
+/// Distances whose root mean square is below this part of the size of the data are no noise.
+const NO_NOISE: f64 = 1e-9;
+
 /// The fairness of a curve: that of the cross-validation, or the largest with which the distances are within a tolerance,
-/// if that is less. `None` if the data determine no curve with any.
+/// if that is less.
+///
+/// # Errors
+///
+/// Why the data choose none.
 pub(crate) fn chosen(
     setup: &Setup,
     settings: &LeastSquares,
     tolerance: Option<f64>,
-) -> Option<f64> {
-    let equations = Equations::new(setup, settings)?;
+) -> Result<f64, &'static str> {
+    let equations = Equations::new(setup, settings).ok_or(UNKNOWN)?;
     let scores = (0..VALUES).filter_map(|k| {
         interrupt::check();
         let fairness = 10_f64.powf(FIRST_POWER + k as f64 / 4.0);
@@ -60,17 +67,30 @@ pub(crate) fn chosen(
         let good = scores.iter().filter(|(_, score)| is_good(score));
         good.map(|(fairness, _)| *fairness).next_back()
     };
-    let best = largest(&|score| score.value <= FLAT * least)?;
+    let is_noise = |score: &Score| score.rms > NO_NOISE * setup.diagonal();
+    if let Some((_, smallest)) = scores.iter().find(|(_, score)| score.value <= least)
+        && !is_noise(smallest)
+    {
+        return Err(NOTHING);
+    }
+    let best = largest(&|score| score.value <= FLAT * least).ok_or(UNKNOWN)?;
     let within = tolerance.and_then(|tolerance| largest(&|score| score.largest <= tolerance));
-    Some(within.map_or(best, |within| best.min(within)))
+    Ok(within.map_or(best, |within| best.min(within)))
 }
+
+/// The data determine no curve with any fairness.
+const UNKNOWN: &str = "the data do not say what is noise: give a number, or fewer control points";
+
+/// They have no noise.
+const NOTHING: &str = "the data have no noise, so that nothing is to be smoothed: leave fairness out, or give a number";
 
 /// What is known of a value of f.
 struct Score {
     /// V.
     value: f64,
-    /// The largest distance from a data point.
+    /// The largest distance from a data point, and the root mean square of all.
     largest: f64,
+    rms: f64,
 }
 
 /// The equations of a curve without fairness, and its energy.
@@ -183,6 +203,7 @@ impl<'a> Equations<'a> {
         let largest = there.map(|i| squares[i]).fold(0.0, f64::max).sqrt();
         (left > LEAST_LEFT).then(|| Score {
             value: mean / (left * left),
+            rms: mean.sqrt(),
             largest,
         })
     }

@@ -1,0 +1,80 @@
+//! After the last attempt: knot lines leave the best surface of a grid, first several at once, then one by one.
+//!
+//! The distances of a direction say how many knots a span asks for, and not that those around a crease want to be together.
+//! Lines that cost least leave until none can be spared.
+
+use std::sync::Arc;
+
+use super::super::SurfaceLevel;
+use super::super::lines::{lines_of, transposed};
+use super::SurfaceSchedule;
+use crate::data::points::Points;
+use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::pruning::{fewer, without};
+
+/// Single lines of a direction that are tried where none before can be spared.
+const CANDIDATES: usize = 6;
+
+/// At most this part of the lines leaves at once.
+const MOST: usize = 4;
+
+impl SurfaceSchedule {
+    /// The best level without some lines of a direction; returns true if there is such a level within the tolerance.
+    pub(super) fn prune(&mut self) -> bool {
+        let Some(best) = self.best.clone() else {
+            return false;
+        };
+        // A line of u has as many control points as there are lines of v.
+        let [rows, columns] = best.counts();
+        let first = usize::from(rows > columns);
+        [first, 1 - first]
+            .into_iter()
+            .any(|axis| self.prune_lines(&best, axis))
+    }
+
+    fn prune_lines(&mut self, best: &Arc<SurfaceLevel>, axis: usize) -> bool {
+        let line = &best.lines[axis];
+        let curves = curves(best, axis);
+        let mut batch = self.batches[axis].min(line.spans() / MOST);
+        while batch > 1 {
+            self.batches[axis] = batch;
+            let without = without(line, &curves, batch);
+            if without.is_some_and(|line| self.is_within_without(best, axis, line)) {
+                return true;
+            }
+            batch /= 2;
+        }
+        self.batches[axis] = 1;
+        let mut candidates = fewer(line, &curves).take(CANDIDATES);
+        candidates.any(|line| self.is_within_without(best, axis, line))
+    }
+
+    /// Fits over fewer lines of a direction, and hands out the level if it is within the tolerance.
+    fn is_within_without(&mut self, best: &SurfaceLevel, axis: usize, line: Breaks) -> bool {
+        if self.prunings == 0 || !line.is_determined(self.data.parameters(axis)) {
+            return false;
+        }
+        self.prunings -= 1;
+        let mut lines = best.lines.clone();
+        lines[axis] = line;
+        let fit = self.fit(lines);
+        let within = fit.filter(|fit| fit.level.distances.max <= self.options.tolerance);
+        within.is_some_and(|fit| {
+            self.issue(&fit.level);
+            true
+        })
+    }
+}
+
+/// The control points as curves along a direction, side by side.
+fn curves(level: &SurfaceLevel, axis: usize) -> Points {
+    let [rows, columns] = level.counts();
+    match axis {
+        0 => lines_of(
+            &transposed(&level.control_points, rows, columns),
+            columns,
+            rows,
+        ),
+        _ => lines_of(&level.control_points, rows, columns),
+    }
+}
