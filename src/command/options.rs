@@ -17,9 +17,6 @@ use piad_fit::data::Grid;
 /// The field of a request with a file of points that says how many rows and columns there are.
 pub(super) const SIZE: &str = "surface.size";
 
-/// The field that says that the order of the points of a curve is meant.
-pub(super) const ORDER: &str = "curve.order";
-
 /// The parameters of scattered points that are those of foot points.
 const FOOT_POINTS: &str = "foot_points";
 
@@ -30,8 +27,6 @@ pub(super) struct Asked {
     pub fields: Map<String, Value>,
     /// Rows and columns.
     pub size: Option<String>,
-    /// The order of the points of a curve.
-    pub order: Option<String>,
     /// Where each flag has gone.
     pub flags: Vec<(String, String)>,
 }
@@ -43,8 +38,11 @@ impl Asked {
             Some(Samples::Grid(rows, columns)) => Some(Grid { rows, columns }),
             _ => None,
         };
-        let ordered = self.order.is_some();
-        file::hints(&self.fields, FileHints { size, ordered }, usize::MAX)
+        let reading = FileHints {
+            size,
+            ordered: false,
+        };
+        file::hints(&self.fields, reading, usize::MAX)
     }
 
     /// What the flags ask of an input.
@@ -59,7 +57,6 @@ impl Asked {
             asked.fields.entry("surface").or_insert_with(|| json!({}));
             asked.flags.push((SIZE.to_owned(), "--surface".to_owned()));
         }
-        asked.order.clone_from(&arguments.order);
         let from_file = match &arguments.json {
             None => Map::new(),
             Some(path) => {
@@ -152,12 +149,16 @@ impl Asked {
         let FitArguments {
             degree,
             basis,
+            order,
             corners,
             polyline,
             ends,
             closed,
             ..
         } = arguments;
+        if let Some(text) = order {
+            self.take("curve.order", "--order", Value::from(text.as_str()))?;
+        }
         if let Some(text) = corners {
             self.take("curve.corners", "--corners", corners_of(text)?)?;
         }
@@ -220,9 +221,6 @@ impl Asked {
         let flag = format!("--set {path}");
         if path == SIZE {
             return Err(Failure::usage(format!("{flag}: use --surface {value}")));
-        }
-        if path == ORDER {
-            return Err(Failure::usage(format!("{flag}: use --order {value}")));
         }
         let inserted = insert(&mut self.fields, path, value);
         inserted.map_err(|detail| Failure::usage(format!("{flag}: {detail}")))?;

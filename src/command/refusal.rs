@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::{Asked, ORDER, SIZE};
+use super::options::{Asked, SIZE};
 use super::pointer;
 
 /// A problem object, as far as the command needs it.
@@ -91,10 +91,8 @@ impl Mistake {
 impl Asked {
     /// The flag that a field comes from: the one with the longest path around it, or one inside of it.
     pub(super) fn flag(&self, path: &str) -> Option<&str> {
-        match path {
-            SIZE => return Some("--surface"),
-            ORDER => return Some("--order"),
-            _ => {}
+        if path == SIZE {
+            return Some("--surface");
         }
         let is_in = |outer: &str, inner: &str| {
             let rest = inner.strip_prefix(outer);

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::{Asked, ORDER, SIZE, merge};
+use super::options::{Asked, SIZE, merge};
 
 /// Streams of progress: no geometry, and no iteration that is out of date.
 pub(super) const PROGRESS: &str = "view=errors&pace=latest";
@@ -32,10 +32,6 @@ impl Request {
             Content::Points => Self::of_points(input, asked),
             Content::Job if asked.size.is_some() => Err(Failure::usage(format!(
                 "--surface: {} is a whole job, which has its rows",
-                input.name
-            ))),
-            Content::Job if asked.order.is_some() => Err(Failure::usage(format!(
-                "--order: {} is a whole job, whose order is never questioned",
                 input.name
             ))),
             Content::Job if asked.fields.is_empty() => {
@@ -74,9 +70,6 @@ impl Request {
         }
         if let Some(size) = &asked.size {
             add(SIZE, size);
-        }
-        if let Some(order) = &asked.order {
-            add(ORDER, order);
         }
         if path.len() > LONGEST {
             let detail = "there is too much beside the points of the file: make it a whole job";

@@ -65,8 +65,9 @@ pub struct FitArguments {
     #[arg(long, value_name = "ROWSxCOLUMNS", num_args = 0..=1, value_parser = size, help_heading = "Fit")]
     pub(crate) surface: Option<Option<String>>,
 
-    /// The order of the points of a curve: given is that of the file, also where the points seem to have none.
-    #[arg(long, value_name = "ORDER", value_parser = PossibleValuesParser::new(["given"]), help_heading = "Fit")]
+    /// The order of the points of a curve: given is that of the file, also where the points seem to have none; nearest puts
+    /// them in the order in which they are near each other.
+    #[arg(long, value_name = "ORDER", value_parser = PossibleValuesParser::new(["given", "nearest"]), help_heading = "Fit")]
     pub(crate) order: Option<String>,
 
     /// Basis: bspline, bernstein, said_ball or wang_ball [default: bspline].

@@ -11,6 +11,7 @@ use super::either::{Whole, object, whole};
 use super::ends::{CurveEnds, DirectionEnds, EndsInput, SurfaceEnds};
 use super::lists::PointNumbers;
 use super::mistakes::{Mistake, Mistakes};
+use super::named::names;
 use super::numbers::{CurveWeights, ScatteredPoints, SurfaceWeights};
 use super::per_direction::PerDirection;
 use super::points::{PointGrid, PointList};
@@ -65,7 +66,24 @@ pub(crate) struct CurveInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub polyline: Option<bool>,
+    /// The order of the points: that in which they are given, or the nearest one where they have none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub order: Option<PointOrder>,
 }
+
+/// The order of the points of a curve: `given`, or `nearest`, in which they are put before they are fitted: along the
+/// shortest tree that connects them. Points that branch are refused.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
+#[schemars(rename_all = "snake_case", extend("default" = "given"), example = &"nearest")]
+pub(crate) enum PointOrder {
+    Given,
+    Nearest,
+}
+
+names!(PointOrder, "order of points", [
+    "given" => Given,
+    "nearest" => Nearest,
+]);
 
 /// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
 /// of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
@@ -222,6 +240,7 @@ impl CurveInput {
         };
         Some(Request {
             polyline: self.polyline.unwrap_or(false),
+            unordered: self.order == Some(PointOrder::Nearest),
             ..problem(self.points.0, grid, (u, None), weights)
         })
     }
@@ -243,6 +262,7 @@ impl CurveInput {
             ends: request.u.ends.as_ref().map(|it| EndsInput::of(it, false)),
             corners: request.u.corners.clone().map(CornersInput),
             polyline: request.polyline.then_some(true),
+            order: request.unordered.then_some(PointOrder::Nearest),
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::model::mistakes::{Mistake, Mistakes, OrMistakes};
 use crate::model::per_direction::PerDirection;
 use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::{FootPoints, SurfaceParameters};
-use crate::model::shape::{CurveInput, SurfaceInput};
+use crate::model::shape::{CurveInput, PointOrder, SurfaceInput};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::Rational;
@@ -85,6 +85,7 @@ fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, Mistake> {
         ends: ends.map(|ends| EndsInput::of(&ends, false)),
         corners: curve.corners.and_then(corners).map(CornersInput),
         polyline: Some(curve.polyline),
+        order: curve.unordered.then_some(PointOrder::Nearest),
     })
 }
 
@@ -378,6 +379,7 @@ fn curve_message(request: &Request) -> pb::Curve {
         ends: request.u.ends.as_ref().map(ends::message),
         corners: request.u.corners.as_ref().map(corners_message),
         polyline: request.polyline,
+        unordered: request.unordered,
     }
 }
 

@@ -76,6 +76,7 @@ async fn points_without_order_are_no_curve() {
         assert_eq!(status, 422, "{path}");
         let detail = answer["detail"].as_str().unwrap();
         assert!(detail.contains("curve.order=given"), "{detail}");
+        assert!(detail.contains("curve.order=nearest"), "{detail}");
     }
     let shown = send(&server, "/v1/points?curve.order=given", "text/csv", &cloud).await;
     let shown: Value = shown.json().await.unwrap();

@@ -13,6 +13,7 @@
 mod access;
 mod access_file;
 mod access_tickets;
+mod any_order;
 mod attacks;
 mod automatic;
 mod bad_requests;

@@ -196,6 +196,16 @@ def test_data_choose_their_fairness(client: piad.Client) -> None:
     assert np.sqrt((off**2).sum(axis=1).mean()) < 0.6
 
 
+def test_points_in_any_order_are_put_in_order(client: piad.Client) -> None:
+    angle = np.linspace(0, 5, 100)
+    points = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    mixed = points[np.random.default_rng(1).permutation(100)]
+    fit = client.fit(mixed, order="nearest")
+    low, high = fit.curve.domain
+    on = fit.curve.evaluate(np.linspace(low, high, 500))
+    assert np.abs(np.hypot(on[:, 0], on[:, 1]) - 1).max() < 1e-6
+
+
 def test_outliers_are_left_out(client: piad.Client) -> None:
     s = np.linspace(0, 1, 150)
     points = np.stack([100 * s, 20 * np.sin(7 * s)], axis=1)

@@ -85,6 +85,11 @@ impl Fit<Curve> {
         self.with(|request| request.u.corners = Some(corners))
     }
 
+    /// The points are in no order: they are put in that in which they are near each other.
+    pub fn unordered(self) -> Self {
+        self.with(|request| request.unordered = true)
+    }
+
     /// The edges between the points are data, too: the fewest control points with which the curve is within the tolerance
     /// of all of them. It turns at vertices with more than 30 degrees, unless corners are given.
     pub fn polyline(self) -> Self {

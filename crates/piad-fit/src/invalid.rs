@@ -225,6 +225,8 @@ pub enum Place {
     Corners(Axis),
     /// One of them, by its place in the list.
     Corner(Axis, usize),
+    /// The order of the points of a curve.
+    Order,
     /// The choice of a polyline, whose edges are data, too.
     Polyline,
     /// How a direction ends.
@@ -294,7 +296,7 @@ pub enum Setting {
     FairnessOrder,
     /// How stiff least-squares surfaces are where they have no data.
     GapStiffness,
-    /// Whether least-squares PIA leaves points out.
+    /// The choice to leave wrong points out of least-squares PIA.
     Robust,
     /// The update of least-squares PIA.
     Variant,

@@ -141,6 +141,13 @@ impl Setup {
         self.v.as_ref()
     }
 
+    /// The data of a curve that are not left out, or all rows of a grid.
+    pub(super) fn rows(&self) -> Vec<usize> {
+        let missing = self.missing().filter(|_| self.v.is_none());
+        let is_there = |row: &usize| missing.is_none_or(|missing| !missing.contains(*row));
+        (0..self.grid.rows).filter(is_there).collect()
+    }
+
     /// The first and the last data point of a curve that are not missing.
     pub(super) fn ends(&self) -> [usize; 2] {
         let last = self.grid.count() - 1;

@@ -163,7 +163,7 @@ impl Warning {
         is_unordered(points).then_some(Self::Unordered)
     }
 
-    /// Whether a few points of a curve are far from where their neighbours lead.
+    /// The points of a curve, if they are few, that are far from where their neighbours lead.
     pub(super) fn of_spikes(points: &Points, closed: bool) -> Option<Self> {
         let spikes = outliers::spikes(points, closed);
         let (count, index) = (spikes.len(), *spikes.first()?);
@@ -295,7 +295,7 @@ impl Warning {
             ),
             Self::Unordered => "fewer than a third of the points have one of their two neighbours in the list among their \
                  three nearest points: they seem to have no order along a curve, which goes to and fro between them; put \
-                 them in order, or fit a surface to scattered points"
+                 them in order, as \"order\": \"nearest\" does, or fit a surface to scattered points"
                 .to_owned(),
             Self::NoData { value, count } => format!(
                 "{count} points have the value {value}, which often stands for missing data, and is fitted like all others; \

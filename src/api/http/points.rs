@@ -37,11 +37,11 @@ use piad_fit::data::Grid;
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 const SIZE: &str = "surface.size";
 
-/// Says that the order of the points of a curve is meant; likewise.
+/// The order of the points of a curve.
 const ORDER: &str = "curve.order";
 
-/// The only order that can be said: that of the file.
-const GIVEN: &str = "given";
+/// Those that there are.
+const ORDERS: [&str; 2] = ["given", "nearest"];
 
 /// The JSON of points takes at most so many times the memory of their file, also while it grows: 1e15 has sixteen
 /// digits there.
@@ -135,7 +135,8 @@ impl Fields {
         let given: Vec<(String, String)> = negotiate::query(&only(uri, &job))?;
         let mut fields = Self::default();
         for (name, text) in given {
-            if !take(&mut fields.reading, &name, &text)? {
+            // The order of points says how the file is read, and is a field of the job.
+            if !take(&mut fields.reading, &name, &text)? || name == ORDER {
                 path::insert(&mut fields.json, &name, &text)
                     .map_err(|detail| Problem::at_parameter(&name, detail))?;
             }
@@ -145,11 +146,10 @@ impl Fields {
 
     /// The same text for the same fields.
     pub(super) fn text(&self) -> String {
-        let FileHints { size, ordered } = self.reading;
+        let size = self.reading.size;
         let size = size.map(|size| format!("{}x{}", size.rows, size.columns));
-        let order = if ordered { GIVEN } else { "" };
         format!(
-            "{} {} {order}",
+            "{} {}",
             Value::from(self.json.clone()),
             size.unwrap_or_default()
         )
@@ -180,9 +180,13 @@ fn only(uri: &Uri, parameters: &[&str]) -> Uri {
 fn take(reading: &mut FileHints, name: &str, text: &str) -> Result<bool, Problem> {
     match name {
         SIZE => reading.size = Some(size(text)?),
-        ORDER if text == GIVEN => reading.ordered = true,
+        ORDER if ORDERS.contains(&text) => reading.ordered = true,
         ORDER => {
-            let detail = format!("{} is no order; there is {GIVEN}", quoted(text));
+            let [given, nearest] = ORDERS;
+            let detail = format!(
+                "{} is no order; there are {given} and {nearest}",
+                quoted(text)
+            );
             return Err(Problem::at_parameter(ORDER, detail));
         }
         _ => return Ok(false),

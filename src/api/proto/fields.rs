@@ -107,6 +107,7 @@ impl MessageLayout {
                 self.direction(axis, &format!("parameters.values[{index}]"))
             }
             P::Closed(axis) => self.direction(axis, "closed"),
+            P::Order => format!("{root}.unordered"),
             P::Polyline => format!("{root}.polyline"),
             P::Corners(axis) => self.direction(axis, "corners"),
             P::Corner(axis, index) => self.direction(axis, &format!("corners.at.indices[{index}]")),

@@ -168,7 +168,7 @@ export class Form {
     const ends = open.length === 0 ? [] : [of("ends", {}, this.#slots(`/${shape}/ends`, "", open))];
     const rational = this.#description.field("JobRequest", "rational");
     const ways = { ...this.#description.kind(rational), choices: this.#description.capabilities.rational };
-    const ofCurve = shape === "curve" && this.#basis(null) === "bspline" ? [of("corners"), of("polyline")] : [];
+    const ofCurve = shape === "curve" && this.#basis(null) === "bspline" ? [of("corners"), of("polyline"), of("order")] : [];
     return [...ofCurve, ...ends, of("parameters", { kind, usual: this.#description.usual(this.#description.schema("ParameterChoice")) }), of("weights"), fieldOf(this.#description, rational, "Rational", this.#slots("/rational", "", [null]), { kind: ways })];
   }
 

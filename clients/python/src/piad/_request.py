@@ -68,6 +68,7 @@ def job(
     closed: PerDirection[bool],
     corners: Optional[Corners],
     polyline: bool,
+    order: Optional[str],
     ends: Optional[SurfaceEnds],
     weights: Any,
     rational: Optional[Rational],
@@ -87,6 +88,7 @@ def job(
         "closed": plain(closed),
         "corners": plain(corners),
         "polyline": polyline or None,
+        "order": order,
         "ends": plain(ends),
         "weights": plain(weights),
     }

@@ -45,6 +45,7 @@ class Service:
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
         polyline: bool = False,
+        order: Optional[str] = None,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -69,7 +70,7 @@ class Service:
         `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
         `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. At `corners` a curve may turn: indices of points, `"auto"`
         or `{"angle": 30}`. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
-        tolerance needs. What is not given is left to the
+        tolerance needs. With `order="nearest"` points in any order are put in that of their curve first. What is not given is left to the
         server; docs/JOBS.md there says more about each.
 
         Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
@@ -86,6 +87,7 @@ class Service:
             closed=closed,
             corners=corners,
             polyline=polyline,
+            order=order,
             ends=ends,
             weights=weights,
             rational=rational,
@@ -108,6 +110,7 @@ class Service:
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
         polyline: bool = False,
+        order: Optional[str] = None,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -136,6 +139,7 @@ class Service:
             closed=closed,
             corners=corners,
             polyline=polyline,
+            order=order,
             ends=ends,
             weights=weights,
             rational=rational,

@@ -3,7 +3,7 @@
 //! - `points`: ordered points, stored coordinate by coordinate; `grid`: their arrangement; `input`: both as callers
 //!   have them;
 //! - `missing`: grids with missing points; `no_data`: values that stand for them in files of heights;
-//! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve; `corners`: where a
+//! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve; `nearest_order`: that order; `corners`: where a
 //!   polyline has corners; `outliers`: points that are wrong;
 //! - `distances` and `blocks`: lengths of residuals, and their norms in blocks;
 //! - `aligned`, `bounds`, `monotonic`, `quantiles`: arrays of numbers.
@@ -17,6 +17,7 @@ pub(crate) mod grid;
 mod input;
 pub(crate) mod missing;
 pub(crate) mod monotonic;
+pub(crate) mod nearest_order;
 pub(crate) mod no_data;
 pub(crate) mod outliers;
 pub(crate) mod point_order;

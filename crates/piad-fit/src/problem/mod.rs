@@ -13,6 +13,7 @@ mod construction;
 mod corners;
 mod fairness;
 mod first;
+mod order;
 mod pieces;
 mod polyline;
 pub(crate) mod request;
@@ -95,8 +96,9 @@ impl Problem {
     pub fn admitted(mut request: Request, admission: &Admission) -> Result<Self, Invalid> {
         let missing = check_points(&mut request)?;
         check_finite(&request.points, &request.points.extents())?;
+        order::resolve(&mut request)?;
         check_scattered(&request)?;
-        let inliers = Inliers::of(&request)?.map(Arc::new);
+        let inliers = Inliers::of(&request, admission)?.map(Arc::new);
         let fitted = |it: &Arc<Inliers>| Arc::clone(&it.points);
         let fitted = inliers.as_ref().map_or(Arc::clone(&request.points), fitted);
         let extents = fitted.extents();

@@ -48,6 +48,8 @@ pub struct Request {
     pub points: Arc<Points>,
     /// Their arrangement: n × 1 of a curve, n × m of a surface.
     pub grid: Grid,
+    /// True if the points of a curve are in no order: then they are put in that in which they are near each other.
+    pub unordered: bool,
     /// Indices of missing points, for least-squares fits; their coordinates are not looked at.
     pub missing: Vec<usize>,
     /// How the points of a surface get their parameters if they are scattered: then they are in a grid of
@@ -97,6 +99,7 @@ impl Request {
         Self {
             points: points.into(),
             grid,
+            unordered: false,
             missing: Vec::new(),
             scattered: None,
             polyline: false,

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::admission::Admission;
 use super::request::{Request, Tolerance, Weights};
 use crate::basis::choice::{Corners, DirectionChoice};
 use crate::basis::direction::Direction;
@@ -14,8 +15,11 @@ use crate::method::{At, Constraint, LeastSquares, Method};
 use crate::parameters::scattered::nearest_to_their_plane;
 use crate::parameters::{Parametrization, Scattered, parameters};
 
-/// The most points: each is compared with its neighbours several times before the fit begins.
-const MOST_POINTS: usize = 2_000_000;
+/// About how many multiplications take as long as comparing a point with its neighbours in all rounds.
+const MULTIPLICATIONS: usize = 10_000;
+
+/// Bytes that a point takes meanwhile, with its neighbours.
+const BYTES: usize = 256;
 
 /// The points of a robust fit that are not outliers.
 #[derive(Clone, Debug)]
@@ -33,7 +37,7 @@ impl Inliers {
     /// # Errors
     ///
     /// What a robust fit cannot be combined with, or too many outliers.
-    pub(super) fn of(request: &Request) -> Result<Option<Self>, Invalid> {
+    pub(super) fn of(request: &Request, admission: &Admission) -> Result<Option<Self>, Invalid> {
         let Method::LeastSquares(settings) = &request.method else {
             return Ok(None);
         };
@@ -42,6 +46,8 @@ impl Inliers {
         }
         check(request, settings)?;
         let count = request.points.len();
+        let [bytes, multiplications] = [BYTES, MULTIPLICATIONS].map(|it| count.saturating_mul(it));
+        admission.check(bytes, 0, multiplications)?;
         let known = request
             .outliers
             .as_ref()
@@ -176,11 +182,6 @@ fn check(request: &Request, settings: &LeastSquares) -> Result<(), Invalid> {
         _ if count < FEWEST_POINTS => {
             return Err(wrong(format!(
                 "{count} points do not show which of them are wrong: give {FEWEST_POINTS} at least"
-            )));
-        }
-        _ if count > MOST_POINTS => {
-            return Err(wrong(format!(
-                "outliers are found among {MOST_POINTS} points at most, and {count} are given"
             )));
         }
         _ => return settings.check_weights(count),

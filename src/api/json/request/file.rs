@@ -29,6 +29,7 @@ pub(crate) struct FileHints {
 pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize) -> Hints {
     let FileHints { size, ordered } = reading;
     let has = |name| fields.contains_key(name);
+    let order = fields.get("curve").and_then(|curve| curve.get("order"));
     let kind = match (has("curve"), has("surface") || size.is_some()) {
         (true, _) => Some(Kind::Curve),
         (false, true) => Some(Kind::Surface),
@@ -38,7 +39,7 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         kind,
         size,
         closed: closed(fields),
-        ordered,
+        ordered: ordered || order.is_some(),
         most,
     }
 }

@@ -181,6 +181,7 @@ impl Places {
             P::Parameters(axis) => self.parameters(axis),
             P::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
             P::Closed(axis) => self.part("closed", self.closed_each, axis),
+            P::Order => format!("{root}/order"),
             P::Polyline => format!("{root}/polyline"),
             P::Corners(_) => format!("{root}/corners"),
             P::Corner(_, index) => format!("{root}/corners/{index}"),

@@ -140,11 +140,7 @@ pub(super) struct Gaps<'a> {
 impl<'a> Gaps<'a> {
     pub(super) fn new(setup: &'a Setup) -> Self {
         let v = setup.v();
-        let is_there = |row: &usize| {
-            let missing = setup.missing().filter(|_| v.is_none());
-            missing.is_none_or(|missing| !missing.contains(*row))
-        };
-        let rows: Vec<usize> = (0..setup.grid().rows).filter(is_there).collect();
+        let rows = setup.rows();
         let all: Vec<usize> = (0..setup.grid().columns).collect();
         let parts: &[f64] = match v {
             _ if setup.grid().count() > MANY => &[0.5],

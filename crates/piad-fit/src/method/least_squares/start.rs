@@ -12,12 +12,7 @@ use crate::setup::Setup;
 /// Level 0: data at equal distances of their indices, the first and the last point among them.
 pub(super) fn start(setup: &Setup) -> Points {
     let (data, grid) = (setup.data(), setup.grid());
-    // Those of a curve that are not left out.
-    let is_there = |row: &usize| {
-        let missing = setup.missing().filter(|_| setup.v().is_none());
-        missing.is_none_or(|missing| !missing.contains(*row))
-    };
-    let there: &Vec<usize> = &(0..grid.rows).filter(is_there).collect();
+    let there = &setup.rows();
     let rows = samples(there.len(), setup.u());
     let columns = setup
         .v()

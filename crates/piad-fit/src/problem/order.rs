@@ -1,0 +1,64 @@
+//! Points of a curve that come in any order.
+
+use std::sync::Arc;
+
+use super::request::{Request, Weights};
+use crate::basis::choice::Corners;
+use crate::data::nearest_order::{Branch, MOST_POINTS, nearest_order};
+use crate::invalid::{Invalid, Place};
+use crate::method::{At, Method, Threshold};
+use crate::parameters::Parametrization;
+
+/// Puts the points in order along their curve, if they are in none. From then on that is their order.
+pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
+    if !request.unordered {
+        return Ok(());
+    }
+    check(request)?;
+    let order = nearest_order(&request.points).map_err(|Branch { point }| {
+        let detail = format!(
+            "the points branch at point {point}, so that no order leads along one curve: give them in their order, or fit a \
+             surface to scattered points"
+        );
+        Invalid::at(Place::Point(point), detail)
+    })?;
+    request.points = Arc::new(request.points.selected(order.into_iter()));
+    request.unordered = false;
+    Ok(())
+}
+
+/// Refuses what says something of each point by its place in the list.
+fn check(request: &Request) -> Result<(), Invalid> {
+    let choice = &request.u;
+    let by_index = match &request.method {
+        Method::LeastSquares(settings) => {
+            let is_index = |at: At| matches!(at, At::Index(_));
+            let constraints = settings.constraints.iter();
+            settings.data_weights.is_some() || constraints.map(|it| it.at).any(is_index)
+        }
+        Method::Adaptive(settings) => matches!(settings.threshold, Threshold::Each(_)),
+        Method::Custom(_) => true,
+        _ => request.selected.is_some(),
+    };
+    let count = request.points.len();
+    let found = match &choice.parameters {
+        _ if request.v.is_some() => "a surface has rows of points, or scattered ones",
+        Parametrization::Explicit(_) => {
+            "parameters give the points an order: leave one of both out"
+        }
+        _ if request.weights != Weights::None || choice.weights.is_some() => {
+            "weights are those of points in their order: leave them out"
+        }
+        _ if matches!(choice.corners, Some(Corners::At(_))) => {
+            "corners are indices of points in their order: let them be found"
+        }
+        _ if by_index => "the method has settings for points in their order: leave them out",
+        _ if count > MOST_POINTS => {
+            let detail =
+                format!("at most {MOST_POINTS} points are put in order, and {count} are given");
+            return Err(Invalid::at(Place::Order, detail));
+        }
+        _ => return Ok(()),
+    };
+    Err(Invalid::at(Place::Order, found))
+}
