@@ -46,7 +46,7 @@ async fn points_are_put_in_order() {
     let request = server.post("/v1/jobs?curve.order=nearest&method=direct");
     let request = request.header("content-type", "text/csv").body(text);
     let job: Value = request.send().await.unwrap().json().await.unwrap();
-    server.until_state(&base(&job), "converged").await;
+    server.until_state(base(&job), "converged").await;
     let result = server.json(&format!("{}/result", base(&job))).await;
     assert_eq!(result["control_points"], found);
 }

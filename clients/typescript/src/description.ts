@@ -709,6 +709,8 @@ export interface components {
              *     at all points at which the edges do by more than 30 degrees, unless `corners` are given. Default: `false`.
              */
             polyline?: boolean | null;
+            /** @description The order of the points: that in which they are given, or the nearest one where they have none. */
+            order?: components["schemas"]["PointOrder"] | null;
         };
         /**
          * @description The data points of a curve, in their order.
@@ -864,6 +866,13 @@ export interface components {
              */
             angle: number;
         } | number[];
+        /**
+         * @description The order of the points of a curve: `given`, or `nearest`, in which they are put before they are fitted: along the
+         *     shortest tree that connects them. Points that branch are refused. Default: `"given"`.
+         * @example nearest
+         * @enum {string}
+         */
+        PointOrder: "given" | "nearest";
         /**
          * @description A surface through a grid of data points, or near scattered ones, which only least squares fits: one
          *     of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
@@ -3951,10 +3960,10 @@ export interface components {
          */
         "surface.size": string;
         /**
-         * @description The order of the points of a curve is that of the file: it is not refused where the points seem to have none.
+         * @description The order of the points of a curve, which are refused otherwise where they seem to have none: `given` is that of the file. `nearest`, with which a job puts them in order, shows them as they are.
          * @example given
          */
-        "curve.order": "given";
+        "curve.order": "given" | "nearest";
         /**
          * @description Only jobs in this state.
          * @example converged
@@ -4139,6 +4148,7 @@ export type CurveEnds = components['schemas']['CurveEnds'];
 export type CurveEndPair = components['schemas']['CurveEndPair'];
 export type CurveEnd = components['schemas']['CurveEnd'];
 export type Corners = components['schemas']['Corners'];
+export type PointOrder = components['schemas']['PointOrder'];
 export type SurfaceInput = components['schemas']['SurfaceInput'];
 export type PointGrid = components['schemas']['PointGrid'];
 export type ScatteredPoints = components['schemas']['ScatteredPoints'];
@@ -4675,7 +4685,7 @@ export interface operations {
                  */
                 "surface.size"?: components["parameters"]["surface.size"];
                 /**
-                 * @description The order of the points of a curve is that of the file: it is not refused where the points seem to have none.
+                 * @description The order of the points of a curve, which are refused otherwise where they seem to have none: `given` is that of the file. `nearest`, with which a job puts them in order, shows them as they are.
                  * @example given
                  */
                 "curve.order"?: components["parameters"]["curve.order"];
