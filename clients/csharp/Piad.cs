@@ -478,7 +478,7 @@ namespace Piad
     /// <summary>A curve through points.</summary>
     public sealed class CurveRequest : FitRequest
     {
-        /// <summary>Points with 1, 2 or 3 coordinates.</summary>
+        /// <summary>Points with 1 to 16 coordinates.</summary>
         public CurveRequest(double[][] points) { Points = points; }
 
         /// <summary>The data points.</summary>
@@ -744,7 +744,7 @@ namespace Piad
         /// <summary>Null of the Ball bases, which have none.</summary>
         public double[] Knots { get; internal set; }
 
-        /// <summary>Points with 1, 2 or 3 coordinates.</summary>
+        /// <summary>Points with 1 to 16 coordinates.</summary>
         public double[][] ControlPoints { get; internal set; }
 
         /// <summary>Of rational curves one for each control point, else null.</summary>

@@ -40,6 +40,7 @@ rules!(
     "data" => Data,
     "averaged" => Averaged,
     "spread" => Spread,
+    "adaptive" => Adaptive,
 ]);
 
 rules!(
@@ -166,7 +167,7 @@ schema_of!(
     KnotsInput,
     "KnotChoice",
     json_schema!({
-        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\").",
+        "description": "Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data (\"spread\"); of curves they can place them where the data ask for them (\"adaptive\").",
         "oneOf": [
             {"type": "string", "enum": <Self as Rule>::names()},
             {"type": "array", "items": {"type": "number"}, "minItems": 4},

@@ -5,7 +5,7 @@ use schemars::json_schema;
 use super::per_direction::Pair;
 use super::points::{PointGrid, PointList};
 use super::schema::schema_of;
-use piad_fit::data::MAX_DIMENSION;
+use piad_fit::data::{MAX_DIMENSION, MAX_SURFACE_DIMENSION};
 
 /// A data point.
 pub(crate) enum Point {}
@@ -14,7 +14,7 @@ schema_of!(
     Point,
     "Point",
     json_schema!({
-        "description": "A point with 1, 2 or 3 coordinates; all points of a job have the same number of them.",
+        "description": format!("A point with 1 to {MAX_DIMENSION} coordinates, on surfaces at most {MAX_SURFACE_DIMENSION}; all points of a job have the same number of them."),
         "type": "array",
         "items": {"type": "number"},
         "minItems": 1,
@@ -34,13 +34,22 @@ schema_of!(PointList, "Points", generator => json_schema!({
 /// The list of scattered points.
 pub(crate) enum ScatteredPoints {}
 
-schema_of!(ScatteredPoints, "ScatteredPoints", generator => json_schema!({
-    "description": "The scattered data points of a surface, in any order.",
-    "type": "array",
-    "items": generator.subschema_for::<Point>(),
-    "minItems": 4,
-    "examples": [[[0, 0, 1], [0.3, 1.2, 2], [1, 0.7, 1], [0.6, 0.1, 3]]],
-}));
+schema_of!(
+    ScatteredPoints,
+    "ScatteredPoints",
+    json_schema!({
+        "description": "The scattered data points of a surface, in any order.",
+        "type": "array",
+        "items": {
+            "type": "array",
+            "items": {"type": "number"},
+            "minItems": 1,
+            "maxItems": MAX_SURFACE_DIMENSION,
+        },
+        "minItems": 4,
+        "examples": [[[0, 0, 1], [0.3, 1.2, 2], [1, 0.7, 1], [0.6, 0.1, 3]]],
+    })
+);
 
 schema_of!(
     PointGrid,
@@ -55,7 +64,7 @@ schema_of!(
                 "type": ["array", "number", "null"],
                 "items": {"type": "number"},
                 "minItems": 1,
-                "maxItems": MAX_DIMENSION,
+                "maxItems": MAX_SURFACE_DIMENSION,
             },
             "minItems": 2,
         },

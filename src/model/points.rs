@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::list_limits;
 
-/// A list of points: `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
+/// A list of points: `[[x, y, z], …]`, all with the same number of coordinates.
 #[derive(Clone, Debug)]
 pub(crate) struct PointList(pub Arc<Points>);
 

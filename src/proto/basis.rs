@@ -26,6 +26,7 @@ pub(crate) fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mista
         pb::KnotRule::Data => Chosen::Rule(KnotsInput(Knots::Data)),
         pb::KnotRule::Averaged => Chosen::Rule(KnotsInput(Knots::Averaged)),
         pb::KnotRule::Spread => Chosen::Rule(KnotsInput(Knots::Spread)),
+        pb::KnotRule::Adaptive => Chosen::Rule(KnotsInput(Knots::Adaptive)),
     };
     Ok(Basis {
         kind: chosen(&KINDS, basis.kind, &format!("{field}.kind"))?.unwrap_or_default(),
@@ -89,6 +90,7 @@ pub(crate) fn message(choice: &BasisChoice) -> pb::Basis {
         Some(Knots::Data) => (pb::KnotRule::Data, Vec::new()),
         Some(Knots::Averaged) => (pb::KnotRule::Averaged, Vec::new()),
         Some(Knots::Spread) => (pb::KnotRule::Spread, Vec::new()),
+        Some(Knots::Adaptive) => (pb::KnotRule::Adaptive, Vec::new()),
         Some(Knots::Explicit(knots)) => (pb::KnotRule::Explicit, knots.to_vec()),
     };
     pb::Basis {

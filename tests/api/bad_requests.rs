@@ -147,7 +147,7 @@ fn wrong_shape() -> Vec<Bad> {
         bad(
             curve("points", json!([[0, 0], 1])),
             "/curve/points/1",
-            "a list of 1, 2 or 3 numbers",
+            "a list of 1 to 16 numbers",
         ),
         bad(
             curve("points", json!([[0, 0], []])),

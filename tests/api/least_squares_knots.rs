@@ -197,7 +197,10 @@ async fn the_rule_has_a_name() {
     let capabilities = server.json("/v1/capabilities").await;
     let methods = capabilities["methods"].as_array().unwrap();
     let announced = methods.iter().find(|it| it["kind"] == "least_squares");
-    assert_eq!(announced.unwrap()["knots"], json!(["spread", "explicit"]));
+    assert_eq!(
+        announced.unwrap()["knots"],
+        json!(["spread", "adaptive", "explicit"])
+    );
     let basis = json!({"kind": "bspline", "knots": "spread"});
     let parent = server.stream(&asked(basis)).await;
     assert_eq!(rule(&parent.job).await, "spread");
@@ -244,4 +247,97 @@ async fn spread_knots_are_for_open_least_squares() {
     server
         .assert_refused(&polynomial, pointer, "no knots to choose")
         .await;
+}
+
+/// Points of a steep step between two flat parts.
+fn step(count: usize) -> Value {
+    let point = |i: usize| {
+        let x = 2.0 * i as f64 / (count - 1) as f64 - 1.0;
+        json!([x, (20.0 * x).tanh()])
+    };
+    (0..count).map(point).collect()
+}
+
+/// A closed curve that is nearly pointed at one place.
+fn heart(count: usize) -> Value {
+    let point = |i: usize| {
+        let turn = std::f64::consts::TAU * i as f64 / count as f64;
+        let out = 1.0 + 0.2 * (20.0 * turn.cos() - 20.0).exp();
+        json!([out * turn.cos(), out * turn.sin()])
+    };
+    (0..count).map(point).collect()
+}
+
+/// Adaptive knots go where the data ask for them; edits keep those of an open curve.
+#[tokio::test]
+async fn adaptive_knots_are_nearer_to_the_data() {
+    let server = Server::start().await;
+    for (closed, gain) in [(false, 100.0), (true, 3.0)] {
+        let fit = async |knots: &str| {
+            let points = if closed { heart(400) } else { step(801) };
+            let basis = match knots {
+                "" => json!({"degree": 3}),
+                _ => json!({"degree": 3, "knots": knots}),
+            };
+            let curve = json!({"points": points, "basis": basis, "closed": closed});
+            let method = method("direct", json!(40));
+            server.fit(&json!({"curve": curve, "method": method})).await
+        };
+        let (usual, adaptive) = (fit("").await, fit("adaptive").await);
+        let error = |job: &Value| job["error"]["max"].as_f64().unwrap();
+        assert!(
+            gain * error(&adaptive) < error(&usual),
+            "{adaptive} {usual}"
+        );
+        let input = server.json(&format!("{}/input", base(&adaptive))).await;
+        assert_eq!(input["curve"]["basis"]["knots"], "adaptive");
+        assert_eq!(server.fit(&input).await["error"], adaptive["error"]);
+        let moved = json!({"points": [{"index": 3, "point": [0.1, 0.2]}]});
+        let edit = server
+            .post(&format!("{}/edits", base(&adaptive)))
+            .json(&moved);
+        let edit: Value = edit.send().await.unwrap().json().await.unwrap();
+        server.until_state(base(&edit), "minimum").await;
+        let knots = async |job: &Value| {
+            let result = server.json(&format!("{}/result", base(job))).await;
+            result["knots"].clone()
+        };
+        if !closed {
+            assert_eq!(knots(&edit).await, knots(&adaptive).await);
+        }
+    }
+}
+
+#[tokio::test]
+async fn adaptive_knots_are_for_least_squares_of_curves() {
+    let server = Server::start().await;
+    let basis = json!({"degree": 3, "knots": "adaptive"});
+    let points = curve(30);
+    let curve =
+        |method: Value| json!({"curve": {"points": points, "basis": basis}, "method": method});
+    let fewer = method("direct", json!(5));
+    for (job, pointer, reason) in [
+        (
+            curve(json!("global")),
+            "/curve/basis/knots",
+            "least squares",
+        ),
+        (
+            curve(method("direct", json!("auto"))),
+            "/curve/basis",
+            "no knots can be given",
+        ),
+        (
+            json!({"surface": {"points": data::peaks(8), "basis": basis}, "method": fewer}),
+            "/surface/u/basis/knots",
+            "knots of curves",
+        ),
+        (
+            json!({"curve": {"points": points, "basis": basis, "corners": [9]}, "method": fewer}),
+            "/curve/corners",
+            "knots of their own",
+        ),
+    ] {
+        server.assert_refused(&job, pointer, reason).await;
+    }
 }

@@ -77,6 +77,7 @@ mod least_squares_knots;
 mod load;
 mod local;
 mod made_up;
+mod many_coordinates;
 mod messages_over_rest;
 mod methods;
 mod metrics;

@@ -182,7 +182,7 @@ async fn points_in_other_forms_are_explained() {
         (
             json!({"curve": {"points": [0, 1, 2]}}),
             "/curve/points/0",
-            "a list of 1, 2 or 3 numbers",
+            "a list of 1 to 16 numbers",
         ),
         (
             json!({"surface": {"points": [[0, 0], [1, 1]]}}),

@@ -58,18 +58,24 @@ impl Curve {
     /// The point at a parameter, with as many coordinates as the data. Parameters outside of the
     /// [domain](Self::domain) are those of its ends; a closed curve goes round.
     pub fn eval(&self, t: f64) -> Vec<f64> {
-        cut(self.jet(t).point, self.nurbs.points.dimension())
+        self.coordinates(t, |jet| jet.point)
     }
 
     /// The derivative by the parameter (PT97 (4.8)); at a knot that from the right.
     pub fn derivative(&self, t: f64) -> Vec<f64> {
-        cut(self.jet(t).du, self.nurbs.points.dimension())
+        self.coordinates(t, |jet| jet.du)
     }
 
-    fn jet(&self, t: f64) -> Jet {
-        let t = inside(&self.nurbs.u, t);
-        let jets = self.nurbs.evaluate(&[self.nurbs.u.site_at(t)], &[]);
-        jets.into_iter().next().unwrap_or_default()
+    /// A vector of all coordinates, of which three are evaluated at a time.
+    fn coordinates(&self, t: f64, vector: impl Fn(&Jet) -> [f64; 3]) -> Vec<f64> {
+        let site = self.nurbs.u.site_at(inside(&self.nurbs.u, t));
+        let dimension = self.nurbs.points.dimension();
+        let three = |first: usize| {
+            let jets = self.nurbs.evaluate_from(first, &[site], &[]);
+            let vector = jets.first().map_or([0.0; 3], &vector);
+            cut(vector, dimension - first)
+        };
+        (0..dimension).step_by(3).flat_map(three).collect()
     }
 
     /// Its distances from the data, in their unit.

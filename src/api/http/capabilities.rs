@@ -130,7 +130,7 @@ impl MethodCapability {
             kind,
             settings: settings_of(kind),
             knots: match kind {
-                "least_squares" => &["spread", "explicit"],
+                "least_squares" => &["spread", "adaptive", "explicit"],
                 _ => &[],
             },
             surface: kind != "convex",

@@ -96,7 +96,7 @@ fn changes(
         layout.changes.push((Some(k), None));
         changes.push(Move {
             index: target.index(index),
-            point: Coordinates::of(place),
+            point: Some(Coordinates::from(place)),
             weight: None,
         });
     }

@@ -112,7 +112,7 @@ async fn errors_name_the_fields_that_are_wrong() {
         (
             of_curve(&|it| it.dimension = 0),
             "input.curve.dimension",
-            "1 to 3",
+            "1 to 16",
         ),
         (
             of_curve(&|it| it.points.truncate(89)),

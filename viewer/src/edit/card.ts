@@ -5,7 +5,7 @@ import { indexOf } from "../fit/data.js";
 import { el } from "../html.js";
 import type { Hall } from "../scene/hall.js";
 import { icon } from "../ui/icons.js";
-import { short } from "../text/numbers.js";
+import { axisName, short } from "../text/numbers.js";
 import type { Drag } from "./drag.js";
 import type { Preview } from "./preview.js";
 
@@ -32,7 +32,7 @@ export function card(app: App, hall: Hall, drag: Drag, root: HTMLElement): void 
     exhibit.figure.mark([data.positions[index * 3]!, data.positions[index * 3 + 1]!, data.positions[index * 3 + 2]!]);
     hall.stage.invalidate();
     const inputs = numbers.map((value, axis) => {
-      const name = ["x", "y", "z"][axis]!;
+      const name = axisName(axis, data.dimension);
       const input = el("input", { type: "number", step: "any", value, "aria-label": name });
       input.addEventListener("change", () => void drag.keep(exhibit, { place: selection, point: inputs.map((one) => one.valueAsNumber) }));
       return input;
@@ -40,7 +40,7 @@ export function card(app: App, hall: Hall, drag: Drag, root: HTMLElement): void 
     const close = el("button", { type: "button", class: "icon", "aria-label": "Close", onclick: () => app.view.set({ selection: null }) }, icon("close"));
     box.replaceChildren(
       el("div", { class: "head" }, el("h2", {}, `Point ${typeof selection === "number" ? selection : selection.join(", ")}`), close),
-      el("div", { class: "numbers" }, ...inputs.map((input, axis) => el("label", {}, el("span", {}, ["x", "y", "z"][axis]!), input))),
+      el("div", { class: "numbers" }, ...inputs.map((input, axis) => el("label", {}, el("span", {}, axisName(axis, data.dimension)), input))),
       ...weight(),
     );
 

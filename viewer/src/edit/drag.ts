@@ -114,7 +114,9 @@ export class Drag {
     const { axes, positions } = grip.exhibit.data;
     const { group } = grip.exhibit.figure;
     const at = under.add(grip.offset).applyMatrix4(group.matrixWorld.clone().invert());
-    const point = axes.coordinates(at.x, at.y, at.z);
+    const { exact, dimension } = grip.exhibit.data;
+    const notDrawn = exact.subarray(grip.index * dimension + 3, (grip.index + 1) * dimension);
+    const point = [...axes.coordinates(at.x, at.y, at.z), ...(dimension > 3 ? notDrawn : [])];
     const before = new Vector3().fromArray(positions, grip.index * 3);
     if (axes.dimension === 1) at.set(before.x, ...(axes.half[2] > 0 ? [before.y, at.z] : [at.y, before.z]) as [number, number]);
     if (axes.dimension === 2) at.z = before.z;

@@ -21,7 +21,7 @@ const REACH = 1e37;
 // How many digits of the size of the data a hand can place a point to.
 const HAND = 4;
 
-/** Where data points are, and how they become three coordinates. */
+/** Where data points are, and how they become three coordinates: of more than three the first ones. */
 export class Axes {
   readonly centre: readonly [number, number, number];
   /** Half of the diagonal of the box around the data. */
@@ -85,7 +85,7 @@ export class Axes {
       }
       positions[to] = (data[from] ?? NaN) - x;
       positions[to + 1] = (data[from + 1] ?? NaN) - y;
-      positions[to + 2] = dimension === 3 ? (data[from + 2] ?? NaN) - z : 0;
+      positions[to + 2] = dimension > 2 ? (data[from + 2] ?? NaN) - z : 0;
     }
     return Float32Array.from(this.#within(positions));
   }
@@ -123,7 +123,7 @@ export class Axes {
     positions[to + 2] = value - z;
   }
 
-  /** The coordinates of the data from a place in the scene, as fine as a hand is. */
+  /** The coordinates that are drawn from a place in the scene, as fine as a hand is. */
   coordinates(x: number, y: number, z: number): number[] {
     const place = [x + this.origin[0], y + this.origin[1], z + this.origin[2]];
     const used = this.dimension === 1 ? [this.half[2] > 0 ? (place[2] ?? 0) : (place[1] ?? 0)] : place.slice(0, this.dimension);
@@ -150,6 +150,7 @@ function box(data: Numbers, dimension: number): [number[] & { 0: number }, numbe
   for (let i = 0; i < data.length; i++) {
     const value = data[i] ?? NaN;
     const axis = i % dimension;
+    if (axis > 2) continue;
     if (value < (low[axis] ?? 0)) low[axis] = value;
     if (value > (high[axis] ?? 0)) high[axis] = value;
   }

@@ -13,6 +13,11 @@ export function short(value: number | null | undefined, digits = 3): string {
   return minus(String(Number(value.toPrecision(digits + (size >= 1 ? 1 : 0)))));
 }
 
+/** The name of a coordinate of points with so many of them. */
+export function axisName(axis: number, dimension: number): string {
+  return (dimension > 3 ? undefined : "xyz"[axis]) ?? `x${axis + 1}`;
+}
+
 /** A count, with thin spaces between thousands. */
 export function count(value: number): string {
   return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

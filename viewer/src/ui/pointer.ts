@@ -6,7 +6,7 @@ import { el } from "../html.js";
 import type { Exhibit } from "../scene/exhibit.js";
 import type { Hall } from "../scene/hall.js";
 import type { Place } from "../state.js";
-import { short } from "../text/numbers.js";
+import { axisName, short } from "../text/numbers.js";
 
 // How near the pointer has to come, in pixels.
 export const NEAR = 13;
@@ -118,7 +118,7 @@ function facts({ exhibit, what, index }: Found): [string, string][] {
   const { data, shown, fit } = exhibit;
   if (data === null || shown === null) return [];
   const coordinates = (list: ArrayLike<number>, at: number, dimension: number) =>
-    Array.from({ length: dimension }, (_, axis) => [["x", "y", "z"][axis]!, short(list[at * dimension + axis], 5)] as [string, string]);
+    Array.from({ length: dimension }, (_, axis) => [axisName(axis, dimension), short(list[at * dimension + axis], 5)] as [string, string]);
   if (what === "data") {
     const place = placeOf(data, index);
     const weight = data.weights?.[index];

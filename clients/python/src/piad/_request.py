@@ -34,7 +34,7 @@ ControlPoints = Union[PerDirection[int], Literal["auto"]]
 """How many control points least squares has; "auto": as few as the tolerance needs."""
 
 Rational = Literal["homogeneous", "fixed"]
-Knots = Union[Literal["data", "averaged", "spread"], Sequence[float]]
+Knots = Union[Literal["data", "averaged", "spread", "adaptive"], Sequence[float]]
 End = Union[Literal["estimated", "repeated", "natural"], Mapping[str, Any]]
 """How a direction ends on one side: a word, or an object with a `derivative`, `derivatives` or a `tangent`."""
 Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start", "end"], End]]

@@ -54,11 +54,25 @@ def _curve(curve: Curve, ax: Any, net: bool, data: Any, samples: int, style: dic
         spline = curve.as_bspline()
         points = np.column_stack([parameters, points])
         controls = np.column_stack([_abscissas(spline.basis), spline.control_points])
+    if curve.dimension > 3:
+        return _coordinates(parameters, points, ax, data, style)
     ax = _axes(ax, points.shape[-1])
     if net:
         ax.plot(*controls.T, "o--", **{**_NET, "markersize": 3, "label": "control points"})
     ax.plot(*points.T, **{"label": "curve", **style})
     _finish(ax, data, equal=curve.dimension > 1)
+    ax.legend()
+    return ax
+
+
+def _coordinates(parameters: Any, points: Any, ax: Any, data: Any, style: dict[str, Any]) -> Any:
+    """Each of more than three coordinates over the parameter."""
+    if data is not None:
+        raise ValueError("data with more than three coordinates have no place in a plot: leave data out")
+    ax = _axes(ax, 2)
+    for i, values in enumerate(points.T):
+        ax.plot(parameters, values, **{"label": f"x{i + 1}", **style})
+    ax.set_xlabel("t")
     ax.legend()
     return ax
 

@@ -19,8 +19,8 @@ const COORDINATES: [&str; 3] = ["x", "y", "z"];
 /// The number of samples that are evaluated at a time.
 const CHUNK: usize = 256;
 
-/// A table that is written in parts: a line with names (`t,x,y` of a curve, `u,v,x,y,z` of a
-/// surface), then one for each sample, at equal steps of the parameters; on surfaces row by row.
+/// A table that is written in parts: a line with names (`t,x,y` of a curve, `t,x1,x2,…` of one with more than three
+/// coordinates, `u,v,x,y,z` of a surface), then one for each sample, at equal steps of the parameters; on surfaces row by row.
 #[derive(Debug)]
 pub struct Table {
     samples: Samples,
@@ -59,8 +59,12 @@ impl Table {
     pub fn names(&self) -> Vec<u8> {
         let mut text = Text::default();
         text.push(if self.samples.v.is_some() { "u,v" } else { "t" });
-        for name in &COORDINATES[..self.samples.dimension()] {
-            text.put(format_args!(",{name}"));
+        let dimension = self.samples.dimension();
+        match COORDINATES.get(..dimension) {
+            Some(names) => names
+                .iter()
+                .for_each(|name| text.put(format_args!(",{name}"))),
+            None => (1..=dimension).for_each(|c| text.put(format_args!(",x{c}"))),
         }
         text.push("\n");
         text.into_bytes()

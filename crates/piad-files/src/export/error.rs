@@ -18,6 +18,17 @@ pub enum ExportError {
         /// The format asked for.
         format: Format,
     },
+    /// Points with more coordinates than those of space.
+    #[error(
+        "{format} holds curves and surfaces of the plane or of space, and these points have {dimension} coordinates: \
+         export csv or json"
+    )]
+    ManyCoordinates {
+        /// The format asked for.
+        format: Format,
+        /// How many coordinates there are.
+        dimension: usize,
+    },
     /// Rational B-splines need positive weights.
     #[error(
         "the weight of control point {place} is {weight}, and rational curves and surfaces are only exported \

@@ -13,7 +13,7 @@
 //!
 //! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits
 //! (up to 17) as it takes to read them back. What a format cannot represent is an error, never a guess:
-//! values of a function (one coordinate) have no place in space, and weights must be positive.
+//! values of a function (one coordinate) and points of more than three coordinates have no place in space, and weights must be positive.
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
 
 pub mod csv;
@@ -35,6 +35,9 @@ mod stl;
 mod svg;
 mod text;
 mod vectors;
+
+/// The most coordinates of points in files of curves and surfaces.
+const SPACE: usize = 3;
 
 pub use deviation::MOST_MEASURED;
 pub use error::ExportError;
@@ -120,6 +123,7 @@ pub fn check_shape(format: Format, surface: bool, dimension: usize) -> Result<()
     match format {
         Format::Csv => Ok(()),
         _ if dimension < 2 => Err(ExportError::OneCoordinate { format }),
+        _ if dimension > SPACE => Err(ExportError::ManyCoordinates { format, dimension }),
         Format::Stl if !surface => Err(ExportError::NoTriangles { format }),
         _ => Ok(()),
     }

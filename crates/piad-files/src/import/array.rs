@@ -1,6 +1,6 @@
 //! Points as a JSON array: of points, of rows of points, or of rows of heights.
 
-use piad_fit::data::{Grid, MAX_DIMENSION};
+use piad_fit::data::{Grid, MAX_DIMENSION, MAX_SURFACE_DIMENSION};
 use serde_json::de::StrRead;
 use serde_json::{Deserializer, Value};
 
@@ -28,7 +28,7 @@ pub(super) fn is_array(text: &str) -> bool {
 
 /// Reads an array; what is wrong is said at its line.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Imported, FileError> {
-    let shape = Shape::of(text);
+    let shape = Shape::of(text, hints.kind);
     if shape == Shape::Points {
         let points = parse(text, hints.most, |json, limits| read_points(json, limits))?;
         let lines = lines(text, shape);
@@ -68,16 +68,21 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Imported, FileError> {
 }
 
 impl Shape {
-    /// The shape of an array by its first element; what else is wrong with it is found when it is read.
-    fn of(text: &str) -> Self {
+    /// The shape of an array by its first element, and by what is to be fitted: what else is wrong with it is found when
+    /// it is read.
+    fn of(text: &str, kind: Option<Kind>) -> Self {
         let inner = text.trim_start().get(1..).unwrap_or_default();
         let first = Deserializer::from_str(inner).into_iter::<Value>().next();
         let Some(Ok(Value::Array(first))) = first else {
             return Self::Points;
         };
+        let most = match kind {
+            Some(Kind::Curve) => MAX_DIMENSION,
+            _ => MAX_SURFACE_DIMENSION,
+        };
         match first.iter().any(Value::is_array) {
             true => Self::Rows,
-            false if first.len() > MAX_DIMENSION => Self::Heights,
+            false if first.len() > most => Self::Heights,
             false => Self::Points,
         }
     }

@@ -3,11 +3,11 @@
 use std::cell::{Cell, RefCell};
 use std::fmt;
 
-use piad_fit::data::{Grid, MAX_DIMENSION, Points};
+use piad_fit::data::{Grid, MAX_DIMENSION, MAX_SURFACE_DIMENSION, Points};
 use serde::de::{
     DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor,
 };
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::limits::{LONG, ListLimits};
 
@@ -23,7 +23,7 @@ pub struct Rows {
     pub grid: Grid,
 }
 
-/// Reads a list of points, `[[x, y, z], …]`, each with 1, 2 or 3 coordinates, all alike.
+/// Reads a list of points, `[[x, y, z], …]`, each with at most [`MAX_DIMENSION`] coordinates, all alike.
 ///
 /// # Errors
 ///
@@ -79,30 +79,20 @@ pub fn read_rows<'de, D: Deserializer<'de>>(
 }
 
 /// The coordinates of a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Coordinates {
-    values: [f64; MAX_DIMENSION],
-    count: usize,
+#[derive(Clone, Debug, Serialize)]
+#[serde(transparent)]
+pub struct Coordinates(Vec<f64>);
+
+impl From<&[f64]> for Coordinates {
+    fn from(coordinates: &[f64]) -> Self {
+        Self(coordinates.to_vec())
+    }
 }
 
 impl Coordinates {
-    /// The coordinates, if there are at most three.
-    pub fn of(coordinates: &[f64]) -> Option<Self> {
-        let count = coordinates.len();
-        let mut values = [0.0; MAX_DIMENSION];
-        values.get_mut(..count)?.copy_from_slice(coordinates);
-        Some(Self { values, count })
-    }
-
     /// One after the other.
     pub fn as_slice(&self) -> &[f64] {
-        self.values.get(..self.count).unwrap_or(&[])
-    }
-}
-
-impl Serialize for Coordinates {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.as_slice().serialize(serializer)
+        &self.0
     }
 }
 
@@ -128,11 +118,31 @@ enum Under {
     Edit,
 }
 
+impl Under {
+    /// The most coordinates of a point.
+    fn most_coordinates(self) -> usize {
+        match self {
+            Self::List | Self::Edit => MAX_DIMENSION,
+            Self::Surface => MAX_SURFACE_DIMENSION,
+        }
+    }
+}
+
+/// What a point is.
+impl fmt::Display for Under {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let most = self.most_coordinates();
+        write!(f, "a point: a list of 1 to {most} numbers")
+    }
+}
+
 /// Points that were read so far. Those beyond the limit are only counted.
 struct Gathered {
     limits: ListLimits,
     /// None before the first point, which says how many coordinates there are.
     points: Option<Points>,
+    /// The coordinates of the point that is read.
+    coordinates: Vec<f64>,
     count: usize,
     missing: Vec<usize>,
 }
@@ -142,6 +152,7 @@ impl Gathered {
         Self {
             limits,
             points: None,
+            coordinates: Vec::new(),
             count: 0,
             missing: Vec::new(),
         }
@@ -168,36 +179,33 @@ impl Gathered {
         }
     }
 
-    /// Appends a point, or that it is missing.
-    fn push<E: Error>(&mut self, point: Option<Coordinates>) -> Result<(), E> {
+    /// Appends the point that was read, or that it is missing.
+    fn push<E: Error>(&mut self, given: bool) -> Result<(), E> {
         let before = self.count;
-        match point {
-            None => {
-                if let Some(points) = &mut self.points {
-                    points.push(&[0.0; MAX_DIMENSION]);
-                }
-                self.limits.make_room(&mut self.missing, self.limits.points);
-                self.missing.push(before);
-            }
-            Some(point) => {
-                let count = point.as_slice().len();
-                let points = self
-                    .points
-                    .get_or_insert_with(|| Points::zeros(count, before));
-                let dimension = points.dimension();
-                if points.len() == LONG {
-                    let most = self.limits.points_of(dimension);
-                    points.make_room(most.saturating_sub(LONG));
-                }
-                if dimension != count {
-                    return Err(E::custom(format_args!(
-                        "this point has {count} coordinates, the first has {dimension}: all points must have the same number"
-                    )));
-                }
-                points.push(point.as_slice());
-            }
-        }
         self.count += 1;
+        if !given {
+            if let Some(points) = &mut self.points {
+                points.push(&[0.0; MAX_DIMENSION]);
+            }
+            self.limits.make_room(&mut self.missing, self.limits.points);
+            self.missing.push(before);
+            return Ok(());
+        }
+        let count = self.coordinates.len();
+        let points = self
+            .points
+            .get_or_insert_with(|| Points::zeros(count, before));
+        let dimension = points.dimension();
+        if points.len() == LONG {
+            let most = self.limits.points_of(dimension);
+            points.make_room(most.saturating_sub(LONG));
+        }
+        if dimension != count {
+            return Err(E::custom(format_args!(
+                "this point has {count} coordinates, the first has {dimension}: all points must have the same number"
+            )));
+        }
+        points.push(&self.coordinates);
         Ok(())
     }
 }
@@ -238,7 +246,7 @@ impl<'de> Visitor<'de> for Row<'_> {
             length += 1;
             self.0.borrow().check_counted()?;
         }
-        if heights.get() && length <= MAX_DIMENSION {
+        if heights.get() && length <= MAX_SURFACE_DIMENSION {
             return Err(A::Error::custom(format_args!(
                 "expected a row of points, found {length} numbers: a list of points is a curve, and rows of so few \
                  heights are written as points, [[z], …]"
@@ -282,68 +290,82 @@ impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
             self.gathered.borrow_mut().count += 1;
             return Ok(());
         }
-        let point = deserializer.deserialize_any(PointVisitor(self.under, self.heights))?;
-        self.gathered.borrow_mut().push(point)
+        let mut coordinates = std::mem::take(&mut self.gathered.borrow_mut().coordinates);
+        coordinates.clear();
+        let given = deserializer.deserialize_any(PointVisitor {
+            under: self.under,
+            heights: self.heights,
+            coordinates: &mut coordinates,
+        })?;
+        let mut gathered = self.gathered.borrow_mut();
+        gathered.coordinates = coordinates;
+        gathered.push(given)
     }
 }
 
-/// What a point is.
-const POINT: &str = "a point: a list of 1, 2 or 3 numbers";
-
-/// Reads a point; none if it is missing.
-struct PointVisitor<'a>(Under, &'a Cell<bool>);
+/// Appends the coordinates of a point; gives whether there is one, or it is missing.
+struct PointVisitor<'a> {
+    under: Under,
+    heights: &'a Cell<bool>,
+    coordinates: &'a mut Vec<f64>,
+}
 
 impl PointVisitor<'_> {
-    fn height<E: Error>(self, x: f64, found: Unexpected<'_>) -> Result<Option<Coordinates>, E> {
-        if self.0 != Under::Surface {
+    fn height<E: Error>(self, x: f64, found: Unexpected<'_>) -> Result<bool, E> {
+        if self.under != Under::Surface {
             return Err(E::invalid_type(found, &self));
         }
-        self.1.set(true);
-        Ok(Coordinates::of(&[x]))
+        self.heights.set(true);
+        self.coordinates.push(x);
+        Ok(true)
     }
 }
 
 impl<'de> Visitor<'de> for PointVisitor<'_> {
-    type Value = Option<Coordinates>;
+    type Value = bool;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(POINT)
+        fmt::Display::fmt(&self.under, f)
     }
 
-    fn visit_unit<E: Error>(self) -> Result<Option<Coordinates>, E> {
-        match self.0 {
-            Under::Surface => Ok(None),
+    fn visit_unit<E: Error>(self) -> Result<bool, E> {
+        match self.under {
+            Under::Surface => Ok(false),
             _ => Err(E::invalid_type(Unexpected::Unit, &self)),
         }
     }
 
-    fn visit_f64<E: Error>(self, x: f64) -> Result<Option<Coordinates>, E> {
+    fn visit_f64<E: Error>(self, x: f64) -> Result<bool, E> {
         self.height(x, Unexpected::Float(x))
     }
 
-    fn visit_u64<E: Error>(self, x: u64) -> Result<Option<Coordinates>, E> {
+    fn visit_u64<E: Error>(self, x: u64) -> Result<bool, E> {
         self.height(x as f64, Unexpected::Unsigned(x))
     }
 
-    fn visit_i64<E: Error>(self, x: i64) -> Result<Option<Coordinates>, E> {
+    fn visit_i64<E: Error>(self, x: i64) -> Result<bool, E> {
         self.height(x as f64, Unexpected::Signed(x))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Option<Coordinates>, A::Error> {
-        let (mut values, mut count) = ([0.0; MAX_DIMENSION], 0);
-        while let Some(x) = list.next_element_seed(Coordinate(self.0))? {
-            if let Some(place) = values.get_mut(count) {
-                *place = x;
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<bool, A::Error> {
+        let most = self.under.most_coordinates();
+        let mut count = 0;
+        while let Some(x) = list.next_element_seed(Coordinate(self.under))? {
+            if count < most {
+                self.coordinates.push(x);
             }
             count += 1;
         }
-        let given = values.get(..count).filter(|given| !given.is_empty());
-        given.and_then(Coordinates::of).map(Some).ok_or_else(|| {
-            A::Error::custom(format_args!("expected {POINT}, found {count} of them"))
-        })
+        match (1..=most).contains(&count) {
+            true => Ok(true),
+            false => Err(A::Error::custom(format_args!(
+                "expected {}, found {count} of them",
+                self.under
+            ))),
+        }
     }
 
-    fn visit_map<A: MapAccess<'de>>(self, _: A) -> Result<Option<Coordinates>, A::Error> {
+    fn visit_map<A: MapAccess<'de>>(self, _: A) -> Result<bool, A::Error> {
         let detail = "expected a point as a list, [x, y] or [x, y, z], found an object";
         Err(A::Error::custom(detail))
     }
@@ -392,8 +414,12 @@ impl<'de> Visitor<'de> for Coordinate {
 
 impl<'de> Deserialize<'de> for Coordinates {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let visitor = PointVisitor(Under::Edit, &Cell::new(false));
-        let point = deserializer.deserialize_any(visitor)?;
-        point.ok_or_else(|| D::Error::invalid_type(Unexpected::Unit, &POINT))
+        let mut coordinates = Vec::new();
+        deserializer.deserialize_any(PointVisitor {
+            under: Under::Edit,
+            heights: &Cell::new(false),
+            coordinates: &mut coordinates,
+        })?;
+        Ok(Self(coordinates))
     }
 }

@@ -158,7 +158,7 @@ impl DirectionChoice {
     /// Leaves knots that are by a rule of least squares to a method that is another one.
     pub fn unsettle_least_squares(&mut self) {
         if let BasisChoice::BSpline { knots, .. } = &mut self.basis
-            && matches!(knots, Knots::Spread)
+            && matches!(knots, Knots::Spread | Knots::Adaptive)
         {
             *knots = Knots::Usual;
         }

@@ -9,6 +9,8 @@
 //! - averaged (PT97 (9.8)): means of p successive parameters, and n + 1 control points;
 //! - spread, for least squares: at equal shares of the parameters' indices, so that there is one in
 //!   every span, and reversed parameters have reversed knots;
+//! - adaptive, for least squares: first spread, then where the data ask for them
+//!   (`knot_selection::adaptive`);
 //! - for as few control points as a tolerance needs (PT97 (9.68)–(9.69)): about as many parameters in
 //!   every span, of which the first ones have fewer;
 //! - periodic: at or midway between the parameters, repeated with their period.
@@ -42,6 +44,8 @@ pub enum Knots {
     Averaged,
     /// At equal shares of the parameters' indices; open least-squares fits.
     Spread,
+    /// Where the data ask for them, at equal shares of their distances; least-squares fits of curves.
+    Adaptive,
     /// Given knots, clamped at both ends.
     Explicit(Arc<Vec<f64>>),
 }

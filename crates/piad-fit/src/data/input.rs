@@ -147,7 +147,7 @@ mod tests {
         let rows = [vec![1.0, 2.0], vec![1.0]];
         let told = rows.into_points().unwrap_err().to_string();
         assert_eq!(told, "point 1 has 1 coordinates, and the first one has 2");
-        for (flat, dimension) in [(&[1.0; 5][..], 2), (&[1.0; 4], 0), (&[1.0; 8], 4)] {
+        for (flat, dimension) in [(&[1.0; 5][..], 2), (&[1.0; 4], 0), (&[1.0; 34], 17)] {
             assert!((flat, dimension).into_points().is_err());
         }
         let grid = vec![vec![[0.0; 3]; 2], vec![[0.0; 3]; 3]];

@@ -27,4 +27,4 @@ pub(crate) mod weights;
 
 pub use grid::Grid;
 pub use input::{IntoGrid, IntoPoints};
-pub use points::{MAX_DIMENSION, Points};
+pub use points::{MAX_DIMENSION, MAX_SURFACE_DIMENSION, Points};

@@ -1,7 +1,7 @@
 //! Ordered points, stored coordinate by coordinate.
 //!
-//! Data points, control points and residuals of R^d with d = 1 to 4 (a weight of homogeneous
-//! coordinates is the last one). The points of a surface are stored row by row: point (i, j) of a
+//! Data points, control points and residuals of R^d (a weight of homogeneous coordinates is the last
+//! one). The points of a surface are stored row by row: point (i, j) of a
 //! [`Grid`] with c columns has index `i c + j`.
 
 use std::ops::Range;
@@ -15,8 +15,11 @@ use serde::{Deserialize, Deserializer};
 use super::aligned::{self, Lane};
 use super::bounds::Extent;
 
-/// The most coordinates of a data point.
-pub const MAX_DIMENSION: usize = 3;
+/// The most coordinates of a data point of a curve.
+pub const MAX_DIMENSION: usize = 16;
+
+/// The most coordinates of a data point of a surface.
+pub const MAX_SURFACE_DIMENSION: usize = 3;
 
 /// The extents of fewer points are found by one thread.
 const PARALLEL: usize = 100_000;

@@ -34,7 +34,7 @@ pub(crate) fn are_chosen(choice: &DirectionChoice, axis: Axis) -> Result<Option<
                 return Err(natural_degree(axis, side, degree));
             }
             (Knots::Usual | Knots::Data, _) => return Ok(Some(ends.clone())),
-            (Knots::Spread, _) => "these knots are for least squares",
+            (Knots::Spread | Knots::Adaptive, _) => "these knots are for least squares",
             (Knots::Averaged, _) => {
                 "with averaged knots, which even degrees have, each control point belongs to a data point; use an odd degree, \
                  or knots \"data\""

@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use super::breaks::Breaks;
 use super::gram::{Cholesky, Gram};
+use super::knot_step::moved;
 use super::values::Values;
 use crate::basis::quadrature::{Row, node_rows};
 use crate::data::points::Points;
@@ -26,6 +27,17 @@ pub(crate) trait Minimum {
     /// The control points that are nearest to the data by the sum of squared distances, each
     /// multiplied with its weight, or `None` if the data do not determine them.
     fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points>;
+
+    /// Knots over which this minimum is smaller, a step away from those over which these are its control points; `None`
+    /// if knots do not move.
+    fn moved_knots(
+        &self,
+        _values: &Values,
+        _control_points: &Points,
+        _damping: f64,
+    ) -> Option<Breaks> {
+        None
+    }
 }
 
 /// Least squares of a curve with interpolated ends.
@@ -59,6 +71,17 @@ impl Minimum for LeastSquares {
             self.step(values, weights, (&factor, &bending), &mut control_points);
         }
         control_points.is_finite().then_some(control_points)
+    }
+
+    fn moved_knots(
+        &self,
+        values: &Values,
+        control_points: &Points,
+        damping: f64,
+    ) -> Option<Breaks> {
+        let weights = self.data_weights.as_deref().map(Vec::as_slice);
+        let is_plain = self.fairness == 0.0 && values.width() > 2;
+        is_plain.then(|| moved(values, &self.points, weights, control_points, damping))?
     }
 }
 
@@ -113,7 +136,7 @@ impl LeastSquares {
 }
 
 /// `AᵀWA` of the control points that move, and the squares of some rows.
-fn gram(values: &Values, weights: Option<&[f64]>, bending: &[Row]) -> Gram {
+pub(super) fn gram(values: &Values, weights: Option<&[f64]>, bending: &[Row]) -> Gram {
     let (line, width) = (values.line(), values.width());
     let (fixed, count) = (fixed_ends(line), line.control_points());
     let mut gram = Gram::new(count - 2 * fixed, line.degree(), line.is_closed());

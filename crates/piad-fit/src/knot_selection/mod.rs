@@ -18,6 +18,8 @@
 //! 4. **Single knots.** Where there are hardly more data than control points, distances do not say
 //!    where knots are needed. There knots whose removal changes the curve least leave it one by one,
 //!    as long as the fit without them is within the tolerance ([`pruning`]).
+//! 5. **Places of knots.** Of few knots two beside each other become one where all of them, moved to where they are
+//!    needed ([`knot_step`]), keep the tolerance ([`merging`]).
 //!
 //! A fit that is within the tolerance and leaves its data between neighbours goes on with points there ([`guide`]).
 //!
@@ -26,7 +28,8 @@
 //! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
 //! [`correction`]).
 //!
-//! Surfaces do the same with whole knot lines ([`surface`]).
+//! Surfaces do the same with whole knot lines ([`surface`]). For a given number of control points the knots come to
+//! rest where they are best ([`adaptive`]).
 //!
 //! What is minimized is behind [`equations::Minimum`]: constraints and fairness are the business of
 //! the equations, knots that of the schedule.
@@ -46,8 +49,10 @@
 //! CAD 47 (2014), section 4; Hoschek, *Intrinsic parametrization for approximation*, CAGD 5 (1988);
 //! Lawson, *Contributions to the theory of linear least maximum approximation* (1961); Cohen, Lyche,
 //! Riesenfeld, *Discrete B-splines and subdivision techniques* (1980); Lyche, Mørken, *Knot removal for
-//! parametric B-spline curves and surfaces*, CAGD 4 (1987).
+//! parametric B-spline curves and surfaces*, CAGD 4 (1987); Golub, Pereyra, *The differentiation of
+//! pseudo-inverses and nonlinear least squares problems whose variables separate* (1973).
 
+pub(crate) mod adaptive;
 mod attempt;
 pub(crate) mod breaks;
 pub(crate) mod clamped_breaks;
@@ -59,6 +64,8 @@ pub(crate) mod growth;
 pub(crate) mod guide;
 pub(crate) mod insertion;
 pub(super) mod knot_conversion;
+mod knot_step;
+mod merging;
 pub(crate) mod minimax;
 pub(crate) mod monitor;
 pub(crate) mod placement;

@@ -55,19 +55,25 @@ pub(super) fn fewer<'a>(
     })
 }
 
-/// What the removal of each knot between the ends costs, but for a factor that is the same for all.
-fn costs(line: &Breaks, control_points: &Points) -> Vec<f64> {
-    let mut jumps = vec![0.0; line.spans() - 1];
+/// How much the p-th derivative jumps at each knot between the ends, in each coordinate.
+pub(super) fn jumps(line: &Breaks, control_points: &Points) -> Vec<Vec<f64>> {
+    let mut jumps = vec![Vec::with_capacity(control_points.dimension()); line.spans() - 1];
     for lane in control_points.lanes() {
         let highest = highest_derivative(line, lane);
         let steps = highest.windows(2).map(|pair| pair[1] - pair[0]);
-        for (jump, step) in jumps.iter_mut().zip(steps) {
-            *jump = f64::hypot(*jump, step);
-        }
+        let each = jumps.iter_mut().zip(steps);
+        each.for_each(|(jump, step)| jump.push(step));
     }
+    jumps
+}
+
+/// What the removal of each knot between the ends costs, but for a factor that is the same for all.
+fn costs(line: &Breaks, control_points: &Points) -> Vec<f64> {
+    let jumps = jumps(line, control_points).into_iter();
+    let jumps = jumps.map(|jump| jump.into_iter().fold(0.0, f64::hypot));
     let (degree, length) = (line.degree() as isize, length(line));
     let places = degree + 1..;
-    let costs = jumps.into_iter().zip(places).map(|(jump, q)| {
+    let costs = jumps.zip(places).map(|(jump, q)| {
         let first = q - (degree + 1) / 2;
         let last = first + degree + 1;
         let others = (first..=last).filter(|&i| i != q);

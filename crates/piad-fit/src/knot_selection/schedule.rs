@@ -6,6 +6,7 @@
 //! for, `(e/τ)^(1/(p+1))` as many spans, leads to the next number; near the end it is one less.
 
 mod growing;
+mod merging;
 mod pruning;
 
 use std::collections::VecDeque;
@@ -90,6 +91,8 @@ pub(crate) struct Schedule<M> {
     batch: usize,
     /// Least-squares fits that are left for the removal of single knots.
     prunings: usize,
+    /// The same for knots that move.
+    merges: usize,
     outcome: Option<Outcome>,
 }
 
@@ -127,6 +130,7 @@ impl<M: Minimum> Schedule<M> {
                 + 1,
             batch: usize::MAX,
             prunings: prunings(points.len()),
+            merges: prunings(points.len()),
             minimum,
             unit: normalizing_scale(points.magnitude()),
             points,
@@ -164,7 +168,7 @@ impl<M: Minimum> Schedule<M> {
             Stage::Growth(values) => self.grow(&values),
             Stage::Attempt(attempt) => self.attempt(attempt),
             Stage::Minimax(attempt, weights, left) => self.weigh(attempt, weights, left),
-            Stage::Done if self.prune() => {}
+            Stage::Done if self.prune() || self.merge() => {}
             Stage::Done => self.finish(),
         }
     }

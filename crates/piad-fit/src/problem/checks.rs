@@ -7,7 +7,7 @@ use super::request::{Request, Weights};
 use crate::basis::choice::DirectionChoice;
 use crate::data::bounds::Extent;
 use crate::data::missing::Missing;
-use crate::data::points::{Points, ROUNDING};
+use crate::data::points::{MAX_DIMENSION, MAX_SURFACE_DIMENSION, Points, ROUNDING};
 use crate::invalid::{Invalid, Place};
 use crate::method::Scope;
 use crate::setup::Setup;
@@ -22,6 +22,20 @@ pub(super) fn scope(request: &Request) -> Scope<'_> {
         is_homogeneous: matches!(request.weights, Weights::Homogeneous(_)),
         selected: request.selected.as_deref(),
     }
+}
+
+/// Refuses points with no coordinate, or with more than there may be.
+pub(super) fn check_dimension(request: &Request) -> Result<(), Invalid> {
+    let (most, of) = match request.v {
+        Some(_) => (MAX_SURFACE_DIMENSION, "a surface"),
+        None => (MAX_DIMENSION, "a curve"),
+    };
+    let dimension = request.points.dimension();
+    if (1..=most).contains(&dimension) {
+        return Ok(());
+    }
+    let detail = format!("points of {of} have 1 to {most} coordinates, not {dimension}");
+    Err(Invalid::at(Place::Points, detail))
 }
 
 /// Refuses grids with fewer than 2 points in a direction, and gives missing points a place. Returns

@@ -7,6 +7,7 @@
 //! | open B-spline | n | averaged, or given | PT97 (9.8) |
 //! | open B-spline | fewer than data points | spread, or given | |
 //! | open B-spline | fewer than data points | as earlier programs had them | PT97 (9.68)–(9.69) |
+//! | curve | fewer than data points | spread, then adaptive ([`super::adaptive_knots`]) | |
 //! | closed B-spline | n, or fewer | periodic | |
 //! | B-spline with corners | n, or fewer | p at each corner, averaged or spread between | |
 //!
@@ -180,7 +181,7 @@ fn clamped(
             check_enough(degree, free, axis)?;
             Arc::new(knots::averaged(&t, degree))
         }
-        Knots::Spread => {
+        Knots::Spread | Knots::Adaptive => {
             return Err(Invalid::at(
                 Place::Knots(axis),
                 "\"spread\" places knots for fewer control points than data: it is for least squares",
@@ -211,7 +212,7 @@ fn least_squares(
     }
     let spread = matches!(choice, Knots::Usual | Knots::Spread);
     let knots = match choice {
-        Knots::Usual | Knots::Spread => Arc::new(knots::spread(&t, degree, free)),
+        Knots::Usual | Knots::Spread | Knots::Adaptive => Arc::new(knots::spread(&t, degree, free)),
         Knots::Data | Knots::Averaged => return Err(least_squares_knots(axis)),
         Knots::Explicit(knots) => {
             explicit(&knots, degree, &mut t, free, parameters_given, axis)?;
@@ -287,6 +288,7 @@ fn periodic(
 ) -> Result<Direction, Invalid> {
     match choice {
         Knots::Usual => {}
+        Knots::Adaptive if free < placed.values.len() => {}
         Knots::Data if free == placed.values.len() => {}
         Knots::Data => return Err(least_squares_knots(axis)),
         _ => {
@@ -369,7 +371,7 @@ pub(crate) fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<()
 
 /// Knots at the data or averaged ones are asked for in a least-squares fit.
 fn least_squares_knots(axis: Axis) -> Invalid {
-    let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\", or give numbers";
+    let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"adaptive\", or give numbers";
     Invalid::at(Place::Knots(axis), detail)
 }
 

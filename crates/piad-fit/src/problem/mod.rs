@@ -6,6 +6,7 @@
 //! direction, homogeneous coordinates are lifted, a given start is compared with the control grid,
 //! and methods that cannot converge are refused.
 
+mod adaptive_knots;
 pub(crate) mod admission;
 mod automatic;
 mod checks;
@@ -43,7 +44,10 @@ use crate::matrix::sparse::Sparse;
 use crate::parameters::scattered::Scattered;
 use admission::Admission;
 
-use checks::{check_finite, check_points, check_scattered, check_start, resolve_tolerance, scope};
+use checks::{
+    check_dimension, check_finite, check_points, check_scattered, check_start, resolve_tolerance,
+    scope,
+};
 
 use request::{Request, Tolerance, Weights};
 
@@ -94,6 +98,7 @@ impl Problem {
     ///
     /// Those of [`new`](Self::new), and what is too much, before the start is looked at.
     pub fn admitted(mut request: Request, admission: &Admission) -> Result<Self, Invalid> {
+        check_dimension(&request)?;
         let missing = check_points(&mut request)?;
         check_finite(&request.points, &request.points.extents())?;
         order::resolve(&mut request)?;
@@ -114,6 +119,7 @@ impl Problem {
         corners::resolve(&mut request, inliers.as_deref())?;
         request.method.scheme().check(&scope(&request))?;
         automatic::check_request(&request)?;
+        adaptive_knots::check(&request)?;
         settle(&mut request);
         let alone = inliers.as_ref().map(|it| it.alone(&request));
         let (u, v) = match inliers.as_ref().zip(alone.as_ref()) {
@@ -160,6 +166,9 @@ impl Problem {
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
+        if let Some(placed) = adaptive_knots::placed(&problem.request, &problem.setup) {
+            problem.setup = Arc::new(placed);
+        }
         fairness::choose(&mut problem.request, &problem.setup, problem.tolerance)?;
         problem.robust = match (inliers, alone) {
             (Some(inliers), Some(alone)) => {
@@ -186,13 +195,15 @@ impl Problem {
     }
 
     /// The same problem as it would be asked for with all that was derived from its points:
-    /// parameters, a tolerance that was asked for, and which points are left out, stay as they are when points move.
+    /// parameters, knots of an open curve that are placed by its data, a tolerance that was asked for, and which points are
+    /// left out, stay as they are when points move.
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
         request.tolerance = request
             .tolerance
             .and(Some(Tolerance::Absolute(self.tolerance)));
         request.outliers = Some(self.outliers().into());
+        adaptive_knots::keep(&mut request.u, self.u());
         if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
             let lanes = [&self.u().parameters, &v.parameters];
             let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
@@ -360,7 +371,10 @@ impl Problem {
     /// factorizations, eigenvalues.
     pub fn start_cost(&self) -> usize {
         let method = self.method().scheme().start_cost(self);
-        self.preparation_cost().saturating_add(method)
+        let placing = adaptive_knots::cost(&self.request, &self.setup);
+        self.preparation_cost()
+            .saturating_add(method)
+            .saturating_add(placing)
     }
 }
 

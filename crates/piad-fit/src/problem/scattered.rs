@@ -80,7 +80,7 @@ fn knots_of(
             ),
         )),
         Knots::Usual | Knots::Spread => Ok(Arc::new(knots::spread(sorted, degree, free))),
-        Knots::Data | Knots::Averaged => Err(Invalid::at(
+        Knots::Data | Knots::Averaged | Knots::Adaptive => Err(Invalid::at(
             Place::Knots(axis),
             "the knots of scattered points are \"spread\" over their parameters, or numbers",
         )),

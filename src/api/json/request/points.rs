@@ -11,7 +11,7 @@ use std::ops::Range;
 use memchr::memmem;
 use rayon::prelude::*;
 
-use piad_fit::data::{Grid, MAX_DIMENSION, Points};
+use piad_fit::data::{Grid, MAX_DIMENSION, MAX_SURFACE_DIMENSION, Points};
 
 /// The most lists within each other that are told apart.
 const DEEP: usize = 4;
@@ -185,7 +185,9 @@ impl Gathered {
         let first = parts.first()?;
         let (innermost, columns) = (first.innermost?, first.columns);
         let dimension = match (columns, innermost) {
-            (_, 1..=MAX_DIMENSION) => innermost,
+            (_, 1..=MAX_SURFACE_DIMENSION) => innermost,
+            // Points of a curve or rows of heights: what is fitted says which.
+            (None, ..=MAX_DIMENSION) => return None,
             // Rows of heights.
             (None, _) => 1,
             _ => return None,
@@ -218,7 +220,7 @@ impl Gathered {
         self.points.shrink_to_fit();
         let rows = self.rows;
         match (self.columns, self.innermost) {
-            (None, 1..=MAX_DIMENSION) => Lists::Points(self.points),
+            (None, 1..=MAX_SURFACE_DIMENSION) => Lists::Points(self.points),
             (None, columns) => Lists::Rows(self.points, Grid { rows, columns }),
             (Some(columns), _) => Lists::Rows(self.points, Grid { rows, columns }),
         }
@@ -258,7 +260,7 @@ impl Part {
     /// Reads the elements that begin in this range, up to the end of the list, and no more points than that.
     fn read(text: &[u8], range: Range<usize>, depth: usize, most: usize) -> Option<Self> {
         let mut reader = Reader::at(text, range.start);
-        let most = most.saturating_mul(MAX_DIMENSION);
+        let most = most.saturating_mul(MAX_SURFACE_DIMENSION);
         let commas = memchr::memchr_iter(b',', text.get(range.clone())?).count();
         let mut numbers = Vec::with_capacity(most.min(commas + 1));
         let (mut innermost, mut columns) = (None, None);

@@ -83,7 +83,7 @@ impl Document {
         // If a number is too large for 32 bits, all arrays get 64, so that none becomes infinite.
         if matches!(self.digits, Digits::Base64F32)
             && precision != Precision::Exact
-            && !fits_32_bits(shape.iter().product(), &numbers)
+            && !fits_32_bits(shape.into(), &numbers)
         {
             self.digits = Digits::Base64;
         }

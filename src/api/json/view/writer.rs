@@ -13,12 +13,14 @@ use super::shape::NestedShape;
 use super::source::{Source, all_fit_32_bits};
 use crate::job::content::{Content, Piece, Pieces};
 
-/// How many numbers are written at a time: a multiple of 3, so that only the end of an array needs
-/// padding in base64, and a multiple of all dimensions, as sources give whole points.
+/// The most numbers that are written at a time.
 const CHUNK: usize = 768;
 
-/// How many numbers a piece of an array has; arrays that are not longer are written at once.
-const PIECE: usize = 16 * CHUNK;
+/// How many chunks a piece of an array has; arrays that are not longer are written at once.
+const CHUNKS: usize = 16;
+
+/// The most numbers of a piece.
+const PIECE: usize = CHUNKS * CHUNK;
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +77,8 @@ impl ArrayWriter {
     /// Writes an array, now or later.
     pub(crate) fn array(&mut self, shape: NestedShape, source: impl Source, digits: Digits) {
         let count = shape.count();
-        if count <= PIECE {
+        let piece = CHUNKS * chunk(shape);
+        if count <= piece {
             return write(shape, 0..count, &source, digits, &mut self.text);
         }
         self.cut();
@@ -85,9 +88,9 @@ impl ArrayWriter {
         };
         self.is_slow |= matches!(digits, Digits::Decimal(_)) || source.is_computed();
         let source = Arc::new(source);
-        for start in (0..count).step_by(PIECE) {
+        for start in (0..count).step_by(piece) {
             let source = Arc::clone(&source);
-            let range = start..count.min(start + PIECE);
+            let range = start..count.min(start + piece);
             self.pieces.push(Piece::Later(Box::new(move || {
                 let mut text = Vec::with_capacity(range.len() * digits.size());
                 write(shape, range.clone(), &*source, digits, &mut text);
@@ -119,19 +122,29 @@ impl ArrayWriter {
     }
 }
 
+/// How many numbers of an array are written at a time: a multiple of 3, so that only its end needs padding in base64,
+/// and whole points, as sources give those. Of longer lists of numbers sources give any part.
+fn chunk(shape: NestedShape) -> usize {
+    let whole = 3 * shape.innermost().max(1);
+    match CHUNK / whole {
+        0 => CHUNK,
+        most => most * whole,
+    }
+}
+
 /// Whether all finite numbers of an array stay finite in 32 bits.
-pub(super) fn fits_32_bits(count: usize, source: &impl Source) -> bool {
+pub(super) fn fits_32_bits(shape: NestedShape, source: &impl Source) -> bool {
     if let Some(fits) = source.fits_32_bits() {
         return fits;
     }
     let mut fits = true;
-    each_chunk(0..count, source, |_, numbers| {
+    each_chunk(shape, 0..shape.count(), source, |_, numbers| {
         fits &= all_fit_32_bits(numbers)
     });
     fits
 }
 
-/// Writes a part of an array that begins at a multiple of [`CHUNK`].
+/// Writes a part of an array that begins with a [`chunk`].
 fn write(
     shape: NestedShape,
     range: Range<usize>,
@@ -151,7 +164,7 @@ fn write(
         Digits::Decimal(rounding) => {
             let mut batch = rounding.map(Batch::new);
             let mut scratch = [0; SCRATCH];
-            each_chunk(range, source, |start, numbers| {
+            each_chunk(shape, range, source, |start, numbers| {
                 for (index, numbers) in numbers.chunks(BATCH).enumerate() {
                     let start = start + index * BATCH;
                     let used = decimals(shape, start, numbers, &mut batch, &mut scratch);
@@ -159,13 +172,13 @@ fn write(
                 }
             });
         }
-        Digits::Base64 => each_chunk(range, source, |_, numbers| {
+        Digits::Base64 => each_chunk(shape, range, source, |_, numbers| {
             base64(numbers, f64::to_le_bytes, text)
         }),
-        Digits::Base64F32 => each_chunk(range, source, |_, numbers| {
+        Digits::Base64F32 => each_chunk(shape, range, source, |_, numbers| {
             base64(numbers, |x| (x as f32).to_le_bytes(), text)
         }),
-        Digits::Raw => each_chunk(range, source, |_, numbers| {
+        Digits::Raw => each_chunk(shape, range, source, |_, numbers| {
             text.extend(numbers.iter().flat_map(|x| x.to_le_bytes()))
         }),
     }
@@ -174,10 +187,16 @@ fn write(
     }
 }
 
-fn each_chunk(range: Range<usize>, source: &impl Source, mut visit: impl FnMut(usize, &[f64])) {
+fn each_chunk(
+    shape: NestedShape,
+    range: Range<usize>,
+    source: &impl Source,
+    mut visit: impl FnMut(usize, &[f64]),
+) {
     let mut numbers = [0.0; CHUNK];
-    for start in range.clone().step_by(CHUNK) {
-        let numbers = &mut numbers[..CHUNK.min(range.end - start)];
+    let chunk = chunk(shape);
+    for start in range.clone().step_by(chunk) {
+        let numbers = &mut numbers[..chunk.min(range.end - start)];
         source.fill(start, numbers);
         visit(start, numbers);
     }
@@ -253,12 +272,12 @@ mod tests {
         };
         let with_points = |counts: Vec<usize>| {
             let points = move |d| [&counts[..], &[d]].concat();
-            (1..=3_usize).prop_map(points)
+            (1..=17_usize).prop_map(points)
         };
         prop_oneof![
             (0..40_000_usize).prop_map(|count| vec![count]),
             size(40_000).prop_map(|count| vec![count]),
-            size(15_000).prop_flat_map(move |count| with_points(vec![count])),
+            size(5_000).prop_flat_map(move |count| with_points(vec![count])),
             net(),
             net().prop_flat_map(with_points),
         ]

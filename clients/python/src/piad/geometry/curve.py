@@ -53,7 +53,7 @@ class Curve:
 
     @property
     def dimension(self) -> int:
-        """The number of coordinates: 1, 2 or 3."""
+        """The number of coordinates: 1 to 16."""
         return len(self.control_points[0])
 
     @cached_property

@@ -81,6 +81,8 @@ def in_space(point: Any) -> tuple[float, float, float]:
     """A point of two or three coordinates as x, y, z; those of the plane have z = 0."""
     if len(point) < 2:
         raise ValueError("values with one coordinate have no place in space")
+    if len(point) > 3:
+        raise ValueError(f"points with {len(point)} coordinates have no place in space")
     x, y, z = (*map(float, point), 0.0)[:3]
     return x, y, z
 

@@ -1,6 +1,6 @@
 //! Points and derivatives of a B-spline curve or surface.
 
-use super::{KnotVector, Nurbs};
+use super::{KnotVector, Nurbs, in_space};
 use crate::basis::{bernstein, bspline};
 use crate::interrupt::Meter;
 
@@ -22,7 +22,7 @@ impl SpanParameter {
     }
 }
 
-/// A point with its partial derivatives.
+/// A point with its partial derivatives, or three coordinates of one that has more.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet {
     /// The point.
@@ -150,15 +150,25 @@ struct BasisValues {
 type Homogeneous = [f64; 4];
 
 impl Nurbs {
-    /// Points and derivatives on the grid `u × v`, row by row. A curve ignores `v`.
+    /// Points and derivatives on the grid `u × v`, row by row, in space. A curve ignores `v`.
     pub fn evaluate(&self, u: &[SpanParameter], v: &[SpanParameter]) -> Vec<Jet> {
+        self.evaluate_from(0, u, v)
+    }
+
+    /// The same of the three coordinates from the `first` on.
+    pub fn evaluate_from(
+        &self,
+        first: usize,
+        u: &[SpanParameter],
+        v: &[SpanParameter],
+    ) -> Vec<Jet> {
         let Some(knots) = &self.v else {
             let end = BasisValues {
                 first: 0,
                 values: vec![1.0],
                 derivatives: vec![0.0],
             };
-            return self.evaluate_block(u, &[end]);
+            return self.evaluate_block(first, u, &[end]);
         };
         // With a high degree there are thousands of functions at each site.
         let block = (MOST_VALUES / (knots.degree + 1)).max(1);
@@ -171,12 +181,12 @@ impl Nurbs {
             each.collect()
         };
         if v.len() <= block {
-            return self.evaluate_block(u, &functions(v));
+            return self.evaluate_block(first, u, &functions(v));
         }
         let mut jets = vec![Jet::default(); u.len() * v.len()];
         for (index, sites) in v.chunks(block).enumerate() {
             let across = functions(sites);
-            let some = self.evaluate_block(u, &across);
+            let some = self.evaluate_block(first, u, &across);
             let rows = jets.chunks_exact_mut(v.len());
             for (row, some) in rows.zip(some.chunks_exact(across.len())) {
                 row[index * block..][..some.len()].copy_from_slice(some);
@@ -186,8 +196,13 @@ impl Nurbs {
     }
 
     /// Points and derivatives at the sites `u`, for these functions of the other direction.
-    fn evaluate_block(&self, u: &[SpanParameter], across: &[BasisValues]) -> Vec<Jet> {
-        let lifted = self.lifted(u.len());
+    fn evaluate_block(
+        &self,
+        first: usize,
+        u: &[SpanParameter],
+        across: &[BasisValues],
+    ) -> Vec<Jet> {
+        let lifted = self.lifted(first, u.len());
         let mut line = vec![Homogeneous::default(); self.columns()];
         let mut line_du = line.clone();
         let mut jets = Vec::with_capacity(u.len() * across.len());
@@ -210,21 +225,21 @@ impl Nurbs {
         jets
     }
 
-    /// The control points in homogeneous coordinates, for sites in this many lines.
-    fn lifted(&self, lines: usize) -> Lifted<'_> {
+    /// Three coordinates of the control points in homogeneous coordinates, for sites in this many lines.
+    fn lifted(&self, first: usize, lines: usize) -> Lifted<'_> {
         let used = lines.saturating_mul(self.u.degree + 1);
         match used > self.u.count() {
             true => Lifted::All(
                 (0..self.points.len())
-                    .map(|index| self.lift(index))
+                    .map(|index| self.lift(first, index))
                     .collect(),
             ),
-            false => Lifted::EachTime(self),
+            false => Lifted::EachTime(self, first),
         }
     }
 
-    fn lift(&self, index: usize) -> Homogeneous {
-        let [x, y, z] = self.place(index);
+    fn lift(&self, first: usize, index: usize) -> Homogeneous {
+        let [x, y, z] = in_space(self.points.point(index).skip(first));
         let w = self.weight(index);
         [w * x, w * y, w * z, w]
     }
@@ -233,7 +248,7 @@ impl Nurbs {
 /// Control points in homogeneous coordinates: made once where each is needed more than once.
 enum Lifted<'a> {
     All(Vec<Homogeneous>),
-    EachTime(&'a Nurbs),
+    EachTime(&'a Nurbs, usize),
 }
 
 /// The control points of the curve `u = const`, and of its derivative by u.
@@ -261,7 +276,9 @@ fn contract(
                     .enumerate()
                     .for_each(|(j, &control)| add(j, control));
             }
-            Lifted::EachTime(nurbs) => (0..columns).for_each(|j| add(j, nurbs.lift(start + j))),
+            Lifted::EachTime(nurbs, first) => {
+                (0..columns).for_each(|j| add(j, nurbs.lift(*first, start + j)));
+            }
         }
     }
 }

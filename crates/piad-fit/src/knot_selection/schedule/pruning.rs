@@ -80,7 +80,12 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// The same, as often as it is asked for.
-    fn fit_over(&self, line: Breaks, best: &Level, weights: Option<&[f64]>) -> Option<Arc<Level>> {
+    pub(super) fn fit_over(
+        &self,
+        line: Breaks,
+        best: &Level,
+        weights: Option<&[f64]>,
+    ) -> Option<Arc<Level>> {
         if !line.is_determined(&best.parameters) {
             return None;
         }

@@ -1,5 +1,6 @@
 //! The fits of a tolerance, against what other programs need.
 
+mod few_knots;
 mod rules;
 mod scattered;
 mod surface;

@@ -1,0 +1,95 @@
+//! After knots have left: one takes the place of a crowd of them, or of two beside each other, and all move to where they
+//! are needed.
+
+use std::sync::Arc;
+
+use super::super::adaptive::{FIRST_DAMPING, MOST_SPANS};
+use super::super::equations::Minimum;
+use super::super::merging::{merged, thinned};
+use super::super::values::Values;
+use super::{Level, Schedule};
+
+/// Pairs of which the fits with one knot instead are compared.
+const CANDIDATES: usize = 12;
+
+/// So many of the nearest of these fits get knots that move, and only those whose largest distance is below [`FAR`]
+/// tolerances.
+const NEAREST: usize = 2;
+
+/// See [`NEAREST`].
+const FAR: f64 = 8.0;
+
+/// The most steps of the knots.
+const STEPS: usize = 12;
+
+/// They end when the rms falls to no less than this part, and with more damping than [`MOST_DAMPING`].
+const SLOW: f64 = 0.9;
+
+/// See [`SLOW`].
+const MOST_DAMPING: f64 = 0.1;
+
+/// A step takes as long as about so many fits.
+const COST: usize = 8;
+
+impl<M: Minimum> Schedule<M> {
+    /// The best level with a knot less, or some; whether there is such a level within the tolerance.
+    pub(super) fn merge(&mut self) -> bool {
+        let few = |it: &Arc<Level>| it.line.spans() <= MOST_SPANS;
+        let Some(best) = self.best.clone().filter(few) else {
+            return false;
+        };
+        if self.merges == 0 || self.options.minima_alone {
+            return false;
+        }
+        let found = self.without_crowds(&best);
+        match found.or_else(|| self.without_a_pair(&best)) {
+            Some(level) => self.issue(level),
+            None => return false,
+        }
+        true
+    }
+
+    /// With one knot in place of each crowd.
+    fn without_crowds(&mut self, best: &Level) -> Option<Arc<Level>> {
+        let level = self.fit_over(thinned(&best.line)?, best, None)?;
+        self.moved(level, best)
+    }
+
+    /// With one knot in place of two.
+    fn without_a_pair(&mut self, best: &Level) -> Option<Arc<Level>> {
+        let far = FAR * self.options.tolerance;
+        let candidates = merged(&best.line, &best.control_points).take(CANDIDATES);
+        let fits = candidates.filter_map(|line| self.fit_over(line, best, None));
+        let mut near: Vec<Arc<Level>> = fits.filter(|it| it.distances.max <= far).collect();
+        near.sort_by(|a, b| a.distances.max.total_cmp(&b.distances.max));
+        let mut nearest = near.into_iter().take(NEAREST);
+        nearest.find_map(|level| self.moved(level, best))
+    }
+
+    /// A level within the tolerance over as many knots as this one has, which move to where they are needed.
+    fn moved(&mut self, mut now: Arc<Level>, best: &Level) -> Option<Arc<Level>> {
+        let mut damping = FIRST_DAMPING;
+        for _ in 0..STEPS {
+            if now.distances.max <= self.options.tolerance {
+                return Some(now);
+            }
+            self.merges = self.merges.saturating_sub(COST);
+            let values = Values::new(&now.line, &now.parameters);
+            let minimum = &self.minimum;
+            let line = minimum.moved_knots(&values, &now.control_points, damping)?;
+            let next = self.fit_over(line, best, None);
+            match next.filter(|next| next.distances.rms < now.distances.rms) {
+                Some(next) => {
+                    let is_slow = next.distances.rms > SLOW * now.distances.rms;
+                    (now, damping) = (next, damping / 10.0);
+                    if is_slow {
+                        break;
+                    }
+                }
+                None if damping > MOST_DAMPING => break,
+                None => damping *= 10.0,
+            }
+        }
+        Some(now).filter(|it| it.distances.max <= self.options.tolerance)
+    }
+}
