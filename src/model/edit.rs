@@ -316,7 +316,7 @@ fn start_breaks(
     parent: &ParentFit<'_>,
     request: &Request,
 ) -> OrMistakes<Option<Vec<Arc<Vec<f64>>>>> {
-    if !request.method.is_automatic() {
+    if !request.places_knots() {
         return Ok(None);
     }
     let breaks = parent.problem.breaks();

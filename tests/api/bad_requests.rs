@@ -155,9 +155,9 @@ fn wrong_shape() -> Vec<Bad> {
             "found 0 of them",
         ),
         bad(
-            curve("points", json!([[0, 0, 0, 0], [1, 1, 1, 1]])),
+            curve("points", json!([vec![0; 17], vec![1; 17]])),
             "/curve/points/0",
-            "found 4 of them",
+            "found 17 of them",
         ),
         bad(
             curve("points", json!([[0, 0], [1, 1], [2, 2, 2]])),

@@ -149,7 +149,7 @@ fn too_much() -> Vec<(String, &'static str)> {
                 "[1]",
                 "]}}}}",
             ),
-            "there are more than 302002 of them",
+            "there are more than 1602002 of them",
         ),
         (
             many(

@@ -22,7 +22,7 @@ async fn each_coordinate_is_fitted_as_by_itself() {
     let (count, joints) = (1201, 7);
     let poses = poses(count, joints);
     let times: Vec<f64> = (0..count).map(|i| i as f64).collect();
-    let stop = json!({"max_iterations": 6, "tolerance": {"absolute": 0}});
+    let stop = json!({"max_iterations": 6, "tolerance": 0});
     let fewer = json!({"kind": "least_squares", "control_points": 90, "variant": "direct"});
     for method in [json!("global"), json!("weighted"), json!("direct"), fewer] {
         let fit = async |points: &[Vec<f64>]| {
@@ -57,7 +57,8 @@ async fn what_holds_numbers_has_all_coordinates() {
         let points = poses(1100, joints);
         let auto = json!({"kind": "least_squares", "control_points": "auto"});
         for method in [json!("direct"), auto] {
-            let job = json!({"curve": {"points": points}, "method": method, "stop": {"tolerance": {"absolute": 1e-4}}});
+            let job =
+                json!({"curve": {"points": points}, "method": method, "stop": {"tolerance": 1e-4}});
             let job = server.fit(&job).await;
             assert_eq!(job["state"], "converged", "{job:#}");
             let path = base(&job);
@@ -76,7 +77,7 @@ async fn what_holds_numbers_has_all_coordinates() {
                 .json(&format!("{path}/result?view=samples&samples=11"))
                 .await;
             let samples = samples["samples"].as_array().unwrap().clone();
-            let answer = server.get(&format!("{path}/export?format=csv&samples=11"));
+            let answer = server.get(&format!("{path}/result/csv?samples=11"));
             let table = answer.send().await.unwrap().text().await.unwrap();
             let mut lines = table.lines();
             let names: Vec<String> = (1..=joints).map(|k| format!("x{k}")).collect();
@@ -129,10 +130,10 @@ async fn what_has_no_place_for_them_is_refused_by_name() {
     let job = server
         .fit(&json!({"curve": {"points": poses(9, 4)}, "method": "direct"}))
         .await;
-    for format in ["step", "iges", "dxf", "obj", "gltf", "svg"] {
-        let answer = server.get(&format!("{}/export?format={format}", base(&job)));
+    for format in ["step", "igs", "dxf", "obj", "glb", "svg"] {
+        let answer = server.get(&format!("{}/result/{format}", base(&job)));
         let (status, problem) = problem(answer.send().await.unwrap()).await;
-        assert_eq!(status, 422, "{format}");
+        assert_eq!(status, 409, "{format}");
         let told = problem.to_string();
         assert!(told.contains("these points have 4 coordinates"), "{told}");
     }

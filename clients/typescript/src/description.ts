@@ -735,7 +735,7 @@ export interface components {
          */
         Points: components["schemas"]["Point"][];
         /**
-         * @description A point with 1, 2 or 3 coordinates; all points of a job have the same number of them.
+         * @description A point with 1 to 16 coordinates, on surfaces at most 3; all points of a job have the same number of them.
          * @example [
          *       0.95,
          *       0.0114
@@ -773,7 +773,7 @@ export interface components {
          */
         BasisKind: "bspline" | "bernstein" | "said_ball" | "wang_ball";
         /**
-         * @description Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data ("spread").
+         * @description Where the pieces of a B-spline meet: at the parameters of the data, at averages of them, or at the numbers of a clamped knot vector. Open least-squares fits spread them over equal shares of the data's indices, which do not depend on the direction of the data ("spread"); of curves they can place them where the data ask for them ("adaptive").
          * @example data
          * @example [
          *       0,
@@ -786,7 +786,7 @@ export interface components {
          *       1
          *     ]
          */
-        KnotChoice: ("data" | "averaged" | "spread") | number[];
+        KnotChoice: ("data" | "averaged" | "spread" | "adaptive") | number[];
         /**
          * @description How the data points get their parameters: a rule, or strictly increasing numbers, one for each point; for a closed curve one more, at which it is back at the first. Default: `"chord_length"`.
          * @example centripetal
@@ -1019,7 +1019,7 @@ export interface components {
          *       ]
          *     ]
          */
-        ScatteredPoints: components["schemas"]["Point"][];
+        ScatteredPoints: number[][];
         /**
          * @description A value for each direction of a surface.
          * @example {

@@ -98,6 +98,14 @@ impl DirectionChoice {
         }
     }
 
+    /// Returns true if its data say where its knots are, with a given number of control points.
+    pub(crate) fn is_adaptive(&self) -> bool {
+        let BasisChoice::BSpline { knots, .. } = &self.basis else {
+            return false;
+        };
+        *knots == Knots::Adaptive
+    }
+
     /// Names the knots and the ends that are usual where nothing is said, for a control point for
     /// each of `count` data points: knots at the data for odd degrees, whose ends are estimated, and
     /// averaged knots for even ones. Closed directions have their knots by the data.

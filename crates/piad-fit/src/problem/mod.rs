@@ -195,15 +195,13 @@ impl Problem {
     }
 
     /// The same problem as it would be asked for with all that was derived from its points:
-    /// parameters, knots of an open curve that are placed by its data, a tolerance that was asked for, and which points are
-    /// left out, stay as they are when points move.
+    /// parameters, a tolerance that was asked for, and which points are left out, stay as they are when points move.
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
         request.tolerance = request
             .tolerance
             .and(Some(Tolerance::Absolute(self.tolerance)));
         request.outliers = Some(self.outliers().into());
-        adaptive_knots::keep(&mut request.u, self.u());
         if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
             let lanes = [&self.u().parameters, &v.parameters];
             let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));

@@ -89,6 +89,11 @@ pub struct Request {
 const ITERATIONS: usize = 1000;
 
 impl Request {
+    /// Returns true if the data say where knots are: those of a fit that starts from another one are the knots of that.
+    pub fn places_knots(&self) -> bool {
+        self.method.is_automatic() || self.u.is_adaptive()
+    }
+
     /// Classical PIA with these directions, without weights and without a tolerance.
     pub fn new(
         points: impl Into<Arc<Points>>,
