@@ -75,6 +75,11 @@ impl Breaks {
         self.spans() + control_points_beyond_spans(self.degree, self.closed)
     }
 
+    /// How many control points are fixed at each end: those of an open line, which passes through its ends.
+    pub(super) fn fixed_ends(&self) -> usize {
+        usize::from(!self.closed)
+    }
+
     /// The control point that function `j` is multiplied with.
     pub(crate) fn control_point(&self, j: usize) -> usize {
         if self.closed { j % self.spans() } else { j }

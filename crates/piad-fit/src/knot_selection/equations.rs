@@ -64,7 +64,7 @@ impl Minimum for LeastSquares {
         let mut control_points = start(values.line(), &self.points);
         let bending = (self.fairness > 0.0).then(|| self.bending(values, weights));
         let bending = bending.unwrap_or_default();
-        let factor = gram(values, weights, &bending).factor()?;
+        let factor = Gram::of(values, weights, &bending).factor()?;
         // Where there are few data for each control point, rounding matters: one step of refinement.
         let steps = 1 + usize::from(2 * control_points.len() > self.points.len());
         for _ in 0..steps {
@@ -113,7 +113,7 @@ impl LeastSquares {
         x: &mut Points,
     ) {
         let (width, data) = (values.width(), self.points.lanes());
-        let (fixed, count) = (fixed_ends(values.line()), x.len());
+        let (fixed, count) = (values.line().fixed_ends(), x.len());
         let sums = values.right_sides(data, x.lanes(), weights);
         for (c, x) in x.lanes_mut().iter_mut().enumerate() {
             let mut right = vec![0.0; count];
@@ -133,47 +133,6 @@ impl LeastSquares {
             moved.zip(&right[fixed..]).for_each(|(x, step)| *x += step);
         }
     }
-}
-
-/// `AᵀWA` of the control points that move, and the squares of some rows.
-pub(super) fn gram(values: &Values, weights: Option<&[f64]>, bending: &[Row]) -> Gram {
-    let (line, width) = (values.line(), values.width());
-    let (fixed, count) = (fixed_ends(line), line.control_points());
-    let mut gram = Gram::new(count - 2 * fixed, line.degree(), line.is_closed());
-    let products = values.products(weights);
-    for (part, products) in values
-        .parts()
-        .iter()
-        .zip(products.chunks_exact(width * width))
-    {
-        let place = |k: usize| {
-            let j = line.control_point(part.span + k);
-            (fixed..count - fixed).contains(&j).then(|| j - fixed)
-        };
-        for a in 0..width {
-            for b in 0..=a {
-                if let (Some(i), Some(j)) = (place(a), place(b)) {
-                    gram.add(i, j, products[a * width + b]);
-                }
-            }
-        }
-    }
-    for row in bending {
-        let moving = |j: usize| (fixed..count - fixed).contains(&j).then(|| j - fixed);
-        for (k, &(a, x)) in row.iter().enumerate() {
-            for &(b, y) in &row[..=k] {
-                if let (Some(i), Some(j)) = (moving(a), moving(b)) {
-                    gram.add(i, j, x * y);
-                }
-            }
-        }
-    }
-    gram
-}
-
-/// How many control points are fixed at each end.
-pub(super) fn fixed_ends(line: &Breaks) -> usize {
-    usize::from(!line.is_closed())
 }
 
 /// The control points of the segment from the first datum to the last one, at the speed of the

@@ -6,6 +6,8 @@
 //!
 //! What is added to the equations, as the energy of a fairness term, goes through [`Gram::add`].
 
+use super::values::Values;
+use crate::basis::quadrature::Row;
 use crate::linear::folded;
 
 /// A pivot below this part of its diagonal entry is a control point that the data say nothing
@@ -56,6 +58,42 @@ impl Gram {
         let (i, j) = (self.order.place(i), self.order.place(j));
         let (i, j) = (i.max(j), i.min(j));
         self.rows[i * (self.band + 1) + j + self.band - i] += value;
+    }
+
+    /// `AᵀWA` of the control points that move, and the squares of some rows.
+    pub(super) fn of(values: &Values, weights: Option<&[f64]>, bending: &[Row]) -> Self {
+        let (line, width) = (values.line(), values.width());
+        let (fixed, count) = (line.fixed_ends(), line.control_points());
+        let mut gram = Self::new(count - 2 * fixed, line.degree(), line.is_closed());
+        let products = values.products(weights);
+        for (part, products) in values
+            .parts()
+            .iter()
+            .zip(products.chunks_exact(width * width))
+        {
+            let place = |k: usize| {
+                let j = line.control_point(part.span + k);
+                (fixed..count - fixed).contains(&j).then(|| j - fixed)
+            };
+            for a in 0..width {
+                for b in 0..=a {
+                    if let (Some(i), Some(j)) = (place(a), place(b)) {
+                        gram.add(i, j, products[a * width + b]);
+                    }
+                }
+            }
+        }
+        for row in bending {
+            let moving = |j: usize| (fixed..count - fixed).contains(&j).then(|| j - fixed);
+            for (k, &(a, x)) in row.iter().enumerate() {
+                for &(b, y) in &row[..=k] {
+                    if let (Some(i), Some(j)) = (moving(a), moving(b)) {
+                        gram.add(i, j, x * y);
+                    }
+                }
+            }
+        }
+        gram
     }
 
     /// The Cholesky factor, or `None` if some combination of unknowns is not determined.

@@ -18,7 +18,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::breaks::Breaks;
-use super::equations::{fixed_ends, gram};
+use super::gram::Gram;
 use super::values::Values;
 use crate::basis::bspline;
 use crate::data::points::{Points, normalizing_scale};
@@ -84,9 +84,9 @@ fn without_control_points(
     right: impl Fn(&Slope) -> f64,
 ) -> Option<(DMatrix<f64>, DVector<f64>)> {
     let (line, width, count) = (values.line(), values.width(), slopes.len());
-    let fixed = fixed_ends(line);
+    let fixed = line.fixed_ends();
     let moving = line.control_points() - 2 * fixed;
-    let factor = gram(values, weights, &[]).factor()?;
+    let factor = Gram::of(values, weights, &[]).factor()?;
     let (first, rows) = values.clone().into_rows();
     let weight = |i: usize| weights.map_or(1.0, |weights| weights[i]);
     let mut system = DMatrix::zeros(count, count);

@@ -4,7 +4,6 @@
 //! ends: CGLS for each coordinate, preconditioned with the diagonal 1 / column sums of A. It starts
 //! from any curve, so that a fit goes on after knots were inserted.
 
-use super::equations::fixed_ends;
 use super::values::Values;
 use crate::data::blocks::{LANES, add_up};
 use crate::data::distances::Distances;
@@ -42,7 +41,7 @@ impl Steps {
         scale
             .iter_mut()
             .for_each(|sum| *sum = if *sum > 0.0 { 1.0 / *sum } else { 0.0 });
-        let fixed = fixed_ends(values.line());
+        let fixed = values.line().fixed_ends();
         scale[..fixed].fill(0.0);
         scale[count - fixed..].fill(0.0);
         let mut residual = Points::zeros(dimension, points.len());
