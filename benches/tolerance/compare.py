@@ -1,9 +1,10 @@
 """As few control points as a tolerance needs: piad over HTTP beside scipy and OpenCASCADE, in one run.
 
-    compare.py PROGRAM [PART …]     # PROGRAM is target/release/piad; parts: curves airfoils times surfaces grid terrain
+    compare.py PROGRAM [PART …]     # PROGRAM is target/release/piad; parts: curves splines airfoils times surfaces grid terrain
 
-- curves: five published and common ones at four tolerances, each with cubics of all three, and with degrees that are
+- curves: published and common ones, and chirps, at four tolerances, each with cubics of all three, and with degrees that are
   free (piad's quintics beside OpenCASCADE's degrees up to 8);
+- splines: points of cubics with few knots;
 - airfoils: all those of UIUC in the package aerosandbox, at 1e-3 and 1e-4 of the chord;
 - times: 10,000 and 100,000 points, exact, to 1e-4 of their size and finer, and with noise, until the last event is there;
 - surfaces: Franke's function at 1500 scattered points;
@@ -12,7 +13,7 @@
 
 scipy is given the best of twenty smoothing factors. That piad's distances are what it says, by scipy, is checked in
 fits.py. Ends with code 1 where piad is not within the tolerance, needs more control points than the better of both for
-one of the curves or for Franke's function, not a tenth fewer of all curves or airfoils, more in all for the terrain, or
+one of the curves or for Franke's function, two more than a spline with few knots has, not a tenth fewer of all curves or airfoils, more in all for the terrain, or
 more time. Needs requirements.txt; `make tolerance` installs them and takes half an hour.
 """
 
@@ -75,6 +76,20 @@ def curves(base: str) -> None:
     print(f"\nIn all, cubics: {total} control points, the better of the others {better}: {1 - total / better:.0%} fewer.\n")
     if total > 0.9 * better:
         wrong.append(f"curves: {total} control points in all, the better of the others {better}")
+
+
+def splines(base: str) -> None:
+    table("cubic with inner knots", "tolerance", "its control points", "piad", "scipy")
+    for knots in shapes.SPLINES:
+        t, points = shapes.few_knots(knots)
+        for tolerance in (1e-3, 1e-5, 1e-7):
+            piad = fits.piad(base, {"curve": {"points": points, "parameters": t}}, tolerance)
+            scipy = fits.scipy_curve(points, tolerance, t)
+            own = len(knots) + 4
+            row(len(knots), f"{tolerance:g}", own, piad.count, count(scipy))
+            if piad.ended != "converged" or piad.count > own + 2:
+                wrong.append(f"cubic with {len(knots)} knots, {tolerance:g}: {piad}")
+    print()
 
 
 def airfoils(base: str) -> None:
@@ -192,7 +207,7 @@ def terrain(base: str) -> None:
     print()
 
 
-PARTS = {part.__name__: part for part in (curves, airfoils, times, surfaces, grid, terrain)}
+PARTS = {part.__name__: part for part in (curves, splines, airfoils, times, surfaces, grid, terrain)}
 
 
 def main() -> int:

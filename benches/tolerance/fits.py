@@ -119,10 +119,10 @@ def chord_length(points: np.ndarray) -> np.ndarray:
     return np.r_[0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
 
 
-def smoothed(points: np.ndarray, factor: float) -> Fit:
-    """Cubic, over chord lengths as piad; the sum of squared distances is at most this factor."""
+def smoothed(points: np.ndarray, factor: float, parameters: np.ndarray | None = None) -> Fit:
+    """Cubic, over chord lengths as piad without parameters; the sum of squared distances is at most this factor."""
     begin = time.perf_counter()
-    t = chord_length(points)
+    t = chord_length(points) if parameters is None else parameters
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         (knots, coefficients, degree), _ = splprep(points.T, u=t, s=factor, k=3)
@@ -141,9 +141,9 @@ def fewest(fits: list[Fit], tolerance: float) -> Fit | None:
     return min(within, key=lambda fit: fit.count, default=None)
 
 
-def scipy_curve(points: np.ndarray, tolerance: float) -> Fit | None:
+def scipy_curve(points: np.ndarray, tolerance: float, parameters: np.ndarray | None = None) -> Fit | None:
     """The one with the fewest control points of those within the tolerance; its seconds are those of its own run."""
-    return fewest([smoothed(points, factor) for factor in factors(len(points), tolerance)], tolerance)
+    return fewest([smoothed(points, factor, parameters) for factor in factors(len(points), tolerance)], tolerance)
 
 
 def first_of_scipy(points: np.ndarray, tolerance: float) -> Fit | None:

@@ -9,6 +9,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import BSpline
 
 
 def naca2412() -> np.ndarray:
@@ -47,6 +48,16 @@ def step() -> np.ndarray:
     return np.c_[x, np.tanh(50 * x)]
 
 
+def chirp() -> np.ndarray:
+    x = np.linspace(0, 1, 1500)
+    return np.c_[x, 0.2 * np.sin(60 * x**2)]
+
+
+def long_chirp() -> np.ndarray:
+    x = np.linspace(0, 1, 20_000)
+    return np.c_[x, np.sin(800 * x**2)]
+
+
 # Name, points, tolerances.
 CURVES = [
     ("NACA 2412, 401 points", naca2412, (1e-3, 1e-4, 1e-5)),
@@ -54,7 +65,25 @@ CURVES = [
     ("r = 2 + 4 cos(2θ + π/4) + cos(3θ + π/4), 1501", rose, (1e-2, 1e-3, 1e-4, 1e-5)),
     ("helix, three turns, 1000", helix, (1e-2, 1e-3, 1e-4, 1e-5)),
     ("(x, tanh 50x), 400", step, (1e-2, 1e-3, 1e-4, 1e-5)),
+    ("(x, .2 sin 60x²), 1500", chirp, (1e-3, 1e-5)),
+    ("(x, sin 800x²), 20,000", long_chirp, (1e-2, 1e-4)),
 ]
+
+# The knots between the ends of cubics.
+SPLINES = [
+    [0.13, 0.31, 0.52, 0.58, 0.83],
+    [0.08, 0.13, 0.21, 0.31, 0.4, 0.52, 0.58, 0.71, 0.83, 0.95],
+    [0.02, 0.04, 0.07, 0.2, 0.25, 0.3, 0.33, 0.46, 0.47, 0.5, 0.66, 0.7, 0.78, 0.9, 0.91, 0.96],
+]
+
+
+def few_knots(knots: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """400 parameters at equal steps, and points of a plane cubic with these knots there, about as wide as control points."""
+    knots = np.r_[[0] * 4, knots, [1] * 4]
+    index = np.arange(len(knots) - 4)
+    control_points = np.sin(np.outer(index, [3.7, 5.1])) + 0.3 * index[:, None]
+    t = np.linspace(0, 1, 400)
+    return t, BSpline(knots, control_points, 3)(t)
 
 
 def spiral(count: int, noise: float) -> np.ndarray:

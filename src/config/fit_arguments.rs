@@ -79,8 +79,8 @@ pub struct FitArguments {
     #[arg(long, value_name = "NUMBER", help_heading = "Fit")]
     pub(crate) control_points: Option<String>,
 
-    /// How smooth a least-squares fit of noisy points is to be: a number such as 1e-9, or auto, of curves, for what the
-    /// noise asks for.
+    /// How smooth a least-squares fit of noisy points is to be: a number such as 1e-9, or auto for what the noise
+    /// asks for.
     #[arg(long, value_name = "FAIRNESS", help_heading = "Fit")]
     pub(crate) fairness: Option<String>,
 

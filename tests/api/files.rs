@@ -281,8 +281,8 @@ async fn files_are_fitted_like_json() {
 #[tokio::test]
 async fn mistakes_of_jobs_are_told_where_they_stand() {
     let server = Server::start().await;
-    let doubled = "# doubled\n0,0\n1,1\n\n1,1\n2,0\n3,1\n";
-    let response = send(&server, "/v1/jobs", "text/csv", doubled).await;
+    let near = "# too near for chord lengths\n0,0\n1e17,1\n\n1e17,2\n2e17,0\n3e17,1\n";
+    let response = send(&server, "/v1/jobs", "text/csv", near).await;
     let (status, answer) = problem(response).await;
     assert_eq!(
         (status, &answer["errors"][0]["line"]),

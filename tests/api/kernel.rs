@@ -3,6 +3,7 @@
 use std::future::ready;
 
 use futures_util::StreamExt;
+use piad_fit::engine::KERNEL;
 use prost::Message;
 use serde_json::{Value, json};
 
@@ -40,17 +41,17 @@ async fn iterations_of_another_kernel_come_again() {
     let (_, resumed, all_ids) = read("").await;
     assert_eq!(resumed, Value::Null);
     assert!(all_ids.len() > 3);
-    let expected = (0..all_ids.len()).map(|k| format!("{k}@2"));
+    let expected = (0..all_ids.len()).map(|k| format!("{k}@{KERNEL}"));
     assert!(expected.eq(all_ids.iter().cloned()), "{all_ids:?}");
     // What it has sent itself it goes on with.
-    let (after, resumed, ids) = read("2@2").await;
+    let (after, resumed, ids) = read(&format!("2@{KERNEL}")).await;
     assert_eq!(
         (after.unwrap(), resumed),
         ("2".parse().unwrap(), Value::Null)
     );
     assert_eq!(ids, all_ids[3..]);
     // What a program of the kernel of the job has sent, and of any other, comes again.
-    for last in ["2", "2@7", "2@3"] {
+    for last in ["2", "2@7", "2@4"] {
         let (after, resumed, ids) = read(last).await;
         assert_eq!((after, resumed), (None, json!("restarted")), "{last}");
         assert_eq!(ids, all_ids, "{last}");
@@ -67,7 +68,7 @@ async fn iterations_of_another_kernel_come_again() {
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
     assert_eq!(lines[0]["data"]["resumed"], "restarted");
-    assert_eq!(lines[1]["id"], "0@2");
+    assert_eq!(lines[1]["id"], format!("0@{KERNEL}"));
     let request = reader.program.get(&format!("{path}?last_event_id=2"));
     let messages = request.header("accept", "application/x-protobuf");
     let messages = messages.send().await.unwrap().bytes().await.unwrap();

@@ -78,8 +78,8 @@ const ODD: [(&[u8], i32, &str); 23] = [
     (b"0 0 0\n0 1 1\n\n1 0 0\n", 0, "differ in length"),
     (
         b"x,y\n0,0\n1,2\n1,2\n3,1\n",
-        2,
-        ":4: point 2 equals point 1",
+        0,
+        "The point in line 4 equals the one before, and is there once.",
     ),
     (
         b"x,y\n0,0\n1,2,5\n3,1\n",

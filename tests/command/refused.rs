@@ -6,9 +6,9 @@ use crate::support::Folder;
 fn mistakes_in_files_are_told_at_their_lines() {
     let folder = Folder::new();
     folder.write("bad.csv", "x,y\n1,2\n\n3,oops\n4,5,6\n");
-    folder.write("twice.csv", "x,y\n1,2\n3,4\n3,4\n5,6\n");
+    folder.write("resting.csv", "x,y\n1,2\n1,2\n1,2\n");
     folder.write("comma.json", "[[0, 0],\n [1, 1],\n]");
-    folder.write("points.json", "[[0,0],\n[1,2],\n[2,1],\n[2,1],\n[3,3]]");
+    folder.write("points.json", "[[0,0],\n[1,2],\n[2,1],\n[2]]");
     folder.write(
         "job.json",
         "{\"curve\": {\n \"points\": [[0,0],[1,1],\n  [1,1],[2,0]]},\n \"method\": \"fast\"}",
@@ -19,9 +19,9 @@ fn mistakes_in_files_are_told_at_their_lines() {
             "bad.csv",
             "bad.csv:4: column 2: \"oops\" is no number\nbad.csv:5: 3 columns here",
         ),
-        ("twice.csv", "twice.csv:4: point 2 equals point 1"),
+        ("resting.csv", "resting.csv:3: point 1 equals point 0"),
         ("comma.json", "comma.json:3: "),
-        ("points.json", "points.json:4: point 3 equals point 2"),
+        ("points.json", "points.json:4: this point has 1 coordinates"),
         ("job.json", "job.json:4: /method"),
         ("empty.csv", "empty.csv"),
         ("missing.csv", "missing.csv: No such file"),

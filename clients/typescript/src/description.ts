@@ -1464,7 +1464,7 @@ export interface components {
          */
         DataWeights: number[] | number[][];
         /**
-         * @description A multiple of the energy, zero or greater; or `auto`, of curves: the one that generalised cross-validation chooses for data with noise of unknown size. It stands in the `job` event and in the result.
+         * @description A multiple of the energy, zero or greater; or `auto`: the one that generalised cross-validation chooses for data with noise of unknown size. It stands in the `job` event and in the result.
          * @example 1e-9
          * @example auto
          */

@@ -31,7 +31,7 @@ number_or_word!(
 pub(crate) enum FairnessSchema {}
 
 schema_of!(FairnessSchema, "Fairness", _generator => json_schema!({
-    "description": "A multiple of the energy, zero or greater; or `auto`, of curves: the one that generalised cross-validation chooses for data with noise of unknown size. It stands in the `job` event and in the result.",
+    "description": "A multiple of the energy, zero or greater; or `auto`: the one that generalised cross-validation chooses for data with noise of unknown size. It stands in the `job` event and in the result.",
     "oneOf": [{"type": "number", "minimum": 0}, {"type": "string", "const": "auto"}],
     "examples": [1e-9, "auto"],
 }));

@@ -208,7 +208,7 @@ mod tests {
                 Some(2),
                 "this row has 1 points",
             ),
-            ("[[1,2,3,4],[5,6,7,8]]", curve, None, "these are rows"),
+            ("[[[1],[2]],[[5],[6]]]", curve, None, "these are rows"),
             (
                 "[[1,2,3,4],[5,6,7,8]]",
                 surface(grid(4, 2)),

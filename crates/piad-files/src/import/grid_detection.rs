@@ -3,6 +3,7 @@
 use super::closed_outline;
 use super::error::FileError;
 use super::imported::{Hints, Imported, Kind};
+use super::repeated;
 use super::table::Table;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::is_unordered;
@@ -32,6 +33,9 @@ pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, File
     }
     if unordered {
         table.notices.push(SCATTERED.to_owned());
+    }
+    if grid.is_none() && hints.kind != Some(Kind::Surface) {
+        repeated::leave_out(&mut table);
     }
     let closed = grid.is_none() && closed_outline::closed(&mut table, hints);
     Ok(Imported {

@@ -12,6 +12,7 @@
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
 //! - `closed_outline`: an outline that comes back to its first point is closed;
+//! - `repeated`: points that equal the one before them are kept once;
 //! - `grid_detection`: rows of points become a surface.
 
 mod airfoil;
@@ -25,6 +26,7 @@ mod layout;
 mod lines;
 mod number_format;
 mod off;
+mod repeated;
 mod table;
 
 use std::borrow::Cow;

@@ -425,3 +425,21 @@ fn large_files_are_the_same_in_pieces() {
         assert_eq!(errors[0].line, Some(30_001), "{wrong}");
     }
 }
+
+#[test]
+fn points_of_curves_that_come_again_are_kept_once() {
+    let imported = read("x,y\n0,0\n1,2\n1,2\n1,2\n3,1\n1,2\n", &HINTS).unwrap();
+    assert_eq!(
+        imported.points.to_flat(),
+        [0.0, 0.0, 1.0, 2.0, 3.0, 1.0, 1.0, 2.0]
+    );
+    assert_eq!(imported.lines, [2, 3, 6, 7]);
+    let notice = "2 points equal the one before, the first of them in line 4: each is there once.";
+    assert_eq!(imported.notices, [notice]);
+    let array = read("[[0, 0],\n[1, 2],\n[1, 2],\n[3, 1]]", &HINTS).unwrap();
+    assert_eq!((array.points.len(), &array.lines[..]), (3, &[1, 2, 4][..]));
+    // Rows of a surface may meet in a point, and values of functions be equal.
+    let rows = read("0 0 1\n0 0 1\n\n0 1 0\n1 1 2\n", &HINTS).unwrap();
+    assert_eq!((rows.points.len(), rows.grid.is_some()), (4, true));
+    assert_eq!(read("0\n1\n1\n0\n", &HINTS).unwrap().points.len(), 4);
+}

@@ -312,7 +312,7 @@ mod tests {
     const PART: usize = 40;
 
     /// More points than any of these bodies has.
-    const MOST: usize = 100;
+    const MOST: usize = 300;
 
     /// Numbers as programs write them, and others that are JSON: large, tiny, or with many digits.
     fn number() -> impl Strategy<Value = String> {
@@ -355,7 +355,9 @@ mod tests {
         let rows = counts
             .clone()
             .prop_flat_map(|(d, n, m)| lists(lists(lists(number(), d), m), n));
-        let heights = counts.prop_flat_map(|(_, n, m)| lists(lists(number(), m + 2), n));
+        let heights = counts.prop_flat_map(|(_, n, m)| {
+            lists(lists(number(), m + piad_fit::data::MAX_DIMENSION), n)
+        });
         prop_oneof![
             curve
                 .clone()

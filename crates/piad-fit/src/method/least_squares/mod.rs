@@ -113,7 +113,12 @@ impl LeastSquares {
     /// What the choice of fairness by the data cannot be combined with.
     fn check_chosen(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let found = match scope {
-            _ if scope.is_surface => "that of a surface is not chosen by its data: give a number",
+            _ if scope.is_surface && self.ends == EndPoints::Interpolated => {
+                "a surface whose data choose it does not pass through corners: leave end_points out, or give a number"
+            }
+            _ if scope.is_surface && self.automatic.is_some() => {
+                "control_points \"auto\" do not smooth a surface: give their numbers"
+            }
             _ if !self.constraints.is_empty() => {
                 "with constraints or corners it is not chosen by the data: give a number"
             }

@@ -1,8 +1,10 @@
 //! The choice of fairness, beside dense matrices and the truth behind noise.
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
-use super::{Band, Equations};
+use super::{Band, Equations, entries};
 use crate::Fit;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
@@ -10,6 +12,7 @@ use crate::data::grid::Grid;
 use crate::data::points::Points;
 use crate::method::{EndPoints, Fairness, LeastSquares, Method};
 use crate::parameters::Parametrization;
+use crate::parameters::scattered::{CoordinatePlane, Scattered};
 use crate::problem::Problem;
 use crate::problem::request::Request;
 
@@ -134,7 +137,7 @@ fn scores_are_those_of_dense_matrices() {
         let equations = Equations::new(problem.setup(), &settings).unwrap();
         let (n, m) = (40, 12);
         let entries: Vec<Vec<(usize, f64)>> =
-            (0..n).map(|i| super::row(&equations.matrix, i)).collect();
+            (0..n).map(|i| entries(&equations.matrix, i)).collect();
         let a = DMatrix::from_fn(n, m, |i, j| {
             entries[i]
                 .iter()
@@ -222,4 +225,108 @@ fn tolerances_are_kept() {
     assert!(usual > 2.5, "{usual}");
     let within = largest(Some(0.9 * usual));
     assert!(within <= 0.9 * usual, "{within} of {usual}");
+}
+
+/// Heights of a surface with noise at scattered places, and without it.
+fn scan(count: usize, size: f64, seed: u64) -> [Vec<[f64; 3]>; 2] {
+    let mut noise = Noise(seed);
+    let mut exact = Vec::new();
+    for _ in 0..count {
+        let [x, y] = [noise.uniform(), noise.uniform()];
+        exact.push([x, y, 0.3 * (6.0 * x).sin() * (4.0 * y).cos()]);
+    }
+    let with_noise = exact
+        .iter()
+        .map(|&[x, y, z]| [x, y, z + size * noise.normal()]);
+    let with_noise = with_noise.collect();
+    [exact, with_noise]
+}
+
+/// The banded score of scattered points is that of dense matrices, with the stiffness of gaps.
+#[test]
+fn scores_of_surfaces_are_those_of_dense_matrices() {
+    let [_, points] = scan(120, 0.05, 3);
+    let settings = LeastSquares {
+        fairness: Some(Fairness::BY_DATA),
+        ends: EndPoints::Free,
+        ..LeastSquares::new(7, 6)
+    };
+    let fit = Fit::scattered(&points, Scattered::Coordinates(CoordinatePlane::Xy));
+    let fit = fit.method(Method::LeastSquares(settings.clone()));
+    let level = fit.prepare().unwrap().levels().next().unwrap();
+    let problem = level.problem();
+    let equations = Equations::new(problem.setup(), &settings).unwrap();
+    let (n, m) = (points.len(), 42);
+    let mut a = DMatrix::zeros(n, m);
+    for i in 0..n {
+        entries(&equations.matrix, i)
+            .into_iter()
+            .for_each(|(j, x)| a[(i, j)] += x);
+    }
+    let dense = |band: &Band| {
+        DMatrix::from_fn(m, m, |i, j| {
+            let (i, j) = (i.max(j), i.min(j));
+            if i - j < band.width {
+                band.at(i, j)
+            } else {
+                0.0
+            }
+        })
+    };
+    let of_data = a.transpose() * &a / n as f64;
+    assert!((dense(&equations.data) - &of_data).norm() < 1e-14);
+    let gaps = equations.gaps.as_ref().map_or(DMatrix::zeros(m, m), dense);
+    for fairness in [1e-6, 1e-3] {
+        let whole = &of_data + fairness * dense(&equations.energy) + &gaps;
+        let inverse = whole.try_inverse().unwrap();
+        let p = DMatrix::from_fn(n, 3, |i, c| points[i][c]);
+        let left = &a * (&inverse * (a.transpose() * &p / n as f64)) - &p;
+        let trace = (&inverse * &of_data).trace();
+        let expected = left.norm_squared() / n as f64 / (1.0 - trace / n as f64).powi(2);
+        let score = equations.score(fairness).unwrap();
+        assert!((score.value / expected - 1.0).abs() < 1e-7, "{fairness}");
+    }
+}
+
+/// Nearly as near to the truth as the best fairness there is.
+#[test]
+fn the_choice_for_a_scan_is_near_the_best() {
+    for seed in 1..=3 {
+        let [exact, points] = scan(1500, 0.05, seed);
+        let off = |fairness: Fairness| {
+            let settings = LeastSquares {
+                fairness: Some(fairness),
+                ends: EndPoints::Free,
+                ..LeastSquares::new(15, 14)
+            };
+            let fit = Fit::scattered(&points, Scattered::Coordinates(CoordinatePlane::Xy));
+            let fit = fit
+                .method(Method::LeastSquares(settings))
+                .prepare()
+                .unwrap();
+            let surface = match fit.solve() {
+                Ok(surface) => surface,
+                Err(error) => error.best,
+            };
+            let level = fit.levels().next().unwrap();
+            let t = level
+                .problem()
+                .directions()
+                .map(|it| Arc::clone(&it.parameters));
+            let [u, v] = <[Arc<Vec<f64>>; 2]>::try_from(t.collect::<Vec<_>>()).unwrap();
+            let squares = exact
+                .iter()
+                .enumerate()
+                .map(|(i, point)| (surface.eval(u[i], v[i])[2] - point[2]).powi(2));
+            (squares.sum::<f64>() / exact.len() as f64).sqrt()
+        };
+        let value = |k: i32| Fairness {
+            value: 10_f64.powi(k),
+            by_data: false,
+            order: 2,
+        };
+        let best = (-9..0).map(|k| off(value(k))).fold(f64::INFINITY, f64::min);
+        let found = off(Fairness::BY_DATA);
+        assert!(found <= 1.15 * best, "{seed}: {found} {best}");
+    }
 }
