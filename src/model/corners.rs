@@ -1,20 +1,69 @@
-//! The corners of a curve as they are asked for.
+//! The corners of a curve, and the creases of a surface, as they are asked for.
 
 use std::fmt;
 
-use schemars::json_schema;
+use schemars::{JsonSchema, json_schema};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};
 
-use super::either::Whole;
-use super::list_limits::for_all_points;
+use super::either::{Whole, object};
+use super::list_limits::{for_all_points, for_points};
 use super::schema::schema_of;
 use piad_fit::basis::Corners;
+use piad_fit::engine::DirectionChoice;
 
 /// Where a curve may turn: `"auto"`, an angle, or indices of points.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CornersInput(pub Corners);
+
+/// The lines of a grid of points across which a surface may turn, between the first and the last.
+#[derive(Clone, Debug, Default, serde::Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(example = serde_json::json!({"u": [12], "v": [3, 9]}))]
+pub(crate) struct Creases {
+    /// Indices of rows.
+    #[serde(
+        default,
+        deserialize_with = "for_points",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(with = "Option<Vec<usize>>")]
+    pub u: Option<Vec<Whole>>,
+    /// Indices of columns.
+    #[serde(
+        default,
+        deserialize_with = "for_points",
+        skip_serializing_if = "Option::is_none"
+    )]
+    #[schemars(with = "Option<Vec<usize>>")]
+    pub v: Option<Vec<Whole>>,
+}
+
+object!(Creases, "an object with rows u or columns v");
+
+impl Creases {
+    /// Those of the choices of both directions, if there are some.
+    pub(crate) fn of(u: &DirectionChoice, v: &DirectionChoice) -> Option<Self> {
+        let lines = |choice: &DirectionChoice| {
+            let indices = choice.corners.as_ref()?.indices().iter();
+            Some(indices.map(|&index| Whole(index)).collect())
+        };
+        let creases = Self {
+            u: lines(u),
+            v: lines(v),
+        };
+        (creases.u.is_some() || creases.v.is_some()).then_some(creases)
+    }
+
+    /// Those of the directions.
+    pub(super) fn corners(self) -> [Option<Corners>; 2] {
+        [self.u, self.v].map(|lines| {
+            let indices = lines?.into_iter().map(|Whole(index)| index);
+            Some(Corners::At(indices.collect()))
+        })
+    }
+}
 
 /// Corners at which the points turn by more than this angle, in degrees.
 #[derive(serde::Deserialize, Serialize)]

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::basis::{Basis, Degree, ParametersInput};
-use super::corners::CornersInput;
+use super::corners::{CornersInput, Creases};
 use super::either::{Whole, object, whole};
 use super::ends::{CurveEnds, DirectionEnds, EndsInput, SurfaceEnds};
 use super::lists::PointNumbers;
@@ -118,6 +118,9 @@ pub(crate) struct SurfaceInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<PerDirection<bool>>,
+    /// Where a surface through a grid of points may turn; without them nowhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub creases: Option<Creases>,
     /// How it ends; one value for both directions, or one for each that is not closed.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "given_ends")]
     #[schemars(with = "Option<SurfaceEnds>")]
@@ -388,7 +391,8 @@ impl SurfaceInput {
         let usual = || Parametrization::usual_of_surface(&points);
         let u = u.choice(Axis::U, usual(), true, mistakes);
         let v = v.choice(Axis::V, usual(), true, mistakes);
-        let (u, v) = u.zip(v)?;
+        let (mut u, mut v) = u.zip(v)?;
+        [u.corners, v.corners] = self.creases.unwrap_or_default().corners();
         Some(Request {
             missing,
             scattered,
@@ -434,6 +438,7 @@ impl SurfaceInput {
             parameters: Some(parameters),
             weights: weights::asked(request),
             closed: Some(PerDirection::of(u.closed, Some(v.closed))),
+            creases: Creases::of(u, v),
             ends: has_ends.then(|| PerDirection::of(ends(u), Some(ends(v)))),
         }
     }

@@ -9,7 +9,8 @@ use super::method;
 use super::stream;
 use super::values::{MethodTarget, check_count, chosen, count, known, some, value};
 use crate::model::basis::ParametersInput;
-use crate::model::corners::CornersInput;
+use crate::model::corners::{CornersInput, Creases};
+use crate::model::either::Whole;
 use crate::model::ends::{DirectionEnds, EndsInput};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::JobRequest;
@@ -99,6 +100,12 @@ fn corners(corners: pb::Corners) -> Option<Corners> {
     })
 }
 
+/// The lines that these indices are those of, if there are some.
+fn lines(indices: &[u32]) -> Option<Vec<Whole>> {
+    let lines = indices.iter().map(|&index| Whole(index as usize));
+    (!indices.is_empty()).then(|| lines.collect())
+}
+
 /// The message of corners.
 fn corners_message(corners: &Corners) -> pb::Corners {
     let choice = match corners {
@@ -146,6 +153,10 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
         ends: Some(PerDirection::Each {
             u: ends(u.ends, columns, "surface.u.ends")?,
             v: ends(v.ends, rows, "surface.v.ends")?,
+        }),
+        creases: Some(Creases {
+            u: lines(&u.creases),
+            v: lines(&v.creases),
         }),
         ..SurfaceInput::default()
     };
@@ -405,6 +416,12 @@ fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection 
         closed: choice.closed,
         weights: choice.weights.clone().unwrap_or_default(),
         ends: choice.ends.as_ref().map(ends::message),
+        creases: choice
+            .corners
+            .iter()
+            .flat_map(Corners::indices)
+            .map(|&index| count(index))
+            .collect(),
     }
 }
 

@@ -35,6 +35,7 @@ mod corners;
 mod cors;
 mod crash_recovery;
 mod crashes;
+mod creases;
 mod crowd;
 mod custom;
 mod damage;

@@ -160,6 +160,16 @@ def test_cubic_ball_points() -> None:
         assert np.allclose(bezier, [1, 5 / 3, 16 / 3, 8], rtol=1e-15)
 
 
+def test_surfaces_turn_across_creases(client: piad.Client) -> None:
+    x, y = np.meshgrid(np.arange(21.0), np.arange(9.0), indexing="ij")
+    points = np.stack([x, y, -np.abs(x - 8)], axis=-1)
+    surface = client.fit(points, creases={"u": [8]}, control_points={"u": 5, "v": 4}).geometry
+    assert isinstance(surface, piad.Surface)
+    (low, high), v = surface.domain
+    on = surface.evaluate(np.linspace(low, high, 200), np.linspace(*v, 20)).reshape(-1, 3)
+    assert np.abs(on[:, 2] + np.abs(on[:, 0] - 8)).max() < 1e-6
+
+
 @pytest.mark.parametrize("corners", ["auto", {"angle": 60}, np.array([4, 8, 12])])
 def test_curves_turn_at_corners(client: piad.Client, corners: Any) -> None:
     x = np.arange(17.0)

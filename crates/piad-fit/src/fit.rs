@@ -161,6 +161,18 @@ impl Fit<Surface> {
     }
 }
 
+impl Fit<Surface> {
+    /// Lines of points across which the surface of a grid may turn, by indices of rows and of columns.
+    pub fn creases(self, rows: &[usize], columns: &[usize]) -> Self {
+        self.with(|request| {
+            request.u.corners = Some(Corners::At(rows.into()));
+            if let Some(v) = &mut request.v {
+                v.corners = Some(Corners::At(columns.into()));
+            }
+        })
+    }
+}
+
 impl<S: Shape> Fit<S> {
     fn of(request: Result<Request, Invalid>) -> Self {
         let shape = PhantomData;

@@ -72,6 +72,7 @@ const DIRECTION: &[Part] = &[
     part(2, "parameters", One(PARAMETERS)),
     part(4, "weights", NUMBERS),
     part(5, "ends", One(ENDS)),
+    part(6, "creases", Indices),
 ];
 const SCATTERED: &[Part] = &[part(2, "values", Numbers(2))];
 const SURFACE: &[Part] = &[

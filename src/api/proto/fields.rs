@@ -109,6 +109,10 @@ impl MessageLayout {
             P::Closed(axis) => self.direction(axis, "closed"),
             P::Order => format!("{root}.unordered"),
             P::Polyline => format!("{root}.polyline"),
+            P::Corners(axis) if root == SURFACE => self.direction(axis, "creases"),
+            P::Corner(axis, index) if root == SURFACE => {
+                self.direction(axis, &format!("creases[{index}]"))
+            }
             P::Corners(axis) => self.direction(axis, "corners"),
             P::Corner(axis, index) => self.direction(axis, &format!("corners.at.indices[{index}]")),
             P::Ends(axis) => self.direction(axis, "ends"),

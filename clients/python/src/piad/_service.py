@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import sys
 import warnings
-from collections.abc import AsyncGenerator, Coroutine, Mapping
+from collections.abc import AsyncGenerator, Coroutine, Mapping, Sequence
 from typing import Any, NamedTuple, Optional, Union
 
 from . import _request
@@ -44,6 +44,7 @@ class Service:
         scattered: bool = False,
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
+        creases: Optional[Mapping[str, Sequence[int]]] = None,
         polyline: bool = False,
         order: Optional[str] = None,
         ends: Optional[SurfaceEnds] = None,
@@ -69,7 +70,7 @@ class Service:
         object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
         `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
         `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. At `corners` a curve may turn: indices of points, `"auto"`
-        or `{"angle": 30}`. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
+        or `{"angle": 30}`; across `creases` a surface, rows `u` and columns `v`: `{"u": [12]}`. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
         tolerance needs. With `order="nearest"` points in any order are put in that of their curve first. What is not given is left to the
         server; docs/JOBS.md there says more about each.
 
@@ -86,6 +87,7 @@ class Service:
             scattered=scattered,
             closed=closed,
             corners=corners,
+            creases=creases,
             polyline=polyline,
             order=order,
             ends=ends,
@@ -109,6 +111,7 @@ class Service:
         scattered: bool = False,
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
+        creases: Optional[Mapping[str, Sequence[int]]] = None,
         polyline: bool = False,
         order: Optional[str] = None,
         ends: Optional[SurfaceEnds] = None,
@@ -138,6 +141,7 @@ class Service:
             scattered=scattered,
             closed=closed,
             corners=corners,
+            creases=creases,
             polyline=polyline,
             order=order,
             ends=ends,

@@ -65,7 +65,7 @@ pub struct DirectionChoice {
     pub control_points: Option<usize>,
     /// How it ends, with knots at the data; as is usual without it.
     pub ends: Option<Ends>,
-    /// Its corners, if it may have some.
+    /// Its corners, or the creases across it, if it may have some.
     pub corners: Option<Corners>,
     /// Fixed weights: one for each control point, end copies included, or one for each data point.
     pub weights: Option<Vec<f64>>,

@@ -9,7 +9,7 @@
 //! | open B-spline | fewer than data points | as earlier programs had them | PT97 (9.68)–(9.69) |
 //! | curve | fewer than data points | spread, then adaptive ([`super::adaptive_knots`]) | |
 //! | closed B-spline | n, or fewer | periodic | |
-//! | B-spline with corners | n, or fewer | p at each corner, averaged or spread between | |
+//! | B-spline with corners, or creases | n, or fewer | p at each corner, averaged or spread between | |
 //!
 //! Whatever is given is checked against what it has to fit: parameters against knots, knots against
 //! the number of control points, weights against that of functions.
@@ -256,7 +256,7 @@ fn with_corners(
     if !(fewest..=count).contains(&free) {
         let corners = corners.len();
         let detail = format!(
-            "a curve of {count} points with {corners} corners has {fewest} to {count} control points, not {free}"
+            "{count} points that turn at {corners} of them have {fewest} to {count} control points, not {free}"
         );
         return Err(Invalid::at(Place::ControlPoints(axis), detail));
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::request::{Request, Weights};
 use super::robust::Inliers;
-use crate::basis::choice::{BasisChoice, Corners};
+use crate::basis::choice::{BasisChoice, Corners, DirectionChoice};
 use crate::basis::knots::Knots;
 use crate::data::corners;
 use crate::data::points::Points;
@@ -14,18 +14,14 @@ use crate::method::{At, Constraint, EndPoints, Method, Wanted};
 /// Finds the corners of a curve where they are not given, and leaves them out where there are none; least squares passes
 /// through them.
 pub(super) fn resolve(request: &mut Request, inliers: Option<&Inliers>) -> Result<(), Invalid> {
-    if request.v.iter().any(|v| v.corners.is_some()) {
-        return Err(wrong(
-            "corners are those of curves: a surface has none".to_owned(),
-        ));
-    }
     let Some(corners) = request.u.corners.clone() else {
         return Ok(());
     };
     check(request)?;
     let indices = match corners {
         Corners::At(indices) => {
-            check_indices(&indices, request.grid.rows, request.u.closed)?;
+            let words = (Axis::U, ("point", "the curve"));
+            check_indices(&indices, words, request.grid.rows, request.u.closed)?;
             indices
         }
         Corners::Found(degrees) => {
@@ -58,22 +54,35 @@ pub(super) fn radians(degrees: f64) -> Result<f64, Invalid> {
     }
 }
 
-/// Refuses what corners cannot be combined with.
-fn check(request: &Request) -> Result<(), Invalid> {
-    let choice = &request.u;
-    let least_squares = matches!(request.method, Method::LeastSquares(_));
+/// Why a direction can have no corners, or creases.
+pub(super) fn refused(choice: &DirectionChoice, what: &str) -> Option<String> {
     let found = match &choice.basis {
-        _ if request.v.is_some() => "corners are those of curves: a surface has none",
-        BasisChoice::Polynomial(_) => "a polynomial has no corners: use a B-spline",
+        BasisChoice::Polynomial(_) => format!("a polynomial has no {what}: use a B-spline"),
         BasisChoice::BSpline { knots, .. }
             if !matches!(knots, Knots::Usual | Knots::Averaged | Knots::Spread) =>
         {
-            "corners have knots of their own, and the pieces between them averaged ones: leave knots out"
+            format!(
+                "{what} have knots of their own, and the pieces between them averaged ones: leave knots out"
+            )
         }
         _ if choice.ends.is_some() => {
-            "each piece between corners has a control point for each data point: leave ends out"
+            format!(
+                "each piece between {what} has a control point for each data point: leave ends out"
+            )
         }
-        _ if choice.weights.is_some() => "with fixed weights a curve has no corners",
+        _ if choice.weights.is_some() => format!("with fixed weights there are no {what}"),
+        _ => return None,
+    };
+    Some(found)
+}
+
+/// Refuses what corners cannot be combined with.
+fn check(request: &Request) -> Result<(), Invalid> {
+    if let Some(found) = refused(&request.u, "corners") {
+        return Err(wrong(found));
+    }
+    let least_squares = matches!(request.method, Method::LeastSquares(_));
+    let found = match request.weights {
         _ if least_squares && request.weights != Weights::None => {
             "rational least squares does not pass through given points, so it has no corners"
         }
@@ -122,25 +131,30 @@ fn wrong(detail: String) -> Invalid {
 }
 
 /// Refuses indices that do not increase, are none of points, or those of the ends of an open curve.
-fn check_indices(indices: &[usize], count: usize, closed: bool) -> Result<(), Invalid> {
+pub(super) fn check_indices(
+    indices: &[usize],
+    (axis, (thing, whole)): (Axis, (&str, &str)),
+    count: usize,
+    closed: bool,
+) -> Result<(), Invalid> {
     for (place, &index) in indices.iter().enumerate() {
         let before = place.checked_sub(1).map(|place| indices[place]);
         let detail = match before {
             _ if index >= count => {
                 format!(
-                    "there is no point {index}: the curve has points 0 to {}",
+                    "there is no {thing} {index}: {whole} has {thing}s 0 to {}",
                     count - 1
                 )
             }
             _ if !closed && (index == 0 || index + 1 == count) => {
-                format!("point {index} is an end of the curve, which turns nowhere")
+                format!("{thing} {index} is an end of {whole}, which turns nowhere")
             }
             Some(before) if index <= before => {
-                format!("corner {index} comes after corner {before}: their indices must increase")
+                format!("{thing} {index} comes after {thing} {before}: their indices must increase")
             }
             _ => continue,
         };
-        return Err(Invalid::at(Place::Corner(Axis::U, place), detail));
+        return Err(Invalid::at(Place::Corner(axis, place), detail));
     }
     Ok(())
 }

@@ -12,6 +12,7 @@ mod automatic;
 mod checks;
 mod construction;
 mod corners;
+mod creases;
 mod fairness;
 mod first;
 mod order;
@@ -116,7 +117,10 @@ impl Problem {
         imply_control_points(&mut request)?;
         fairness::settle(&mut request);
         polyline::resolve(&mut request)?;
-        corners::resolve(&mut request, inliers.as_deref())?;
+        match request.v {
+            Some(_) => creases::resolve(&mut request)?,
+            None => corners::resolve(&mut request, inliers.as_deref())?,
+        }
         request.method.scheme().check(&scope(&request))?;
         automatic::check_request(&request)?;
         adaptive_knots::check(&request)?;

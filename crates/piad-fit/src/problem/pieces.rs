@@ -18,8 +18,8 @@ use crate::parameters::Parametrization;
 impl Problem {
     /// The data points at the corners of a curve.
     pub(crate) fn corners(&self) -> Option<&[usize]> {
-        match &self.request.u.corners {
-            Some(Corners::At(corners)) => Some(corners),
+        match (&self.request.u.corners, &self.request.v) {
+            (Some(Corners::At(corners)), None) => Some(corners),
             _ => None,
         }
     }

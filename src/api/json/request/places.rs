@@ -183,8 +183,9 @@ impl Places {
             P::Closed(axis) => self.part("closed", self.closed_each, axis),
             P::Order => format!("{root}/order"),
             P::Polyline => format!("{root}/polyline"),
+            P::Corners(axis) if root == SURFACE => self.part("creases", true, axis),
             P::Corners(_) => format!("{root}/corners"),
-            P::Corner(_, index) => format!("{root}/corners/{index}"),
+            P::Corner(axis, index) => format!("{}/{index}", self.pointer(P::Corners(axis))),
             P::Ends(axis) | P::End(axis, _) | P::EndOrder(axis, ..) | P::EndVector(axis, ..) => {
                 self.ends(axis, place)
             }

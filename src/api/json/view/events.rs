@@ -129,6 +129,8 @@ pub(crate) fn description(
 ) -> Content {
     let mut document = Document::new(digits);
     let outline = job.outline();
+    let request = problem.request();
+    let corners = request.u.corners.as_ref().filter(|_| request.v.is_none());
     let event = JobEvent {
         resumed: None,
         id: outline.id,
@@ -141,7 +143,7 @@ pub(crate) fn description(
         degree: each(problem, |_, direction| direction.basis.degree()),
         closed: each(problem, |_, direction| direction.is_closed()),
         ends: EndRules::of(problem),
-        corners: problem.request().u.corners.as_ref().map(Corners::indices),
+        corners: corners.map(Corners::indices),
         outliers: Outliers::of(problem),
         rational: Rational::of(problem.request()),
         method: AppliedMethod::new(outline, levels.map(|levels| levels.forecast)),
