@@ -961,6 +961,8 @@ export interface components {
             weights?: components["schemas"]["SurfaceWeights"] | null;
             /** @description Whether the directions are periodic. Default: `false`. */
             closed?: boolean | components["schemas"]["BooleanPair"] | null;
+            /** @description Where a surface through a grid of points may turn; without them nowhere. */
+            creases?: components["schemas"]["Creases"] | null;
             /** @description How it ends; one value for both directions, or one for each that is not closed. */
             ends?: components["schemas"]["SurfaceEnds"] | null;
         };
@@ -1184,6 +1186,24 @@ export interface components {
             u: boolean;
             /** @description For v, from column to column. */
             v: boolean;
+        };
+        /**
+         * @description The lines of a grid of points across which a surface may turn, between the first and the last.
+         * @example {
+         *       "u": [
+         *         12
+         *       ],
+         *       "v": [
+         *         3,
+         *         9
+         *       ]
+         *     }
+         */
+        Creases: {
+            /** @description Indices of rows. */
+            u?: number[] | null;
+            /** @description Indices of columns. */
+            v?: number[] | null;
         };
         /**
          * @description How a B-spline with knots at the data ends: with estimated derivatives, with copies of its end points (repeated), without second derivative (natural), or with derivatives that are given. Default: `"estimated"`.
@@ -4162,6 +4182,7 @@ export type IterationChoice = components['schemas']['IterationChoice'];
 export type SurfaceWeights = components['schemas']['SurfaceWeights'];
 export type WeightsPair = components['schemas']['WeightsPair'];
 export type BooleanPair = components['schemas']['BooleanPair'];
+export type Creases = components['schemas']['Creases'];
 export type SurfaceEnds = components['schemas']['SurfaceEnds'];
 export type SurfaceEndPair = components['schemas']['SurfaceEndPair'];
 export type SurfaceEnd = components['schemas']['SurfaceEnd'];

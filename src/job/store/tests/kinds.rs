@@ -9,7 +9,7 @@ use crate::job::store::Record;
 use crate::model::stream::{
     Describe, Digits, Encoding, OnDisconnect, Pace, Samples, StreamSpec, View as StreamView,
 };
-use piad_fit::basis::{BasisChoice, End, Ends, Knots, Polynomial};
+use piad_fit::basis::{BasisChoice, Corners, End, Ends, Knots, Polynomial};
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance, Weights};
 use piad_fit::method::{
@@ -46,6 +46,7 @@ pub(super) fn problems() -> Vec<Problem> {
         }
         problems.extend(surface.then(scattered).into_iter().flatten());
         problems.extend(automatic(surface));
+        problems.push(turning(surface));
         for (method, selected) in &methods {
             for basis in 0..7 {
                 for weights in 0..4 {
@@ -86,25 +87,42 @@ pub(super) fn problems() -> Vec<Problem> {
     problems
 }
 
+/// Open and cubic, without anything else that is unusual.
+fn open_cubic(surface: bool) -> Request {
+    let mut request = request(surface, 0, 0, 7);
+    let bspline = BasisChoice::BSpline {
+        degree: 3,
+        knots: Knots::Usual,
+    };
+    for choice in std::iter::once(&mut request.u).chain(&mut request.v) {
+        choice.basis = bspline.clone();
+        choice.closed = false;
+        choice.ends = None;
+    }
+    (request.start, request.start_breaks) = (None, None);
+    request
+}
+
+/// Curves with corners, and surfaces with creases.
+fn turning(surface: bool) -> Problem {
+    let mut request = open_cubic(surface);
+    request.u.corners = Some(Corners::At(Arc::new([3])));
+    if let Some(v) = &mut request.v {
+        v.corners = Some(Corners::At(Arc::new([2, 3])));
+    }
+    request.method = Method::Direct;
+    Problem::new(request).unwrap()
+}
+
 /// Fits that choose their knots, from the beginning and from knots of another one.
 fn automatic(surface: bool) -> impl Iterator<Item = Problem> {
     [false, true].into_iter().map(move |goes_on| {
-        let mut request = request(surface, 0, 0, 7);
-        let bspline = BasisChoice::BSpline {
-            degree: 3,
-            knots: Knots::Usual,
-        };
-        for choice in std::iter::once(&mut request.u).chain(&mut request.v) {
-            choice.basis = bspline.clone();
-            choice.closed = false;
-            choice.ends = None;
-        }
+        let mut request = open_cubic(surface);
         let mut settings = LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA);
         settings.automatic = Some(Automatic {
             correct_parameters: goes_on && !surface,
         });
         request.method = Method::LeastSquares(settings);
-        (request.start, request.start_breaks) = (None, None);
         let problem = Problem::new(request.clone()).unwrap();
         if !goes_on {
             return problem;
