@@ -11,6 +11,7 @@ use super::placement::place;
 use super::values::Values;
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
+use crate::interrupt;
 
 /// The most least-squares fits of redistribution.
 pub(crate) const ROUNDS: usize = 30;
@@ -20,9 +21,6 @@ const PATIENCE: usize = 6;
 
 /// How far knots go towards equal distances in a round.
 const DAMPING: f64 = 0.7;
-
-/// More knots do not move one by one.
-pub(super) const MOST_SPANS: usize = 128;
 
 /// Steps of single knots.
 const STEPS: usize = 30;
@@ -76,6 +74,7 @@ pub(crate) fn adapted(
     let mut best: Option<Fitted> = None;
     let mut without_gain = 0;
     for round in 0..ROUNDS {
+        interrupt::check();
         let damping = if round == 0 { 1.0 } else { DAMPING };
         let next = place(&monitor(&now, damping), t, control_points);
         let lowest = best.as_ref().map_or(f64::INFINITY, |it| it.distances.max);
@@ -92,17 +91,16 @@ pub(crate) fn adapted(
     let mut best = best
         .filter(|best| best.distances.max <= now.distances.max)
         .unwrap_or(now);
-    let line = best.values.line().clone();
-    if line.spans() > MOST_SPANS {
-        return Some(line);
-    }
-    let mut found = (best.distances.max, line);
+    let mut found = (best.distances.max, best.values.line().clone());
     let mut damping = FIRST_DAMPING;
     for _ in 0..STEPS {
-        let next = minimum.moved_knots(&best.values, &best.control_points, damping);
-        let next = next
-            .filter(|line| line.is_determined(t))
-            .and_then(|line| fit(&line));
+        interrupt::check();
+        let moved = minimum.moved_knots(&best.values, &best.control_points, damping);
+        let Some(line) = moved else {
+            break;
+        };
+        let next = Some(line).filter(|line| line.is_determined(t));
+        let next = next.and_then(|line| fit(&line));
         match next.filter(|next| next.distances.rms < best.distances.rms) {
             Some(next) => (best, damping) = (next, damping / 10.0),
             None if damping > 1.0 => break,

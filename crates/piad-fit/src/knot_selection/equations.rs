@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use super::breaks::Breaks;
 use super::gram::{Cholesky, Gram};
-use super::knot_step::moved;
+use super::knot_step::{can_move, moved};
 use super::values::Values;
 use crate::basis::quadrature::{Row, node_rows};
 use crate::data::points::Points;
@@ -80,7 +80,7 @@ impl Minimum for LeastSquares {
         damping: f64,
     ) -> Option<Breaks> {
         let weights = self.data_weights.as_deref().map(Vec::as_slice);
-        let is_plain = self.fairness == 0.0 && values.width() > 2;
+        let is_plain = self.fairness == 0.0 && can_move(values.line(), self.points.len());
         is_plain.then(|| moved(values, &self.points, weights, control_points, damping))?
     }
 }

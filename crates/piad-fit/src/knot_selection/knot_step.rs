@@ -23,6 +23,20 @@ use super::values::Values;
 use crate::basis::bspline;
 use crate::data::points::{Points, normalizing_scale};
 
+/// Curves of more spans, or of a higher degree, keep their knots.
+const MOST_SPANS: usize = 128;
+
+/// See [`MOST_SPANS`].
+const MOST_DEGREE: usize = 10;
+
+/// More data would take too long: a step takes O(n p³).
+const MOST_DATA: usize = 20_000;
+
+/// Returns true if knots can move: between so many data, those of a curve that is neither too fine nor of degree 1.
+pub(super) fn can_move(line: &Breaks, data: usize) -> bool {
+    line.spans() <= MOST_SPANS && (2..=MOST_DEGREE).contains(&line.degree()) && data <= MOST_DATA
+}
+
 /// How far a knot goes towards its neighbours at most, as a part of the way.
 const PART: f64 = 0.4;
 

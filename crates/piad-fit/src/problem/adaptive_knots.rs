@@ -47,6 +47,17 @@ pub(super) fn cost(request: &Request, setup: &Setup) -> usize {
     2 * adaptive::ROUNDS * setup.grid().count() * each
 }
 
+/// How many bytes it takes: the values of the functions at all data, twice while one fit replaces another, and distances.
+pub(super) fn memory(request: &Request, setup: &Setup) -> usize {
+    match request.u.is_adaptive() {
+        true => {
+            let each = 3 * (setup.u().basis.degree() + 1) + 4;
+            setup.grid().count().saturating_mul(each * size_of::<f64>())
+        }
+        false => 0,
+    }
+}
+
 /// The same curve over the knots that its data ask for, or over those of the fit that it starts from, if it is to have
 /// adaptive ones.
 pub(super) fn placed(request: &Request, setup: &Setup) -> Option<Setup> {

@@ -360,7 +360,8 @@ impl Problem {
                 + demand.matrices * Collocation::memory(direction)
         });
         let offsets = self.offsets().map_or(0, Offsets::numbers) * size_of::<f64>();
-        directions.sum::<usize>() + arrays + offsets + demand.bytes
+        let knots = adaptive_knots::memory(&self.request, &self.setup);
+        directions.sum::<usize>() + arrays + offsets + demand.bytes + knots
     }
 
     /// Multiplications of one iteration: the measure of how long a step takes, for fair shares of

@@ -3,11 +3,13 @@
 
 use std::sync::Arc;
 
-use super::super::adaptive::{FIRST_DAMPING, MOST_SPANS};
+use super::super::adaptive::FIRST_DAMPING;
 use super::super::equations::Minimum;
+use super::super::knot_step::can_move;
 use super::super::merging::{merged, thinned};
 use super::super::values::Values;
 use super::{Level, Schedule};
+use crate::interrupt;
 
 /// Pairs of which the fits with one knot instead are compared.
 const CANDIDATES: usize = 12;
@@ -34,8 +36,8 @@ const COST: usize = 8;
 impl<M: Minimum> Schedule<M> {
     /// The best level with a knot less, or some; whether there is such a level within the tolerance.
     pub(super) fn merge(&mut self) -> bool {
-        let few = |it: &Arc<Level>| it.line.spans() <= MOST_SPANS;
-        let Some(best) = self.best.clone().filter(few) else {
+        let can_move = |it: &Arc<Level>| can_move(&it.line, self.points.len());
+        let Some(best) = self.best.clone().filter(can_move) else {
             return false;
         };
         if self.merges == 0 || self.options.minima_alone {
@@ -76,6 +78,7 @@ impl<M: Minimum> Schedule<M> {
             self.merges = self.merges.saturating_sub(COST);
             let values = Values::new(&now.line, &now.parameters);
             let minimum = &self.minimum;
+            interrupt::check();
             let line = minimum.moved_knots(&values, &now.control_points, damping)?;
             let next = self.fit_over(line, best, None);
             match next.filter(|next| next.distances.rms < now.distances.rms) {
