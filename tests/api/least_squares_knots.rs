@@ -321,6 +321,16 @@ async fn adaptive_knots_are_for_least_squares_of_curves() {
             "least squares",
         ),
         (
+            curve(json!({"kind": "least_squares", "control_points": 9, "robust": true})),
+            "/curve/basis/knots",
+            "robust",
+        ),
+        (
+            curve(json!({"kind": "least_squares", "control_points": 40, "fairness": 1e-9})),
+            "/curve/basis/knots",
+            "give fewer",
+        ),
+        (
             curve(json!({"kind": "least_squares", "control_points": "auto"})),
             "/curve/basis",
             "no knots can be given",

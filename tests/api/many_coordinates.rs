@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::numbers::flat;
 use crate::support::{Server, base, problem};
 
-/// Angles of the joints of an arm at so many moments.
+/// Angles of the joints of an arm at this number of moments.
 fn poses(count: usize, joints: usize) -> Vec<Vec<f64>> {
     let angle = |i: usize, joint: usize| {
         let t = 8.0 * i as f64 / count as f64;

@@ -13,7 +13,7 @@ export function short(value: number | null | undefined, digits = 3): string {
   return minus(String(Number(value.toPrecision(digits + (size >= 1 ? 1 : 0)))));
 }
 
-/** The name of a coordinate of points with so many of them. */
+/** The name of a coordinate of points with this number of coordinates. */
 export function axisName(axis: number, dimension: number): string {
   return (dimension > 3 ? undefined : "xyz"[axis]) ?? `x${axis + 1}`;
 }

@@ -100,10 +100,13 @@ impl DirectionChoice {
 
     /// Returns true if its data say where its knots are, with a given number of control points.
     pub(crate) fn is_adaptive(&self) -> bool {
-        let BasisChoice::BSpline { knots, .. } = &self.basis else {
-            return false;
-        };
-        *knots == Knots::Adaptive
+        matches!(
+            self.basis,
+            BasisChoice::BSpline {
+                knots: Knots::Adaptive,
+                ..
+            }
+        )
     }
 
     /// Names the knots and the ends that are usual where nothing is said, for a control point for

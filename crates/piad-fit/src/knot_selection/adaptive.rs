@@ -16,7 +16,7 @@ use crate::interrupt;
 /// The most least-squares fits of redistribution.
 pub(crate) const ROUNDS: usize = 30;
 
-/// So many of them without a lower largest distance are the last.
+/// Redistribution ends after this number of fits that do not lower the largest distance.
 const PATIENCE: usize = 6;
 
 /// How far knots go towards equal distances in a round.
@@ -35,8 +35,8 @@ struct Fitted {
     distances: Distances,
 }
 
-/// The knots with the lowest largest distance that are found of those with so many control points, from data at
-/// increasing parameters. `None` if the data determine no such fit.
+/// The knots, for this number of control points, that give the lowest largest distance found, from data at increasing
+/// parameters. `None` if the data do not determine a fit with this number.
 pub(crate) fn adapted(
     points: &Arc<Points>,
     weights: Option<Arc<Vec<f64>>>,
@@ -79,7 +79,10 @@ pub(crate) fn adapted(
         let next = place(&monitor(&now, damping), t, control_points);
         let lowest = best.as_ref().map_or(f64::INFINITY, |it| it.distances.max);
         let is_lower = now.distances.max < lowest;
-        let before = std::mem::replace(&mut now, fit(&next?)?);
+        let Some(next) = next.and_then(|line| fit(&line)) else {
+            break;
+        };
+        let before = std::mem::replace(&mut now, next);
         without_gain = if is_lower { 0 } else { without_gain + 1 };
         if is_lower {
             best = Some(before);

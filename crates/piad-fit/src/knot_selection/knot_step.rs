@@ -32,7 +32,8 @@ const MOST_DEGREE: usize = 10;
 /// More data would take too long: a step takes O(n p³).
 const MOST_DATA: usize = 20_000;
 
-/// Returns true if knots can move: between so many data, those of a curve that is neither too fine nor of degree 1.
+/// Returns true if the knots of a curve through this number of data can move: its number of spans and its degree must
+/// not be too large, and the degree not 1.
 pub(super) fn can_move(line: &Breaks, data: usize) -> bool {
     line.spans() <= MOST_SPANS && (2..=MOST_DEGREE).contains(&line.degree()) && data <= MOST_DATA
 }

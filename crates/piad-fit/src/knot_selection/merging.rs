@@ -52,7 +52,8 @@ fn cost(line: &Breaks, q: usize, part: f64, jump: f64) -> f64 {
     jump * part * (1.0 - part) * apart * apart * around.powi(power)
 }
 
-/// Knots crowd around a place where one would do if their spans there are so many times shorter than on either side.
+/// Knots form a crowd, in place of which one knot may do, if their spans are at least this many times shorter than the
+/// spans on either side.
 const CROWDED: f64 = 4.0;
 
 /// The knots with one in place of those of each crowd, if there are crowds.

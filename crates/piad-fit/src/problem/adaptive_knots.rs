@@ -7,7 +7,7 @@ use crate::basis::choice::DirectionChoice;
 use crate::invalid::{Axis, Invalid, Place};
 use crate::knot_selection::adaptive;
 use crate::knot_selection::breaks::Breaks;
-use crate::method::Method;
+use crate::method::{LeastSquares, Method};
 use crate::setup::Setup;
 
 /// Refuses what they cannot be combined with.
@@ -28,6 +28,9 @@ pub(super) fn check(request: &Request) -> Result<(), Invalid> {
         }
         Method::LeastSquares(_) if request.u.weights.is_some() => {
             "\"adaptive\" places the knots of curves without fixed weights"
+        }
+        Method::LeastSquares(settings) if settings.robust => {
+            "\"adaptive\" places knots by all points, and a robust fit leaves some out: leave knots out"
         }
         Method::LeastSquares(_) => return Ok(()),
         _ => {
@@ -60,27 +63,34 @@ pub(super) fn memory(request: &Request, setup: &Setup) -> usize {
 
 /// The same curve over the knots that its data ask for, or over those of the fit that it starts from, if it is to have
 /// adaptive ones.
-pub(super) fn placed(request: &Request, setup: &Setup) -> Option<Setup> {
+pub(super) fn placed(request: &Request, setup: &Setup) -> Result<Option<Setup>, Invalid> {
     let Method::LeastSquares(settings) = &request.method else {
-        return None;
+        return Ok(None);
     };
     if !request.u.is_adaptive() {
-        return None;
+        return Ok(None);
     }
+    let detail = "the data do not determine a fit with adaptive knots and this number of control points: give fewer, or leave knots out";
+    let line = line(request, settings, setup);
+    let line = line.ok_or_else(|| Invalid::at(Place::Knots(Axis::U), detail))?;
+    let mut placed = setup.clone();
+    placed.u = line.direction(Arc::clone(&setup.u().parameters));
+    Ok(Some(placed))
+}
+
+/// The knots that the data ask for, or those of the fit that this one starts from.
+fn line(request: &Request, settings: &LeastSquares, setup: &Setup) -> Option<Breaks> {
     let u = setup.u();
     let t = &u.parameters;
     let degree = u.basis.degree();
-    let line = match &request.start_breaks {
-        Some(breaks) => Breaks::new(degree, u.is_closed(), breaks.first()?.to_vec())?,
+    match &request.start_breaks {
+        Some(breaks) => Breaks::new(degree, u.is_closed(), breaks.first()?.to_vec()),
         None => {
             let end = u.period().map_or(t[t.len() - 1], |period| t[0] + period);
             let coarsest = Breaks::coarsest(degree, u.is_closed(), t[0], end)?;
             let weights = settings.data_weights.as_deref();
             let weights = weights.map(|weights| Arc::new(weights.to_vec()));
-            adaptive::adapted(setup.data(), weights, t, &coarsest, u.free())?
+            adaptive::adapted(setup.data(), weights, t, &coarsest, u.free())
         }
-    };
-    let mut placed = setup.clone();
-    placed.u = line.direction(Arc::clone(t));
-    Some(placed)
+    }
 }

@@ -170,7 +170,7 @@ impl Problem {
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
-        if let Some(placed) = adaptive_knots::placed(&problem.request, &problem.setup) {
+        if let Some(placed) = adaptive_knots::placed(&problem.request, &problem.setup)? {
             problem.setup = Arc::new(placed);
         }
         fairness::choose(&mut problem.request, &problem.setup, problem.tolerance)?;

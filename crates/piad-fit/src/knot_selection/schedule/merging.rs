@@ -14,8 +14,8 @@ use crate::interrupt;
 /// Pairs of which the fits with one knot instead are compared.
 const CANDIDATES: usize = 12;
 
-/// So many of the nearest of these fits get knots that move, and only those whose largest distance is below [`FAR`]
-/// tolerances.
+/// The number of these fits, those nearest to the data, whose knots are moved; their largest distance must be at most
+/// [`FAR`] tolerances.
 const NEAREST: usize = 2;
 
 /// See [`NEAREST`].
@@ -30,7 +30,7 @@ const SLOW: f64 = 0.9;
 /// See [`SLOW`].
 const MOST_DAMPING: f64 = 0.1;
 
-/// A step takes as long as about so many fits.
+/// A step of cubic curves takes about as long as this number of fits.
 const COST: usize = 8;
 
 impl<M: Minimum> Schedule<M> {

@@ -40,10 +40,10 @@ const LEAST_LEFT: f64 = 1e-6;
 /// Distances whose root mean square is below this part of the size of the data are no noise.
 const NO_NOISE: f64 = 1e-9;
 
-/// Of surfaces each so many-th value is tried first, from this one on, and then those around the best.
+/// Of surfaces every fourth value is tried first, a power of ten, and then those around the best.
 const COARSE: usize = 4;
 
-/// See [`COARSE`].
+/// The first of them.
 const FIRST_OF_SURFACES: usize = 8;
 
 /// The most values that are tried of surfaces.
@@ -192,7 +192,9 @@ impl<'a> Equations<'a> {
         let ends = [(0, first), (free - 1, last)];
         Some(Self {
             energy: banded(1.0, Some(0.0))?,
-            gaps: setup.v().and_then(|_| banded(0.0, settings.gap_stiffness)),
+            gaps: setup
+                .v()
+                .and_then(|_| banded(0.0, settings.gap_stiffness())),
             setup,
             matrix,
             weights,
