@@ -69,6 +69,9 @@ pub(crate) struct CurveInput {
     /// The order of the points: that in which they are given, or the nearest one where they have none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<PointOrder>,
+    /// What becomes of points that equal the one before them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeated_points: Option<RepeatedPoints>,
 }
 
 /// The order of the points of a curve: `given`, or `nearest`, in which they are put before they are fitted: along the
@@ -83,6 +86,20 @@ pub(crate) enum PointOrder {
 names!(PointOrder, "order of points", [
     "given" => Given,
     "nearest" => Nearest,
+]);
+
+/// What becomes of points of a curve that equal the one before them: `refuse`, where their parameters do not increase, or
+/// `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it.
+#[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
+#[schemars(rename_all = "snake_case", extend("default" = "refuse"), example = &"merge")]
+pub(crate) enum RepeatedPoints {
+    Refuse,
+    Merge,
+}
+
+names!(RepeatedPoints, "treatment of repeated points", [
+    "refuse" => Refuse,
+    "merge" => Merge,
 ]);
 
 /// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
@@ -244,6 +261,7 @@ impl CurveInput {
         Some(Request {
             polyline: self.polyline.unwrap_or(false),
             unordered: self.order == Some(PointOrder::Nearest),
+            merge_repeated: self.repeated_points == Some(RepeatedPoints::Merge),
             ..problem(self.points.0, grid, (u, None), weights)
         })
     }
@@ -266,6 +284,7 @@ impl CurveInput {
             corners: request.u.corners.clone().map(CornersInput),
             polyline: request.polyline.then_some(true),
             order: request.unordered.then_some(PointOrder::Nearest),
+            repeated_points: request.merge_repeated.then_some(RepeatedPoints::Merge),
         }
     }
 }

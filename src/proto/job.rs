@@ -19,7 +19,7 @@ use crate::model::mistakes::{Mistake, Mistakes, OrMistakes};
 use crate::model::per_direction::PerDirection;
 use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::{FootPoints, SurfaceParameters};
-use crate::model::shape::{CurveInput, PointOrder, SurfaceInput};
+use crate::model::shape::{CurveInput, PointOrder, RepeatedPoints, SurfaceInput};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
 use crate::model::weights::Rational;
@@ -87,6 +87,7 @@ fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, Mistake> {
         corners: curve.corners.and_then(corners).map(CornersInput),
         polyline: Some(curve.polyline),
         order: curve.unordered.then_some(PointOrder::Nearest),
+        repeated_points: curve.merge_repeated.then_some(RepeatedPoints::Merge),
     })
 }
 
@@ -391,6 +392,7 @@ fn curve_message(request: &Request) -> pb::Curve {
         corners: request.u.corners.as_ref().map(corners_message),
         polyline: request.polyline,
         unordered: request.unordered,
+        merge_repeated: request.merge_repeated,
     }
 }
 

@@ -107,6 +107,7 @@ mod rational;
 mod readme;
 mod reference;
 mod refusals;
+mod repeated_points;
 mod replicas;
 mod resumed;
 mod rpc;

@@ -90,6 +90,11 @@ impl Fit<Curve> {
         self.with(|request| request.unordered = true)
     }
 
+    /// Points that equal the one before them are kept once, rather than refused.
+    pub fn merge_repeated(self) -> Self {
+        self.with(|request| request.merge_repeated = true)
+    }
+
     /// The edges between the points are data, too: the fewest control points with which the curve is within the tolerance
     /// of all of them. It turns at vertices with more than 30 degrees, unless corners are given.
     pub fn polyline(self) -> Self {

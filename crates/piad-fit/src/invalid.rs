@@ -227,6 +227,8 @@ pub enum Place {
     Corner(Axis, usize),
     /// The order of the points of a curve.
     Order,
+    /// What becomes of repeated points of a curve.
+    RepeatedPoints,
     /// The choice of a polyline, whose edges are data, too.
     Polyline,
     /// How a direction ends.

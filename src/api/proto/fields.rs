@@ -108,6 +108,7 @@ impl MessageLayout {
             }
             P::Closed(axis) => self.direction(axis, "closed"),
             P::Order => format!("{root}.unordered"),
+            P::RepeatedPoints => format!("{root}.merge_repeated"),
             P::Polyline => format!("{root}.polyline"),
             P::Corners(axis) if root == SURFACE => self.direction(axis, "creases"),
             P::Corner(axis, index) if root == SURFACE => {

@@ -70,6 +70,7 @@ def job(
     creases: Optional[Mapping[str, Sequence[int]]],
     polyline: bool,
     order: Optional[str],
+    repeated_points: Optional[str],
     ends: Optional[SurfaceEnds],
     weights: Any,
     rational: Optional[Rational],
@@ -91,6 +92,7 @@ def job(
         "creases": plain(creases),
         "polyline": polyline or None,
         "order": order,
+        "repeated_points": repeated_points,
         "ends": plain(ends),
         "weights": plain(weights),
     }

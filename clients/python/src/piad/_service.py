@@ -47,6 +47,7 @@ class Service:
         creases: Optional[Mapping[str, Sequence[int]]] = None,
         polyline: bool = False,
         order: Optional[str] = None,
+        repeated_points: Optional[str] = None,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -71,8 +72,9 @@ class Service:
         `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
         `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. At `corners` a curve may turn: indices of points, `"auto"`
         or `{"angle": 30}`; across `creases` a surface, rows `u` and columns `v`: `{"u": [12]}`. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
-        tolerance needs. With `order="nearest"` points in any order are put in that of their curve first. What is not given is left to the
-        server; docs/JOBS.md there says more about each.
+        tolerance needs. With `order="nearest"` points in any order are put in that of their curve first; with
+        `repeated_points="merge"` points that equal the one before them are kept once. What is not given is left to
+        the server; docs/JOBS.md there says more about each.
 
         Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
         makes no second job; `idempotency_key` sets it for programs that may themselves start again.
@@ -90,6 +92,7 @@ class Service:
             creases=creases,
             polyline=polyline,
             order=order,
+            repeated_points=repeated_points,
             ends=ends,
             weights=weights,
             rational=rational,
@@ -114,6 +117,7 @@ class Service:
         creases: Optional[Mapping[str, Sequence[int]]] = None,
         polyline: bool = False,
         order: Optional[str] = None,
+        repeated_points: Optional[str] = None,
         ends: Optional[SurfaceEnds] = None,
         weights: Any = None,
         rational: Optional[Rational] = None,
@@ -144,6 +148,7 @@ class Service:
             creases=creases,
             polyline=polyline,
             order=order,
+            repeated_points=repeated_points,
             ends=ends,
             weights=weights,
             rational=rational,

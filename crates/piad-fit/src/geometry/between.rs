@@ -34,22 +34,31 @@ impl Excursion {
     /// The place where a fit leaves its neighbours by most beyond their freedom; `None` if it does so nowhere, or if data
     /// have no neighbours as they are scattered. Places where it is far less than is `allowed` are looked at roughly.
     pub(crate) fn of(setup: &Setup, control_points: &Points, allowed: f64) -> Option<Self> {
-        Self::beyond(1.0, setup, control_points, allowed)
-    }
-
-    /// The same, if data have only a part of their freedom.
-    pub(crate) fn beyond(
-        part: f64,
-        setup: &Setup,
-        control_points: &Points,
-        allowed: f64,
-    ) -> Option<Self> {
         if setup.is_scattered() {
             return None;
         }
         let gaps = Gaps::new(setup);
-        let mut freedom = gaps.freedom();
-        freedom.iter_mut().for_each(|free| *free *= part);
+        Self::beyond(gaps.freedom(), &gaps, control_points, allowed)
+    }
+
+    /// The same, with the part of the freedom that a fit should not need: half of that of curves, and less along long
+    /// edges beside densely sampled bends.
+    pub(crate) fn of_part(setup: &Setup, control_points: &Points, allowed: f64) -> Option<Self> {
+        if setup.is_scattered() || setup.v().is_some() {
+            return Self::of(setup, control_points, allowed);
+        }
+        let gaps = Gaps::new(setup);
+        let freedom = gaps.freedom().into_iter().zip(gaps.parts_beside_bends());
+        let freedom = freedom.map(|(free, part)| 0.5 * part * free).collect();
+        Self::beyond(freedom, &gaps, control_points, allowed)
+    }
+
+    fn beyond(
+        freedom: Vec<f64>,
+        gaps: &Gaps<'_>,
+        control_points: &Points,
+        allowed: f64,
+    ) -> Option<Self> {
         let mut distances = gaps.distances(control_points);
         let farthest = |distances: &[f64]| {
             let all = distances.iter().zip(&freedom).enumerate();

@@ -20,6 +20,12 @@ const FACTOR_OF_ENDS: f64 = 2.0;
 /// The greatest ratio of a derivative, over the width of a gap, to the chords beside it.
 const LONGEST: f64 = 1.5;
 
+/// Edges are long beside others that are shorter than this part of them.
+const SHORT: f64 = 0.25;
+
+/// Bends turn from an edge to the next by less than the angle with this cosine, 20 degrees.
+const COSINE: f64 = 0.94;
+
 /// The largest roots of the Euler–Frobenius polynomials of degrees 1, 2, …; further ones count as the last of these.
 const DECAYS: [f64; 9] = [0.0, 0.172, 0.268, 0.361, 0.431, 0.488, 0.535, 0.575, 0.608];
 
@@ -40,6 +46,20 @@ fn decay(direction: &Direction) -> f64 {
 /// The freedom of a gap, or of a cell of a grid, with a bend.
 pub(super) fn of_bend(bend: f64) -> f64 {
     FACTOR * bend
+}
+
+/// The part of its freedom that the edge from b to c should have at most, beside the edge from a to b: long edges that
+/// densely sampled bends lead to are straight.
+pub(crate) fn part_beside(points: &Points, [a, b, c]: [usize; 3]) -> f64 {
+    let (short, long) = (points.distance(a, b), points.distance(b, c));
+    let pairs = points.point(a).zip(points.point(b)).zip(points.point(c));
+    let along: f64 = pairs
+        .map(|((a, b), c)| (b - a) / short * ((c - b) / long))
+        .sum();
+    match along > COSINE {
+        true => (short / long / SHORT).powi(2).min(1.0),
+        false => 1.0,
+    }
 }
 
 /// Passes values of the gaps of a curve, or of the cells of a grid with this number of columns, on to those beside them.

@@ -15,7 +15,7 @@ mod schedules;
 use std::sync::Arc;
 
 use self::alone::Alone;
-use self::careful::{FAR, NEAR};
+use self::careful::Reach;
 use self::pieces::{Piece, Pieces};
 use self::schedules::{Fit, Schedules};
 use crate::data::points::Points;
@@ -101,13 +101,13 @@ impl Automatic {
             return None;
         }
         if !self.schedule.is_careful()
-            && self.now.leaves(NEAR)
+            && self.now.leaves(Reach::Near)
             && let Some(careful) = self.schedule.careful(&self.whole, &self.now)
         {
             (self.schedule, self.leaves) = (careful, true);
             return self.schedule.next(&self.whole);
         }
-        self.leaves = self.now.leaves(FAR);
+        self.leaves = self.now.leaves(Reach::Far);
         None
     }
 

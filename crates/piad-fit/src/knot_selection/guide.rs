@@ -8,8 +8,9 @@
 //! - that of the chord between both neighbours, shorter the more the data turn back: it goes straight along long
 //!   edges, and stops at sharp corners.
 //!
-//! The points divide the distance from the first curve to the second by three to one. It is *freedom* that the data leave:
-//! a quarter of it counts as no distance, and the more of it there is, the less a point counts in the sum of squares.
+//! The points lie between both: each derivative is that of the second curve and a quarter of the difference to the first,
+//! or less at an end of a long edge beside a densely sampled bend: such edges are straight. So much of the difference again is *freedom* that the data leave: it counts as no
+//! distance, and the more of it there is, the less a point counts in the sum of squares.
 //! Neither curve is further from the edge between two data than the edge is long.
 
 use std::sync::Arc;
@@ -17,13 +18,16 @@ use std::sync::Arc;
 use super::Level;
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
-use crate::geometry::freedom::{length, limited};
+use crate::geometry::freedom::{length, limited, part_beside};
 
-/// Where the points between two data lie, as parts of the parameters.
-const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+/// The least number of parts that points divide the parameters between two data into.
+const PARTS: usize = 4;
 
-/// The part of the second curve in the points.
-const STRAIGHTER: f64 = 0.75;
+/// The number of such parts of a long edge beside a densely sampled bend.
+const PARTS_OF_STRAIGHT: usize = 12;
+
+/// The largest part of the first curve in the points, and of the difference of both that is freedom.
+const MOST_OF_FIRST: f64 = 0.25;
 
 /// How many more control points than data there are at most.
 const MOST_MORE: usize = 1000;
@@ -37,7 +41,7 @@ const LEAST_WEIGHT: f64 = 1e-6;
 /// Data with points between them.
 #[derive(Clone, Debug)]
 pub(crate) struct Guide {
-    /// The points, those of the data in every fourth place.
+    /// The points, those of the data among them.
     pub(crate) points: Arc<Points>,
     /// Their parameters.
     pub(crate) parameters: Arc<Vec<f64>>,
@@ -45,21 +49,24 @@ pub(crate) struct Guide {
     pub(crate) freedom: Arc<[f64]>,
     /// The parameters of the data.
     of_data: Arc<Vec<f64>>,
+    /// The index of each datum among the points.
+    data: Vec<usize>,
 }
 
 impl Guide {
     /// The most control points of a curve through so many data with points between them: more than data, as few data
     /// say little of corners, and long lists of data hardly need them.
     pub(crate) fn most_control_points(data: usize) -> usize {
-        data.saturating_add(MOST_MORE.min(PLACES.len() * data))
+        data.saturating_add(MOST_MORE.min((PARTS - 1) * data))
     }
 
     /// Between data at increasing parameters, of a closed curve also between the last and the first.
     pub(crate) fn new(data: &Points, parameters: &Arc<Vec<f64>>, period: Option<f64>) -> Self {
         let line = Line::new(data, parameters, period);
         let mut points = Points::new(data.dimension());
-        let (mut t, mut freedom) = (Vec::new(), Vec::new());
+        let (mut t, mut freedom, mut places) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..data.len() {
+            places.push(points.len());
             points.push(&line.datum(i));
             t.push(parameters[i]);
             freedom.push(0.0);
@@ -67,7 +74,8 @@ impl Guide {
                 break;
             }
             let [from, to] = [line.parameter(i), line.parameter(i + 1)];
-            for part in PLACES {
+            let parts = line.parts(i);
+            for part in (1..parts).map(|k| k as f64 / parts as f64) {
                 let (point, free) = line.between(i, part);
                 points.push(&point);
                 t.push((1.0 - part) * from + part * to);
@@ -79,6 +87,7 @@ impl Guide {
             parameters: Arc::new(t),
             freedom: freedom.into(),
             of_data: Arc::clone(parameters),
+            data: places,
         }
     }
 
@@ -86,7 +95,7 @@ impl Guide {
     pub(crate) fn weights(&self, tolerance: f64, of_data: Option<&[f64]>) -> Vec<f64> {
         let weight = |(k, freedom): (usize, &f64)| {
             let share = tolerance / (tolerance + freedom);
-            let datum = k / (PLACES.len() + 1);
+            let datum = self.data.partition_point(|&place| place <= k) - 1;
             of_data.map_or(1.0, |weights| weights[datum]) * (share * share).max(LEAST_WEIGHT)
         };
         self.freedom.iter().enumerate().map(weight).collect()
@@ -95,8 +104,8 @@ impl Guide {
     /// A level with the distances of the data alone.
     pub(crate) fn of_data(&self, level: &Level) -> Level {
         let unit = normalizing_scale(self.points.magnitude());
-        let every = level.distances.each.iter().step_by(PLACES.len() + 1);
-        let squares = every.map(|distance| (distance * unit) * (distance * unit));
+        let each = self.data.iter().map(|&place| level.distances.each[place]);
+        let squares = each.map(|distance| (distance * unit) * (distance * unit));
         Level {
             distances: Distances::of_squares(squares.collect(), unit),
             parameters: Arc::clone(&self.of_data),
@@ -193,31 +202,52 @@ impl<'a> Line<'a> {
         })
     }
 
+    /// The parts of its freedom that a gap has at both of its ends; where there is no other one beside it, that of the
+    /// other end.
+    fn parts_of_freedom(&self, gap: usize) -> [f64; 2] {
+        let count = self.data.len();
+        let is_closed = self.period.is_some();
+        let part = |indices: [usize; 3]| part_beside(self.data, indices.map(|i| i % count));
+        let before = (is_closed || gap > 0).then(|| part([gap + count - 1, gap, gap + 1]));
+        let after = (is_closed || gap + 2 < count).then(|| part([gap + 2, gap + 1, gap]));
+        [before.or(after), after.or(before)].map(|part| part.unwrap_or(1.0))
+    }
+
+    /// How many parts the points of a gap divide it into.
+    fn parts(&self, gap: usize) -> usize {
+        let [before, after] = self.parts_of_freedom(gap);
+        match before.min(after) < 1.0 {
+            true => PARTS_OF_STRAIGHT,
+            false => PARTS,
+        }
+    }
+
     /// The point at a part of the gap after datum i, and its freedom.
     fn between(&self, i: usize, s: f64) -> (Vec<f64>, f64) {
         let (from, to) = (self.datum(i), self.datum(i + 1));
         let width = self.parameter(i + 1) - self.parameter(i);
-        let (start, end) = (i % self.data.len(), (i + 1) % self.data.len());
-        let [one, other] = [0, 1].map(|k| {
-            let (first, last) = (&self.derivatives[start][k], &self.derivatives[end][k]);
-            let coordinate = |c: usize| {
-                let value = (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s) * from[c]
-                    + s * s * (3.0 - 2.0 * s) * to[c];
-                let bend = s * (1.0 - s) * ((1.0 - s) * first[c] - s * last[c]);
-                value + width * bend
-            };
-            (0..from.len()).map(coordinate).collect::<Vec<f64>>()
-        });
-        let mean = one
-            .iter()
-            .zip(&other)
-            .map(|(a, b)| (1.0 - STRAIGHTER) * a + STRAIGHTER * b)
-            .collect();
-        let left = one
-            .iter()
-            .zip(&other)
-            .map(|(a, b)| (1.0 - STRAIGHTER) * (a - b));
-        (mean, left.fold(0.0, f64::hypot))
+        let count = self.data.len();
+        let [before, after] = self.parts_of_freedom(i).map(|part| MOST_OF_FIRST * part);
+        // The weights of the derivatives at both ends in a cubic, and the part of the first curve in them.
+        let of_ends = [
+            (i % count, s * (1.0 - s) * (1.0 - s) * width, before),
+            ((i + 1) % count, -s * s * (1.0 - s) * width, after),
+        ];
+        let (mut point, mut free) = (Vec::new(), 0.0_f64);
+        for c in 0..from.len() {
+            let mut value =
+                (1.0 + 2.0 * s) * (1.0 - s) * (1.0 - s) * from[c] + s * s * (3.0 - 2.0 * s) * to[c];
+            let mut difference = 0.0;
+            for (datum, weight, part_of_first) in of_ends {
+                let [first, second] = [0, 1].map(|k| self.derivatives[datum][k][c]);
+                let part = weight * part_of_first * (first - second);
+                value += weight * second + part;
+                difference += part;
+            }
+            point.push(value);
+            free = free.hypot(difference);
+        }
+        (point, free)
     }
 }
 
@@ -248,14 +278,13 @@ mod tests {
             let t = (0..data.len()).map(|i| i as f64 / count).collect();
             let guide = Guide::new(&data, &Arc::new(t), period);
             let gaps = data.len() - usize::from(period.is_none());
-            assert_eq!(guide.points.len(), data.len() + 3 * gaps);
+            assert!(guide.points.len() >= data.len() + 3 * gaps);
             assert!(guide.parameters.windows(2).all(|pair| pair[0] < pair[1]));
             for k in 0..guide.points.len() {
-                let (i, j) = (k / 4, (k / 4 + 1) % data.len());
-                let edge = data.distance(i, j);
-                let datum = guide.points.len().min(4 * i);
+                let i = guide.data.partition_point(|&place| place <= k) - 1;
+                let edge = data.distance(i, (i + 1) % data.len());
                 assert!(
-                    guide.points.distance(k, datum) + guide.freedom[k] <= 1.5 * edge,
+                    guide.points.distance(k, guide.data[i]) + guide.freedom[k] <= 1.5 * edge,
                     "{outline:?} {k}"
                 );
             }

@@ -198,7 +198,7 @@ fn not_increasing(
             Invalid::at(
                 Place::Line(axis, index),
                 format!(
-                    "point {index} equals point {previous} (or is too close to it), so that {rule} parameters do not increase: drop one of them or use uniform or explicit parameters",
+                    "point {index} equals point {previous} (or is too close to it), so that {rule} parameters do not increase: drop one of them, or let equal points be merged (repeated_points), or use uniform or explicit parameters",
                     previous = index - 1
                 ),
             )

@@ -18,6 +18,7 @@ mod first;
 mod order;
 mod pieces;
 mod polyline;
+mod repeated;
 pub(crate) mod request;
 mod robust;
 mod scattered;
@@ -103,6 +104,7 @@ impl Problem {
         let missing = check_points(&mut request)?;
         check_finite(&request.points, &request.points.extents())?;
         order::resolve(&mut request)?;
+        repeated::merge(&mut request)?;
         check_scattered(&request)?;
         let inliers = Inliers::of(&request, admission)?.map(Arc::new);
         let fitted = |it: &Arc<Inliers>| Arc::clone(&it.points);

@@ -29,6 +29,24 @@ pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
 
 /// Refuses what says something of each point by its place in the list.
 fn check(request: &Request) -> Result<(), Invalid> {
+    let count = request.points.len();
+    let found = match &request.u.parameters {
+        Parametrization::Explicit(_) if request.v.is_none() => {
+            "parameters give the points an order: leave one of both out".to_owned()
+        }
+        _ => match settings_by_place(request) {
+            Some(reason) => reason.to_owned(),
+            None if count > MOST_POINTS => {
+                format!("at most {MOST_POINTS} points are put in order, and {count} are given")
+            }
+            None => return Ok(()),
+        },
+    };
+    Err(Invalid::at(Place::Order, found))
+}
+
+/// What stands against another list of points: settings that say something of each point by its place in the list.
+pub(super) fn settings_by_place(request: &Request) -> Option<&'static str> {
     let choice = &request.u;
     let by_index = match &request.method {
         Method::LeastSquares(settings) => {
@@ -40,25 +58,14 @@ fn check(request: &Request) -> Result<(), Invalid> {
         Method::Custom(_) => true,
         _ => request.selected.is_some(),
     };
-    let count = request.points.len();
-    let found = match &choice.parameters {
-        _ if request.v.is_some() => "a surface has rows of points, or scattered ones",
-        Parametrization::Explicit(_) => {
-            "parameters give the points an order: leave one of both out"
-        }
-        _ if request.weights != Weights::None || choice.weights.is_some() => {
-            "weights are those of points in their order: leave them out"
-        }
-        _ if matches!(choice.corners, Some(Corners::At(_))) => {
-            "corners are indices of points in their order: let them be found"
-        }
-        _ if by_index => "the method has settings for points in their order: leave them out",
-        _ if count > MOST_POINTS => {
-            let detail =
-                format!("at most {MOST_POINTS} points are put in order, and {count} are given");
-            return Err(Invalid::at(Place::Order, detail));
-        }
-        _ => return Ok(()),
-    };
-    Err(Invalid::at(Place::Order, found))
+    if request.v.is_some() {
+        return Some("a surface has rows of points, or scattered ones");
+    }
+    if request.weights != Weights::None || choice.weights.is_some() {
+        return Some("weights are those of points in their order: leave them out");
+    }
+    if matches!(choice.corners, Some(Corners::At(_))) {
+        return Some("corners are indices of points in their order: let them be found");
+    }
+    by_index.then_some("the method has settings for points in their order: leave them out")
 }

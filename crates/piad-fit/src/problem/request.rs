@@ -50,6 +50,8 @@ pub struct Request {
     pub grid: Grid,
     /// True if the points of a curve are in no order: then they are put in that in which they are near each other.
     pub unordered: bool,
+    /// True if points of a curve that equal the one before them are kept once.
+    pub merge_repeated: bool,
     /// Indices of missing points, for least-squares fits; their coordinates are not looked at.
     pub missing: Vec<usize>,
     /// How the points of a surface get their parameters if they are scattered: then they are in a grid of
@@ -105,6 +107,7 @@ impl Request {
             points: points.into(),
             grid,
             unordered: false,
+            merge_repeated: false,
             missing: Vec::new(),
             scattered: None,
             polyline: false,

@@ -182,6 +182,7 @@ impl Places {
             P::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
             P::Closed(axis) => self.part("closed", self.closed_each, axis),
             P::Order => format!("{root}/order"),
+            P::RepeatedPoints => format!("{root}/repeated_points"),
             P::Polyline => format!("{root}/polyline"),
             P::Corners(axis) if root == SURFACE => self.part("creases", true, axis),
             P::Corners(_) => format!("{root}/corners"),

@@ -215,6 +215,24 @@ impl<'a> Gaps<'a> {
         free.collect()
     }
 
+    /// The part of its freedom that each gap of a curve should have at most: less if it is long beside densely sampled
+    /// bends.
+    pub(super) fn parts_beside_bends(&self) -> Vec<f64> {
+        let ends = &self.along.ends;
+        let (count, is_closed) = (ends.len(), self.setup.u().is_closed());
+        let part = |gap: usize| {
+            let [from, to] = ends[gap];
+            let before = (is_closed || gap > 0).then(|| ends[(gap + count - 1) % count]);
+            let after = (is_closed || gap + 1 < count).then(|| ends[(gap + 1) % count]);
+            let before = before.map(|[first, _]| [first, from, to]);
+            let after = after.map(|[_, last]| [last, to, from]);
+            let parts = before.into_iter().chain(after);
+            let parts = parts.map(|indices| freedom::part_beside(self.points, indices));
+            parts.reduce(f64::max).unwrap_or(1.0)
+        };
+        (0..count).map(part).collect()
+    }
+
     /// Returns true if the functions of copies of an end point differ from zero in a cell.
     fn is_beside_copies(&self, cell: usize) -> bool {
         let (along, across) = (cell / self.across.count(), cell % self.across.count());

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::basis::Basis;
-use crate::basis::choice::{BasisChoice, DirectionChoice};
+use crate::basis::choice::{BasisChoice, Corners, DirectionChoice};
 use crate::basis::knots::Knots;
 use crate::data::grid::Grid;
 use crate::data::points::Points;
@@ -131,22 +131,80 @@ fn from_segment([a, b]: [[f64; 2]; 2], x: [f64; 2]) -> f64 {
 
 /// By how much a curve leaves the segments between its data beyond their lengths.
 fn excess(fit: &Iteration) -> f64 {
+    let gaps = distances_from_segments(fit).into_iter();
+    let excesses = gaps.map(|(distance, length)| distance - length);
+    excesses.fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// How far a curve is from each segment between its data, but for that back to the first one, and their lengths.
+fn distances_from_segments(fit: &Iteration) -> Vec<(f64, f64)> {
     let problem = fit.problem();
     let (data, t) = (&problem.points, problem.u().explicit_parameters());
     let geometry = Geometry::new(problem, fit.control_points());
     let at = |points: &Points, i: usize| [points.lane(0)[i], points.lane(1)[i]];
-    let mut most = f64::NEG_INFINITY;
-    for (i, pair) in t.windows(2).enumerate() {
-        let ends = [at(data, i), at(data, (i + 1) % data.len())];
+    let gap = |(i, pair): (usize, &[f64])| {
+        let next = (i + 1) % data.len();
+        let ends = [at(data, i), at(data, next)];
         let parts = (1..24).map(|k| f64::from(k) / 24.0);
         let u: Vec<f64> = parts.map(|s| (1.0 - s) * pair[0] + s * pair[1]).collect();
         let curve = geometry.evaluate(&u, &[]);
-        let edge = data.distance(i, (i + 1) % data.len());
-        for k in 0..u.len() {
-            most = most.max(from_segment(ends, at(&curve, k)) - edge);
+        let distances = (0..u.len()).map(|k| from_segment(ends, at(&curve, k)));
+        (distances.fold(0.0, f64::max), data.distance(i, next))
+    };
+    t.windows(2).enumerate().map(gap).collect()
+}
+
+/// Outlines of plates with rounded corners, and brackets with a fillet: edges with a point at both ends only, which bends
+/// lead to, of which there are many points, are straight.
+#[test]
+fn long_edges_beside_bends_are_straight() {
+    let arc = |[x, y]: [f64; 2], radius: f64, from: f64, to: f64, parts: usize| {
+        let angle = move |k: usize| (from + (to - from) * k as f64 / parts as f64).to_radians();
+        (0..=parts).map(move |k| [x + radius * angle(k).cos(), y + radius * angle(k).sin()])
+    };
+    for (radius, parts, tolerance) in [
+        (10.0, 10, 1e-3),
+        (10.0, 10, 1e-4),
+        (5.0, 6, 1e-3),
+        (5.0, 6, 1e-4),
+        (2.0, 5, 1e-3),
+    ] {
+        let corners = [[40.0, 20.0], [-40.0, 20.0], [-40.0, -20.0], [40.0, -20.0]];
+        let plate = corners.into_iter().zip([0.0, 90.0, 180.0, 270.0]);
+        let plate = plate.flat_map(|(at, angle)| arc(at, radius, angle, angle + 90.0, parts));
+        let start = [[0.0, 0.0], [80.0, 0.0], [80.0, 20.0]];
+        let fillet = arc([30.0, 30.0], radius, 270.0, 180.0, parts);
+        let top = 60.0;
+        let end = [[30.0 - radius, top], [0.0, top], [0.0, 0.0]];
+        let shift = |[x, y]: [f64; 2]| [x, y + 10.0 - radius];
+        let bracket = start.into_iter().chain(fillet.map(shift)).chain(end);
+        let outlines = [
+            (plate.collect::<Vec<_>>(), true, None),
+            (bracket.collect(), false, Some(Corners::Found(30.0))),
+        ];
+        for (outline, closed, corners) in outlines {
+            let points = Points::from_flat(2, &outline.concat());
+            let (count, size) = (points.len(), points.bounding_diagonal());
+            let grid = Grid {
+                rows: count,
+                columns: 1,
+            };
+            let choice = DirectionChoice {
+                corners,
+                ..direction(closed, Parametrization::ChordLength)
+            };
+            let (fit, outcome) = fit(points, grid, choice, tolerance);
+            let farthest = distances_from_segments(&fit).into_iter();
+            let farthest = farthest.map(|it| it.0).fold(0.0, f64::max);
+            // An arc is that far from its own edges.
+            let sagitta = radius * (1.0 - (45.0 / parts as f64).to_radians().cos());
+            assert_eq!(outcome, Outcome::Converged);
+            assert!(
+                farthest <= sagitta + 3.0 * tolerance * size,
+                "radius {radius}, {parts} parts, closed {closed}, {tolerance}: {farthest}"
+            );
         }
     }
-    most
 }
 
 #[test]

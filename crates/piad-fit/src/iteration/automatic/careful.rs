@@ -20,26 +20,24 @@ use crate::problem::Problem;
 const FAIRNESS: f64 = 1e-6;
 
 /// How far a fit may be from its data where there are none.
-#[derive(Clone, Copy)]
-pub(super) struct Reach {
-    /// Curves: the part of the freedom of their data.
-    freedom: f64,
-    /// Surfaces of scattered data: outside of their bounding box, as a part of its diagonal; planes leave it in corners
-    /// without data.
-    outside: f64,
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Reach {
+    /// Beyond this the fit goes on: curves should need a part of the freedom of their data.
+    Near,
+    /// A fit that has gone on has stalled beyond this.
+    Far,
 }
 
-/// Beyond this the fit goes on.
-pub(super) const NEAR: Reach = Reach {
-    freedom: 0.5,
-    outside: 0.1,
-};
-
-/// A fit that has gone on has stalled beyond this.
-pub(super) const FAR: Reach = Reach {
-    freedom: 1.0,
-    outside: 1.0,
-};
+impl Reach {
+    /// Surfaces of scattered data: how far outside of their bounding box, as a part of its diagonal; planes leave it in
+    /// corners without data.
+    fn outside(self) -> f64 {
+        match self {
+            Self::Near => 0.1,
+            Self::Far => 1.0,
+        }
+    }
+}
 
 impl Schedules {
     /// Returns true if it keeps the fit near its data where there are none.
@@ -105,14 +103,13 @@ impl Fit {
     pub(super) fn leaves(&self, reach: Reach) -> bool {
         let (problem, points) = (&*self.problem, &*self.control_points);
         if problem.is_scattered() {
-            return between::outside(problem, points) > reach.outside;
+            return between::outside(problem, points) > reach.outside();
         }
         let allowed = problem.tolerance();
-        let part = match problem.v() {
-            None => reach.freedom,
-            Some(_) => 1.0,
+        let excursion = match reach {
+            Reach::Near => Excursion::of_part(problem, points, allowed),
+            Reach::Far => Excursion::of(problem, points, allowed),
         };
-        let excursion = Excursion::beyond(part, problem, points, allowed);
         excursion.is_some_and(|it| it.excess() > allowed)
     }
 }
