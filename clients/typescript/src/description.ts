@@ -711,6 +711,8 @@ export interface components {
             polyline?: boolean | null;
             /** @description The order of the points: that in which they are given, or the nearest one where they have none. */
             order?: components["schemas"]["PointOrder"] | null;
+            /** @description What becomes of points that equal the one before them. */
+            repeated_points?: components["schemas"]["RepeatedPoints"] | null;
         };
         /**
          * @description The data points of a curve, in their order.
@@ -873,6 +875,13 @@ export interface components {
          * @enum {string}
          */
         PointOrder: "given" | "nearest";
+        /**
+         * @description What becomes of points of a curve that equal the one before them: `refuse`, where their parameters do not increase, or
+         *     `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it. Default: `"refuse"`.
+         * @example merge
+         * @enum {string}
+         */
+        RepeatedPoints: "refuse" | "merge";
         /**
          * @description A surface through a grid of data points, or near scattered ones, which only least squares fits: one
          *     of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
@@ -4169,6 +4178,7 @@ export type CurveEndPair = components['schemas']['CurveEndPair'];
 export type CurveEnd = components['schemas']['CurveEnd'];
 export type Corners = components['schemas']['Corners'];
 export type PointOrder = components['schemas']['PointOrder'];
+export type RepeatedPoints = components['schemas']['RepeatedPoints'];
 export type SurfaceInput = components['schemas']['SurfaceInput'];
 export type PointGrid = components['schemas']['PointGrid'];
 export type ScatteredPoints = components['schemas']['ScatteredPoints'];

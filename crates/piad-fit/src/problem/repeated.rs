@@ -27,6 +27,9 @@ pub(super) fn merge(request: &mut Request) -> Result<(), Invalid> {
     if kept.len() == points.len() {
         return Ok(());
     }
+    if kept.len() < 2 {
+        return Err(Invalid::too_few_points(kept.len()));
+    }
     if let Parametrization::Explicit(values) = &request.u.parameters
         && values.len() >= points.len()
     {
