@@ -242,16 +242,25 @@ fn scan(count: usize, size: f64, seed: u64) -> [Vec<[f64; 3]>; 2] {
     [exact, with_noise]
 }
 
-/// The banded score of scattered points is that of dense matrices, with the stiffness of gaps.
+/// The banded score of scattered points is that of dense matrices, with the usual stiffness where a part of the surface
+/// has no points.
 #[test]
 fn scores_of_surfaces_are_those_of_dense_matrices() {
-    let [_, points] = scan(120, 0.05, 3);
+    let [_, all] = scan(300, 0.05, 3);
+    let outside = |point: &[f64; 3]| point[0] > 0.7 || point[1] > 0.7;
+    let with_hole: Vec<[f64; 3]> = all.iter().copied().filter(outside).collect();
+    for (points, has_gaps) in [(all, false), (with_hole, true)] {
+        compare_with_dense(&points, has_gaps);
+    }
+}
+
+fn compare_with_dense(points: &[[f64; 3]], has_gaps: bool) {
     let settings = LeastSquares {
         fairness: Some(Fairness::BY_DATA),
         ends: EndPoints::Free,
         ..LeastSquares::new(7, 6)
     };
-    let fit = Fit::scattered(&points, Scattered::Coordinates(CoordinatePlane::Xy));
+    let fit = Fit::scattered(points, Scattered::Coordinates(CoordinatePlane::Xy));
     let fit = fit.method(Method::LeastSquares(settings.clone()));
     let level = fit.prepare().unwrap().levels().next().unwrap();
     let problem = level.problem();
@@ -275,7 +284,9 @@ fn scores_of_surfaces_are_those_of_dense_matrices() {
     };
     let of_data = a.transpose() * &a / n as f64;
     assert!((dense(&equations.data) - &of_data).norm() < 1e-14);
+    assert_eq!(equations.gaps.is_some(), has_gaps);
     let gaps = equations.gaps.as_ref().map_or(DMatrix::zeros(m, m), dense);
+    assert_eq!(gaps.norm() > 0.0, has_gaps);
     for fairness in [1e-6, 1e-3] {
         let whole = &of_data + fairness * dense(&equations.energy) + &gaps;
         let inverse = whole.try_inverse().unwrap();
