@@ -8,13 +8,14 @@
 //! | `openapi` | the description of the HTTP resources, and its reference for people |
 //!
 //! - `app`: what the doors share; `language`: the languages of requests and answers;
-//! - `order`: new jobs and edits; `jobs`: finding, listing, cancelling and deleting them;
+//! - `order`: new jobs and edits; `start`: the level of another job that they start from; `jobs`: finding, listing, cancelling and deleting them;
 //!   `levels`: inputs, iterations and results; `rates`: comparisons of bases;
 //! - `resuming`: where a stream goes on;
 //! - `problem`: errors (RFC 9457); `whole`: whole numbers in texts;
 //! - `fuzzing`: what fuzz targets call, in `fuzz/decoders`.
 
 pub(crate) mod app;
+mod batch;
 #[cfg(any(test, fuzzing))]
 #[path = "../../fuzz/decoders/mod.rs"]
 pub mod fuzzing;
@@ -31,5 +32,6 @@ mod problem;
 mod proto;
 mod rates;
 mod resuming;
+mod start;
 pub(crate) mod stream;
 mod whole;

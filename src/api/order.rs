@@ -1,19 +1,16 @@
 //! Jobs that are asked for, in whatever language: what can be computed, and making it a job.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use bytes::Bytes;
 use sha2::{Digest, Sha256};
-use tokio::time::timeout;
 
 use crate::api::app::App;
-use crate::api::jobs;
 use crate::api::language::Framing;
 use crate::api::problem::{Kind, Problem, Words};
+use crate::api::start::{Base, start};
 use crate::config::Config;
 use crate::job::Job;
-use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::outline::{Label, Parent};
 use crate::job::peer::Peer;
@@ -26,24 +23,18 @@ use crate::model::edit::{EditRequest, ParentFit};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::{JobRequest, Limits};
 use crate::model::mistakes::{Mistake, SpecPart};
-use crate::model::scattered::{FootPoints, no_base};
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
 use piad_files::export::{self, ExportError, Format};
-use piad_files::short::quoted;
 use piad_fit::engine as fit;
-use piad_fit::engine::{System, foot};
-use piad_fit::geometry::Nurbs;
+use piad_fit::engine::System;
 
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub(super) const PARSED_AT_ONCE: usize = 16 * 1024;
 
 /// Problems of up to so many points are edited where the edit arrives.
 const EDITED_AT_ONCE: usize = 1000;
-
-/// How long a request that starts from an iteration of another job waits for the first one.
-const BEGINS_WITHIN: Duration = Duration::from_secs(10);
 
 /// The most characters of an idempotency key.
 pub(super) const LONGEST_KEY: usize = 255;
@@ -99,26 +90,10 @@ impl Order {
             words,
             notices,
         } = compute(app, is_small, move || read(&config)).await?;
-        let base = match request.base().cloned() {
-            None => Err(no_base()),
-            Some(base) => frame_of(app, &base).await?,
-        };
-        let files = &app.jobs.resources().memory.files;
-        let _room = match &base {
-            Ok(base) => {
-                files
-                    .take(Peer::current(), foot::memory(&base.problem))
-                    .await
-            }
-            Err(_) => None,
-        };
+        let base = Base::of(app, request.base()).await?;
         // Foot points take long enough even for small jobs.
-        let is_short = is_small && base.is_err();
-        let validate = move || {
-            let surface = base.map(|base| Nurbs::of(&base.problem, &base.control_points));
-            let valid = request.validate(limits, surface.as_ref().map_err(Mistake::clone));
-            valid.map_err(|mistakes| Problem::of_mistakes(mistakes, &words))
-        };
+        let is_short = is_small && !base.is_given();
+        let validate = move || base.validate(request, limits, &words);
         let valid = compute(app, is_short, validate).await?;
         Ok(Self {
             label: Label {
@@ -321,73 +296,11 @@ pub(super) async fn known(
 }
 
 /// The largest jobs that are accepted.
-fn limits(app: &App) -> Limits {
+pub(super) fn limits(app: &App) -> Limits {
     Limits {
         admission: app.jobs.admission(),
         ..app.config.limits()
     }
-}
-
-/// The level of another job that a new one refers to, or why there is none.
-async fn frame_of(app: &App, base: &FootPoints) -> Result<Result<Arc<Frame>, Mistake>, Problem> {
-    let Some(job) = jobs::known(app, &base.job).await? else {
-        let detail = format!("there is no job {}", quoted(&base.job));
-        return Ok(Err(Mistake::at(SpecPart::FootPoints, detail)));
-    };
-    let iteration = base.iteration.and_then(IterationChoice::number);
-    let place = match iteration {
-        Some(_) => SpecPart::FootPointsIteration,
-        // The surface would depend on how far the job happens to be.
-        None if !job.status().state.is_final() => {
-            let detail = format!(
-                "the job is {}: wait until it has ended, or name an iteration that it has reached",
-                job.status().state
-            );
-            return Ok(Err(Mistake::at(SpecPart::FootPoints, detail)));
-        }
-        None => SpecPart::FootPoints,
-    };
-    let frame = start(&job, iteration).await?;
-    Ok(frame.map_err(|detail| Mistake::at(place, detail)))
-}
-
-/// The level of a job that an edit or another job starts from, or why there is none.
-async fn start(
-    parent: &Arc<Job>,
-    iteration: Option<usize>,
-) -> Result<Result<Arc<Frame>, String>, Problem> {
-    let reached = reached(parent).await?;
-    let state = parent.status().state;
-    let Some(reached) = reached else {
-        return Ok(Err(format!(
-            "the job is {state} and has no iteration to start from"
-        )));
-    };
-    let k = iteration.unwrap_or(reached);
-    if k > reached {
-        return Ok(Err(format!(
-            "the job is {state} at iteration {reached}, before {k}"
-        )));
-    }
-    Ok(match Cursor::new(Arc::clone(parent), k).next().await? {
-        Next::Frame(frame) => Ok(frame),
-        Next::End(status) => Err(format!("the job is {} before iteration {k}", status.state)),
-    })
-}
-
-/// How far a job is. One that has just been made is waited for.
-async fn reached(job: &Arc<Job>) -> Result<Option<usize>, Problem> {
-    let reached = || job.status().levels.map(|levels| levels.last.iteration);
-    if reached().is_some() {
-        return Ok(reached());
-    }
-    let mut first = Cursor::new(Arc::clone(job), 0);
-    Ok(match timeout(BEGINS_WITHIN, first.next()).await {
-        // Another replica may run the job and not have told yet how far it is.
-        Ok(Ok(Next::Frame(_))) => reached().or(Some(0)),
-        Ok(Ok(Next::End(_))) | Err(_) => reached(),
-        Ok(Err(error)) => return Err(error.into()),
-    })
 }
 
 /// Computes where the request is handled, or on the compute pool if it is much.

@@ -64,7 +64,7 @@ impl Content {
     }
 
     /// The same content, counted in the cache from now on.
-    pub(super) fn kept_in(mut self, cache: &Arc<Cache>) -> Self {
+    pub(crate) fn kept_in(mut self, cache: &Arc<Cache>) -> Self {
         self.charge = Some(Arc::new(cache.charge(self.head.len())));
         if let Some(rest) = &self.rest {
             // If it is in the cache already, it stays counted there.

@@ -23,6 +23,10 @@ pub(crate) struct Counters {
     pub accepted: Counter,
     /// Ephemeral edits begun, which are no jobs that are accepted.
     pub ephemeral: Counter,
+    /// Batches begun.
+    pub batches: Counter,
+    /// Fits of batches that have ended.
+    pub batch_items: Counter,
     /// Commits of the embedded store.
     pub commits: Counter,
     /// Writes in those commits.
@@ -151,6 +155,12 @@ impl Counters {
             ("events", "Events of streams sent", &self.events),
             ("jobs_accepted", "Jobs accepted", &self.accepted),
             ("ephemeral_edits", "Ephemeral edits begun", &self.ephemeral),
+            ("batches", "Batches begun", &self.batches),
+            (
+                "batch_items",
+                "Fits of batches that have ended",
+                &self.batch_items,
+            ),
             ("store_commits", "Commits of the store", &self.commits),
             (
                 "store_writes",

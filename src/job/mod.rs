@@ -10,7 +10,8 @@
 //! - [`checkpoints`]: levels from which an iteration can go on again;
 //! - [`memory`]: how the memory is divided; [`replay`]: runs for readers that have missed frames;
 //!   [`resources`]: what all jobs share;
-//! - [`scheduler`]: the compute pool: fair slices, small work never behind large work;
+//! - [`scheduler`]: the compute pool: fair slices, small work never behind large work; [`errand`]: work that pauses;
+//! - [`direct`]: fits without readers, whose last level alone is of interest;
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
@@ -26,7 +27,9 @@ mod checkpoints;
 pub(crate) mod content;
 pub(crate) mod counters;
 pub(crate) mod cursor;
+pub(crate) mod direct;
 pub(crate) mod encoding_cache;
+pub(crate) mod errand;
 pub(crate) mod frame;
 pub(crate) mod memory;
 pub(crate) mod outliers;
@@ -330,7 +333,7 @@ impl Job {
     }
 
     /// What the job's runs share with those of other jobs.
-    pub(crate) fn resources(&self) -> &Resources {
+    pub(crate) fn resources(&self) -> &Arc<Resources> {
         &self.resources
     }
 

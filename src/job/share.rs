@@ -133,7 +133,7 @@ impl Share {
     }
 
     /// Takes this many bytes for a peer if it can have them now.
-    pub(super) fn take_at_once(&self, peer: Option<Peer>, bytes: usize) -> Option<Permit> {
+    pub(crate) fn take_at_once(&self, peer: Option<Peer>, bytes: usize) -> Option<Permit> {
         self.try_take(self.piece(peer, bytes))
     }
 

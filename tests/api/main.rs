@@ -18,6 +18,7 @@ mod attacks;
 mod automatic;
 mod bad_requests;
 mod base_path;
+mod batch;
 mod between;
 mod bodies;
 mod changed;

@@ -147,7 +147,12 @@ fn the_tour_with_curl_is_short_and_works() {
     let (printed, _) = run_all(CALLS, folder.path());
     assert!(printed.len() < 100_000, "{} bytes", printed.len());
     // Only the job that has ended is refused, as it says there.
-    assert_eq!(problems(&printed), ["already-ended"]);
+    // And the item of a batch that has one point.
+    assert_eq!(problems(&printed), ["already-ended", "invalid-fit"]);
+    let totals = printed
+        .matches("\"totals\":{\"items\":3,\"converged\":")
+        .count();
+    assert_eq!(totals, 2, "of both batches");
     assert!(folder.path().join("helix.step").is_file());
     let lines = std::fs::read_to_string(folder.path().join("peaks.ndjson")).unwrap();
     assert!(lines.lines().last().unwrap().contains("\"end\""));

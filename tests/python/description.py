@@ -141,7 +141,7 @@ def examples(description: Description) -> None:
     for example in description.document["components"]["examples"].values():
         description.check("Problem", example["value"])
     paths = description.document["paths"]
-    for path, name in [("/v1/jobs", "JobRequest"), ("/v1/jobs/{id}/edits", "EditRequest")]:
+    for path, name in [("/v1/jobs", "JobRequest"), ("/v1/batch", "BatchRequest"), ("/v1/jobs/{id}/edits", "EditRequest")]:
         shown = paths[path]["post"]["requestBody"]["content"]["application/json"]["examples"]
         for title, example in shown.items():
             description.check(name, example["value"], title)
@@ -205,6 +205,22 @@ def server_sent_events(server: Server, description: Description) -> None:
     assert seen == schemas.keys(), seen
 
 
+def batches(server: Server, description: Description) -> None:
+    """Each line; those of items with geometry, with a problem, and the last ones."""
+    batch = {"defaults": {"stop": {"max_iterations": 50}}, "items": [*jobs(), {"curve": {"points": [[0, 0]]}}]}
+    description.check("BatchRequest", {**batch, "items": jobs()})
+    names = {"index": "BatchItem", "totals": "BatchEnd", "problem": "BatchProblem"}
+    seen = set()
+    for query, body in [("", batch), ("?encoding=base64", batch), ("", {"items": [jobs()[0], "x"]}), ("", {"items": []})]:
+        status, text = server.ask("/v1/batch" + query, body, accept="application/x-ndjson")
+        assert status == 200, text
+        for line in map(json.loads, text.splitlines()):
+            description.check("BatchLine", line, query)
+            description.check(names[next(iter(line))], line, query)
+            seen.add(names[next(iter(line))])
+    assert seen == {"BatchItem", "BatchEnd"}, seen
+
+
 def edits(server: Server, description: Description) -> None:
     parent = server.json("/v1/jobs", jobs()[0])
     edit = {"points": [{"index": 2, "point": [3, 2]}], "iteration": 1}
@@ -237,7 +253,7 @@ def main() -> None:
         description = Description(asked)
         specification(description)
         examples(description)
-        for check in (geometry, events, server_sent_events, edits, server_itself):
+        for check in (geometry, events, server_sent_events, batches, edits, server_itself):
             check(asked, description)
         print(f"{description.checked} examples and answers are what the description says")
 

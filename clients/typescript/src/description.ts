@@ -284,6 +284,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/batch": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Fit many curves and surfaces, a line for each
+         * @description Many fits in one request, computed while it arrives and kept nowhere: a line for each item, in the order of the items, as soon as it and those before it have ended; then the totals. Items are jobs; what `defaults` says holds for all of them that do not say it themselves: objects are merged field by field, but for those with another `kind`, and `null` takes a default away. In JSON, `defaults` stands before `items`; as `application/x-ndjson` the body has an item a line, and `{"defaults": …}` as the first one. An item that is no fit that can be computed, or does not converge, has a problem in its line and ends nothing; its pointers begin with `/items/3` or `/defaults`. A body that breaks off or is no JSON ends the batch: the last line is then `{"problem": …}`, and there are no totals. What is wrong before the first item is answered as usual. Limits hold for each item, that of the size of bodies too. Read the answer while you send: a body is read only a little ahead of what is read of its answer. A client that goes away ends its fits.
+         */
+        post: operations["fitBatch"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs": {
         parameters: {
             query?: never;
@@ -1713,6 +1733,49 @@ export interface components {
          * @enum {string}
          */
         OnDisconnect: "continue" | "cancel";
+        /**
+         * @description Many curves and surfaces to fit. `defaults` stands before `items`, which are read as they come.
+         * @example {
+         *       "defaults": {
+         *         "stop": {
+         *           "tolerance": 0.01
+         *         }
+         *       },
+         *       "items": [
+         *         {
+         *           "name": "a",
+         *           "curve": {
+         *             "points": [
+         *               [
+         *                 0,
+         *                 0
+         *               ],
+         *               [
+         *                 1,
+         *                 2
+         *               ],
+         *               [
+         *                 3,
+         *                 2
+         *               ],
+         *               [
+         *                 4,
+         *                 0
+         *               ]
+         *             ]
+         *           }
+         *         }
+         *       ]
+         *     }
+         */
+        BatchRequest: {
+            /** @description Fields of a job, without points, for the items that do not say them. */
+            defaults?: {
+                [key: string]: unknown;
+            };
+            /** @description The jobs. */
+            items: components["schemas"]["JobRequest"][];
+        };
         /**
          * @description Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
          *     `method` and `stop` is given.
@@ -3150,6 +3213,313 @@ export interface components {
          */
         ResultWeights: components["schemas"]["WeightArray"] | components["schemas"]["NumberArrayPair"];
         /**
+         * @description A line of a batch: the items in their order, then the totals; or the problem that has ended the batch early.
+         * @example {
+         *       "index": 0,
+         *       "name": "wing section",
+         *       "state": "converged",
+         *       "iteration": 23,
+         *       "error": {
+         *         "max": 4.1e-7,
+         *         "rms": 2.3e-7,
+         *         "sum": 0.0000021,
+         *         "at": 4
+         *       },
+         *       "curve": {
+         *         "basis": "bspline",
+         *         "degree": 3,
+         *         "closed": false,
+         *         "rational": null,
+         *         "knots": [
+         *           0,
+         *           0,
+         *           0,
+         *           0,
+         *           1,
+         *           2,
+         *           3,
+         *           3,
+         *           3,
+         *           3
+         *         ],
+         *         "parameters": [
+         *           0,
+         *           1,
+         *           2,
+         *           3
+         *         ],
+         *         "control_points": [
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             1,
+         *             2.4
+         *           ],
+         *           [
+         *             3.1,
+         *             0.6
+         *           ],
+         *           [
+         *             4,
+         *             3
+         *           ],
+         *           [
+         *             4,
+         *             3
+         *           ]
+         *         ]
+         *       }
+         *     }
+         */
+        BatchLine: components["schemas"]["BatchItem"] | components["schemas"]["BatchEnd"] | components["schemas"]["BatchProblem"];
+        /**
+         * @description An item of a batch that has ended.
+         * @example {
+         *       "index": 0,
+         *       "name": "wing section",
+         *       "state": "converged",
+         *       "iteration": 23,
+         *       "error": {
+         *         "max": 4.1e-7,
+         *         "rms": 2.3e-7,
+         *         "sum": 0.0000021,
+         *         "at": 4
+         *       },
+         *       "curve": {
+         *         "basis": "bspline",
+         *         "degree": 3,
+         *         "closed": false,
+         *         "rational": null,
+         *         "knots": [
+         *           0,
+         *           0,
+         *           0,
+         *           0,
+         *           1,
+         *           2,
+         *           3,
+         *           3,
+         *           3,
+         *           3
+         *         ],
+         *         "parameters": [
+         *           0,
+         *           1,
+         *           2,
+         *           3
+         *         ],
+         *         "control_points": [
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             1,
+         *             2.4
+         *           ],
+         *           [
+         *             3.1,
+         *             0.6
+         *           ],
+         *           [
+         *             4,
+         *             3
+         *           ],
+         *           [
+         *             4,
+         *             3
+         *           ]
+         *         ]
+         *       }
+         *     }
+         */
+        BatchItem: {
+            /**
+             * Format: int64
+             * @description Its place among the items, from 0.
+             */
+            index: number;
+            /** @description The client's name for it. */
+            name?: string;
+            /** @description The final state; `failed` also if the item is no fit that can be computed. */
+            state: components["schemas"]["JobState"];
+            /**
+             * Format: int64
+             * @description The number of the last iteration. Absent if there was none.
+             */
+            iteration?: number;
+            /** @description The distances from the data at that iteration. */
+            error?: components["schemas"]["FitError"];
+            /** @description The fitted curve, also of a fit that has not converged: that of the last iteration. */
+            curve?: components["schemas"]["FitGeometry"];
+            /** @description The fitted surface, likewise. */
+            surface?: components["schemas"]["FitGeometry"];
+            /** @description Why the fit has not converged. */
+            problem?: components["schemas"]["Problem"];
+        };
+        /**
+         * @description A curve or surface that was fitted, complete with degree and knots.
+         * @example {
+         *       "basis": "bspline",
+         *       "degree": 3,
+         *       "closed": false,
+         *       "rational": null,
+         *       "knots": [
+         *         0,
+         *         0,
+         *         0,
+         *         0,
+         *         1,
+         *         2,
+         *         3,
+         *         3,
+         *         3,
+         *         3
+         *       ],
+         *       "parameters": [
+         *         0,
+         *         1,
+         *         2,
+         *         3
+         *       ],
+         *       "control_points": [
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           1,
+         *           2.4
+         *         ],
+         *         [
+         *           3.1,
+         *           0.6
+         *         ],
+         *         [
+         *           4,
+         *           3
+         *         ],
+         *         [
+         *           4,
+         *           3
+         *         ]
+         *       ]
+         *     }
+         */
+        FitGeometry: {
+            /** @description The basis. */
+            basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
+            /** @description The degree. */
+            degree: number | components["schemas"]["CountPair"];
+            /** @description True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
+            closed: boolean | components["schemas"]["BooleanPair"];
+            /** @description How weights are used, if there are any. */
+            rational: components["schemas"]["Rational"] | null;
+            /** @description A weight that no CAD kernel takes. */
+            bad_weight?: components["schemas"]["BadWeight"];
+            /** @description The knots, in base64 always with 64 bits. */
+            knots: number[] | string | null | components["schemas"]["KnotArrayPair"];
+            /** @description The parameters of the data points, likewise. */
+            parameters: number[] | string | components["schemas"]["NumberArrayPair"];
+            /**
+             * Format: double
+             * @description The fairness of a least-squares fit, also if the data have chosen it.
+             */
+            fairness?: number;
+            /** @description The points that a robust fit leaves out, if there are any. */
+            outliers?: components["schemas"]["Outliers"];
+            /** @description How the arrays are written, if they are binary. */
+            encoding?: components["schemas"]["BinaryEncoding"];
+            /** @description The shape of `control_points`, if they are binary. */
+            shape?: components["schemas"]["ArrayShape"];
+            /** @description The complete control points, end copies included. */
+            control_points: components["schemas"]["PointArray"];
+            /** @description The weights of the control points; fixed ones of a surface are those of each direction. */
+            weights?: components["schemas"]["ResultWeights"];
+        };
+        /**
+         * @description The last line of a batch that was read to its end.
+         * @example {
+         *       "totals": {
+         *         "items": 3,
+         *         "converged": 2,
+         *         "failed": 1,
+         *         "seconds": 0.0031
+         *       }
+         *     }
+         */
+        BatchEnd: {
+            /** @description What came of the items. */
+            totals: components["schemas"]["BatchTotals"];
+        };
+        /**
+         * @description The numbers of items of a batch.
+         * @example {
+         *       "items": 3,
+         *       "converged": 2,
+         *       "failed": 1,
+         *       "seconds": 0.0031
+         *     }
+         */
+        BatchTotals: {
+            /**
+             * Format: int64
+             * @description How many items there were.
+             */
+            items: number;
+            /**
+             * Format: int64
+             * @description How many of them have converged.
+             */
+            converged: number;
+            /**
+             * Format: int64
+             * @description How many have not: those with a problem.
+             */
+            failed: number;
+            /**
+             * Format: double
+             * @description Seconds from the beginning of the request to its end.
+             */
+            seconds: number;
+        };
+        /**
+         * @description The last line of a batch that has ended before its end: no totals follow.
+         * @example {
+         *       "problem": {
+         *         "type": "/problems/invalid-fit",
+         *         "title": "The job is not a fit that can be computed",
+         *         "status": 422,
+         *         "detail": "/curve/points/2: point 2 equals point 1",
+         *         "errors": [
+         *           {
+         *             "pointer": "/curve/points/2",
+         *             "detail": "point 2 equals point 1"
+         *           }
+         *         ],
+         *         "request_id": "019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10"
+         *       }
+         *     }
+         */
+        BatchProblem: {
+            /** @description Why there is no more. */
+            problem: components["schemas"]["Problem"];
+        };
+        /**
          * @description The points of a file as a job has them: one of `curve` and `surface` is there.
          * @example {
          *       "name": "NACA 2412",
@@ -4226,6 +4596,7 @@ export type Describe = components['schemas']['Describe'];
 export type NumberEncoding = components['schemas']['NumberEncoding'];
 export type Digits = components['schemas']['Digits'];
 export type OnDisconnect = components['schemas']['OnDisconnect'];
+export type BatchRequest = components['schemas']['BatchRequest'];
 export type EditRequest = components['schemas']['EditRequest'];
 export type Move = components['schemas']['Move'];
 export type NewWeights = components['schemas']['NewWeights'];
@@ -4269,6 +4640,12 @@ export type IterationLine = components['schemas']['IterationLine'];
 export type EndLine = components['schemas']['EndLine'];
 export type FitResult = components['schemas']['FitResult'];
 export type ResultWeights = components['schemas']['ResultWeights'];
+export type BatchLine = components['schemas']['BatchLine'];
+export type BatchItem = components['schemas']['BatchItem'];
+export type FitGeometry = components['schemas']['FitGeometry'];
+export type BatchEnd = components['schemas']['BatchEnd'];
+export type BatchTotals = components['schemas']['BatchTotals'];
+export type BatchProblem = components['schemas']['BatchProblem'];
 export type FilePoints = components['schemas']['FilePoints'];
 export type CurvePoints = components['schemas']['CurvePoints'];
 export type SurfacePoints = components['schemas']['SurfacePoints'];
@@ -4876,6 +5253,101 @@ export interface operations {
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
              *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
+             */
+            503: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    fitBatch: {
+        parameters: {
+            query?: {
+                /**
+                 * @description How arrays of numbers are written in JSON.
+                 * @example base64
+                 */
+                encoding?: components["parameters"]["encoding"];
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /** @description Items, and what they have in common. */
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BatchRequest"];
+                "application/x-ndjson": string;
+            };
+        };
+        responses: {
+            /** @description The lines, as JSON a line or as server-sent events. */
+            200: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/x-ndjson": string;
+                    "text/event-stream": string;
+                };
+            };
+            /**
+             * @description - `/problems/not-json`: The body could not be read as JSON; detail names line and column. JSON has no NaN and no Infinity.
+             *     - `/problems/invalid-request`: A query parameter or a header is unknown or has a value that cannot be understood; errors names it.
+             */
+            400: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            406: components["responses"]["not-acceptable"];
+            408: components["responses"]["body-timeout"];
+            413: components["responses"]["body-too-large"];
+            /**
+             * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
+             *     - `/problems/unsupported-encoding`: Bodies are sent as they are, or with Content-Encoding gzip or zstd.
+             */
+            415: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            422: components["responses"]["invalid-fit"];
+            /**
+             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             */
+            429: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    "Retry-After": components["headers"]["Retry-After"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            500: components["responses"]["internal"];
+            /**
+             * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {

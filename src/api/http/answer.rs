@@ -17,7 +17,7 @@ pub(super) fn answer(job: &Arc<Job>, content: Content, content_type: &'static st
         return whole(content.head, content_type);
     }
     let length = content.length();
-    let mut outgoing = Outgoing::new(Arc::clone(job));
+    let mut outgoing = Outgoing::new(Arc::clone(job.resources()));
     outgoing.push(content);
     let body = stream::unfold(outgoing, |mut outgoing| async move {
         let bytes = outgoing.next().await?;

@@ -6,7 +6,8 @@ use axum::http::{HeaderMap, HeaderValue, header};
 use super::body_limits::ReceivedBody;
 use super::{body_limits, coding};
 use crate::api::app::App;
-use crate::api::language::{Language, PROTOBUF};
+use crate::api::batch::pieces::BodyForm;
+use crate::api::language::{JSON, Language, NDJSON, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::bounds::{self, Bounded};
 use piad_files::short::quoted;
@@ -49,6 +50,25 @@ async fn take_in(
     let coding = coding::of_body(request.headers())?;
     let (parts, body) = request.into_parts();
     body_limits::take_in(app, &parts.headers, body, coding, more).await
+}
+
+/// How the items of a batch follow each other by its media type.
+pub(super) fn of_batch(headers: &HeaderMap) -> Result<BodyForm, Problem> {
+    let given = content_type(headers);
+    let (essence, utf8) = media_type(given);
+    let is = |name: &str| utf8 && essence.eq_ignore_ascii_case(name);
+    if is(JSON) {
+        return Ok(BodyForm::Document);
+    }
+    if is(NDJSON) {
+        return Ok(BodyForm::Lines);
+    }
+    let sent = format!("batches are sent as {JSON} or {NDJSON} in UTF-8");
+    let detail = match given {
+        "" => format!("the Content-Type header is missing; {sent}"),
+        _ => format!("Content-Type is {}; {sent}", quoted(given)),
+    };
+    Err(Problem::new(Kind::UnsupportedMediaType, detail))
 }
 
 /// Whether a body is a file of points by its media type.

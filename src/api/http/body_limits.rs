@@ -18,20 +18,21 @@ use super::coding::Coding;
 use super::unpacking::Unpacker;
 use crate::api::app::App;
 use crate::api::problem::{Kind, Problem};
+use crate::config::Config;
 use crate::job::memory::{Permit, Share};
 use crate::job::peer::Peer;
 use crate::job::probation::LargeBody;
 use crate::job::scheduler::WorkLane;
 
 /// Bodies up to this size have a share of the memory for themselves.
-const SMALL: usize = 64 * 1024;
+pub(in crate::api) const SMALL: usize = 64 * 1024;
 
 /// A body takes memory as it arrives, and for the bytes that it is moved from as it grows.
-const ARRIVING: usize = 2;
+pub(in crate::api) const ARRIVING: usize = 2;
 
 /// What is read from a body takes memory until a job is made of it: of two bytes become a number of eight and a
 /// parameter, or a number, its line and both once more in a part of the file. `benches/http/bodies.py` measures it.
-const READING: usize = 14;
+pub(in crate::api) const READING: usize = 14;
 
 /// How many bytes are unpacked at a time, once there are some.
 const STEP: usize = 1024 * 1024;
@@ -124,10 +125,7 @@ impl Intake<'_> {
     }
 
     async fn collect_packed(&mut self, mut body: Body, coding: Coding) -> Result<Bytes, Problem> {
-        let damaged = |reason: String| {
-            let detail = format!("the body cannot be unpacked as {}: {reason}", coding.name());
-            Problem::new(Kind::InvalidRequest, detail)
-        };
+        let damaged = |reason: String| damaged(coding, &reason);
         let mut unpacker = Unpacker::new(coding).map_err(damaged)?;
         if unpacker.memory() > 0 {
             self.take_large(unpacker.memory()).await?;
@@ -167,21 +165,9 @@ impl Intake<'_> {
 
     /// The next bytes of the body as they come; none at its end.
     async fn receive(&mut self, body: &mut Body) -> Result<Option<Bytes>, Problem> {
-        let pause = self.app.config.body_timeout;
-        let frame = timeout(pause, body.frame()).await.map_err(|_| {
-            let seconds = pause.as_secs_f64();
-            let detail = format!("no byte of the body came for {seconds} seconds");
-            Problem::new(Kind::BodyTimeout, detail)
-        })?;
-        let Some(frame) = frame else {
+        let Some(data) = receive(body, self.app.config.body_timeout).await? else {
             return Ok(None);
         };
-        let frame = frame.map_err(|reason| {
-            let detail = format!("the body could not be read: {reason}");
-            Problem::new(Kind::InvalidRequest, detail)
-        })?;
-        // Trailers are ignored.
-        let data = frame.into_data().unwrap_or_default();
         if data.len() > self.limit - self.received {
             return Err(too_large(self.limit));
         }
@@ -242,25 +228,60 @@ impl Intake<'_> {
         Ok(())
     }
 
-    /// Refuses bodies that come so slowly that they keep memory from others.
     fn check_rate(&self) -> Result<(), Problem> {
-        let (rate, pause) = (self.app.config.min_body_rate, self.app.config.body_timeout);
-        let passed = self.begun.elapsed();
-        let least = rate.as_u64() as f64 * passed.as_secs_f64();
-        if passed > pause && (self.received.max(self.bytes.len()) as f64) < least {
-            let detail = format!(
-                "only {} bytes of the body came in {} seconds; bodies that take that long come at {rate} per second or more",
-                self.received,
-                passed.as_secs()
-            );
-            return Err(Problem::new(Kind::BodyTimeout, detail));
-        }
-        Ok(())
+        let received = self.received.max(self.bytes.len());
+        check_rate(&self.app.config, self.begun, received)
     }
 }
 
+/// The next bytes of a body as they come, with a limit on pauses; none at its end.
+pub(in crate::api) async fn receive(
+    body: &mut Body,
+    pause: Duration,
+) -> Result<Option<Bytes>, Problem> {
+    let frame = timeout(pause, body.frame()).await.map_err(|_| {
+        let seconds = pause.as_secs_f64();
+        let detail = format!("no byte of the body came for {seconds} seconds");
+        Problem::new(Kind::BodyTimeout, detail)
+    })?;
+    let Some(frame) = frame else {
+        return Ok(None);
+    };
+    let frame = frame.map_err(|reason| {
+        let detail = format!("the body could not be read: {reason}");
+        Problem::new(Kind::InvalidRequest, detail)
+    })?;
+    // Trailers are ignored.
+    Ok(Some(frame.into_data().unwrap_or_default()))
+}
+
+/// Refuses bodies that come so slowly that they keep memory from others: so many bytes since then.
+pub(in crate::api) fn check_rate(
+    config: &Config,
+    since: Instant,
+    received: usize,
+) -> Result<(), Problem> {
+    let (rate, pause) = (config.min_body_rate, config.body_timeout);
+    let passed = since.elapsed();
+    let least = rate.as_u64() as f64 * passed.as_secs_f64();
+    if passed > pause && (received as f64) < least {
+        let detail = format!(
+            "only {received} bytes of the body came in {} seconds; bodies that take that long come at {rate} per second or more",
+            passed.as_secs()
+        );
+        return Err(Problem::new(Kind::BodyTimeout, detail));
+    }
+    Ok(())
+}
+
+/// A compressed body is damaged.
+pub(in crate::api) fn damaged(coding: Coding, reason: &str) -> Problem {
+    let detail = format!("the body cannot be unpacked as {}: {reason}", coding.name());
+    Problem::new(Kind::InvalidRequest, detail)
+}
+
 /// Waits for memory, not for long.
-async fn take_memory(
+pub(in crate::api) async fn take_memory(
     share: &Share,
     room: &mut Option<Permit>,
     bytes: usize,

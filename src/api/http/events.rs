@@ -94,7 +94,7 @@ fn last_event_id(
 
 /// The events of a job as the body of an answer.
 pub(crate) fn stream(framing: Framing, feed: Feed) -> Response {
-    let mut outgoing = Outgoing::new(Arc::clone(feed.job()));
+    let mut outgoing = Outgoing::new(Arc::clone(feed.job().resources()));
     // Some proxies pass on the head only with the first bytes of the body.
     if framing == Framing::Sse {
         outgoing.text().put_slice(b": piad\nretry: 2000\n\n");
@@ -111,7 +111,12 @@ pub(crate) fn stream(framing: Framing, feed: Feed) -> Response {
         let bytes = outgoing.next().await?;
         Some((bytes, (events, outgoing)))
     });
-    let mut response = Response::new(Body::from_stream(body));
+    unstored(framing, Body::from_stream(body))
+}
+
+/// A body that is framed like this, and that nobody stores or changes on its way.
+pub(super) fn unstored(framing: Framing, body: Body) -> Response {
+    let mut response = Response::new(body);
     let headers = response.headers_mut();
     for (name, value) in [
         (header::CONTENT_TYPE, framing.media_type()),

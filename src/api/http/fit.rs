@@ -13,9 +13,9 @@ use super::{body, create, export, negotiate};
 use crate::api::app::App;
 use crate::api::language::Language;
 use crate::api::order;
-use crate::api::problem::{Kind, Problem};
+use crate::api::problem::Problem;
 use crate::job::Job;
-use crate::job::state::{Levels, State as JobState, Status};
+use crate::job::state::State as JobState;
 use crate::proto::messages as pb;
 
 /// Fits, and answers with the geometry.
@@ -46,7 +46,7 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
     };
     match status.state {
         JobState::Converged => show_result(&job.0, wanted).await,
-        _ => Err(not_converged(&job.0, status)),
+        _ => Err(Problem::not_converged(job.0.outline(), &status)),
     }
 }
 
@@ -57,25 +57,4 @@ impl Drop for CancelledWithItsRequest {
     fn drop(&mut self) {
         self.0.request_cancel();
     }
-}
-
-/// Why a fit that has ended is no answer.
-fn not_converged(job: &Job, status: Status) -> Problem {
-    if let Some(failure) = status.failure {
-        return Problem::from(failure);
-    }
-    let (state, outline) = (status.state, job.outline());
-    let Some(Levels { last, .. }) = status.levels else {
-        return Problem::new(Kind::NotConverged, format!("the fit is {state}"));
-    };
-    let left = || {
-        let (distance, tolerance) = (last.error.max, outline.tolerance);
-        format!("a distance of {distance:.3e} is left, the tolerance is {tolerance:.3e}")
-    };
-    let why = status.detail(outline).unwrap_or_else(left);
-    let detail = format!(
-        "the fit is {state} after iteration {}: {why}",
-        last.iteration
-    );
-    Problem::new(Kind::NotConverged, detail)
 }

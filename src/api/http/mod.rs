@@ -2,7 +2,7 @@
 //!
 //! - [`router`]: the resources and their addresses;
 //! - [`create`]: posting jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
-//! - [`fit`]: one request, one answer, and nothing is kept;
+//! - [`fit`]: one request, one answer, and nothing is kept; [`batch`]: the same for many fits;
 //! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
 //! - [`points`]: files of points as bodies;
 //! - [`authorize`]: who may ask for what; [`tickets`]: for streams of clients without headers;
@@ -18,6 +18,7 @@ mod answer;
 pub(crate) mod assets;
 pub(in crate::api) mod authorize;
 mod base_path;
+mod batch;
 mod body;
 pub(crate) mod body_limits;
 pub(crate) mod capabilities;
@@ -47,4 +48,4 @@ mod request_id;
 pub(crate) mod router;
 pub(in crate::api) mod tickets;
 mod trace;
-mod unpacking;
+pub(in crate::api) mod unpacking;

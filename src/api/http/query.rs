@@ -15,7 +15,7 @@ use piad_files::short::quoted;
 pub(super) const OF_RESULTS: [&str; 6] = ["view", "samples", "encoding", "digits", "dots", "units"];
 
 /// The query of a single iteration or a result.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct IterationQuery {
     view: Option<String>,

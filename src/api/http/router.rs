@@ -20,8 +20,9 @@ use super::authorize::{self, Guard};
 use super::host::Hosts;
 use super::request_id::{NewRequestId, REQUEST_ID};
 use super::{
-    base_path, capabilities, compression, cors, create, events, fit, geometry, host, info as about,
-    jobs, measure, overload, page as viewer, points, rates, render, request_id, tickets, trace,
+    base_path, batch, capabilities, compression, cors, create, events, fit, geometry, host,
+    info as about, jobs, measure, overload, page as viewer, points, rates, render, request_id,
+    tickets, trace,
 };
 use crate::access::scope::Scope;
 use crate::api::app::App;
@@ -110,6 +111,7 @@ pub(in crate::api) fn resources() -> Resources {
         .get("/v1/rates", READ, rates::get)
         .post("/v1/points", WRITE, points::show)
         .post("/v1/fit", WRITE, fit::fit)
+        .post("/v1/batch", WRITE, batch::batch)
         .post("/v1/jobs", WRITE, create::job)
         .post("/v1/jobs/stream", WRITE, create::job_stream)
         .get("/v1/jobs", READ, jobs::list)

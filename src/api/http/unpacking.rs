@@ -14,7 +14,7 @@ const GZIP_WINDOW: u8 = 15;
 const ZSTD_WINDOW: u32 = 23;
 
 /// Unpacks a body.
-pub(super) struct Unpacker {
+pub(in crate::api) struct Unpacker {
     decoder: Format,
     /// Whether all that has come is whole.
     ended: bool,
@@ -34,7 +34,7 @@ struct Moved {
 }
 
 impl Unpacker {
-    pub(super) fn new(coding: Coding) -> Result<Self, String> {
+    pub(in crate::api) fn new(coding: Coding) -> Result<Self, String> {
         let decoder = match coding {
             Coding::Gzip => Format::Gzip(Decompress::new_gzip(GZIP_WINDOW)),
             Coding::Zstd => {
@@ -50,7 +50,7 @@ impl Unpacker {
     }
 
     /// The memory that it takes.
-    pub(super) fn memory(&self) -> usize {
+    pub(in crate::api) fn memory(&self) -> usize {
         match self.decoder {
             Format::Gzip(_) => 0,
             Format::Zstd(_) => 1 << ZSTD_WINDOW,
@@ -58,12 +58,12 @@ impl Unpacker {
     }
 
     /// Whether the body ends where it may.
-    pub(super) fn has_ended(&self) -> bool {
+    pub(in crate::api) fn has_ended(&self) -> bool {
         self.ended
     }
 
     /// Adds at most so many bytes, taking them from `packed`. Whether there may be more to add.
-    pub(super) fn add(
+    pub(in crate::api) fn add(
         &mut self,
         packed: &mut Bytes,
         bytes: &mut Vec<u8>,

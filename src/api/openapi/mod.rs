@@ -24,6 +24,8 @@ use crate::api::http::capabilities::Capabilities;
 use crate::api::http::info::{Health, ProblemTypes, ServiceIndex};
 use crate::api::http::tickets::TicketView;
 use crate::api::json::plain::simplify;
+use crate::api::json::request::batch::BatchRequest;
+use crate::api::json::view::batch::BatchLine;
 use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
@@ -112,6 +114,7 @@ fn document(base_path: &str, methods: &Methods) -> serde_json::Result<Value> {
 fn schemas() -> Map<String, Value> {
     let mut requests = generator(Contract::Deserialize);
     requests.subschema_for::<JobRequest>();
+    requests.subschema_for::<BatchRequest>();
     requests.subschema_for::<EditRequest>();
     requests.subschema_for::<StreamSpec>();
     let mut answers = generator(Contract::Serialize);
@@ -119,6 +122,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<ServerSentEvent>();
     answers.subschema_for::<EventLine>();
     answers.subschema_for::<FitResult<'_>>();
+    answers.subschema_for::<BatchLine>();
     answers.subschema_for::<PointsView>();
     answers.subschema_for::<LimitView>();
     answers.subschema_for::<DeviationView>();

@@ -2,16 +2,40 @@
 
 use super::{Kind, Problem};
 use crate::api::json::request::places::Places;
+use crate::job::outline::Outline;
 use crate::job::quota::Exceeded;
 use crate::job::scheduler::Broken;
 use crate::job::service::refused::Refused;
-use crate::job::state::Failure;
+use crate::job::state::{Failure, Levels, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::MOST_CRASHES;
 use crate::model::mistakes::Mistake;
 use crate::model::named::Named;
 use crate::model::stream::choices::ChoiceMistake;
 use piad_files::import::FileErrors;
+
+impl Problem {
+    /// Why a fit that has ended is no answer.
+    pub(in crate::api) fn not_converged(outline: &Outline, status: &Status) -> Self {
+        if let Some(failure) = status.failure {
+            return Self::from(failure);
+        }
+        let state = status.state;
+        let Some(Levels { last, .. }) = status.levels else {
+            return Self::new(Kind::NotConverged, format!("the fit is {state}"));
+        };
+        let left = || {
+            let (distance, tolerance) = (last.error.max, outline.tolerance);
+            format!("a distance of {distance:.3e} is left, the tolerance is {tolerance:.3e}")
+        };
+        let why = status.detail(outline).unwrap_or_else(left);
+        let detail = format!(
+            "the fit is {state} after iteration {}: {why}",
+            last.iteration
+        );
+        Self::new(Kind::NotConverged, detail)
+    }
+}
 
 /// Of an HTTP request, whose own choices are query parameters; those of the job are in its JSON.
 impl From<ChoiceMistake> for Problem {

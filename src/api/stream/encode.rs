@@ -128,6 +128,16 @@ impl Cost {
         }
     }
 
+    /// The queue that encoding belongs to, if it is done on the compute pool in any case.
+    pub(crate) fn lane(self) -> WorkLane {
+        let operations = self.operations();
+        match WorkLane::of_samples(self.evaluation) {
+            WorkLane::Long(evaluation) => WorkLane::Long(evaluation),
+            _ if operations <= SMALL => WorkLane::Quick,
+            _ => WorkLane::of_wire(operations),
+        }
+    }
+
     fn operations(self) -> usize {
         let encoding = self.numbers.saturating_mul(OPERATIONS_PER_NUMBER);
         encoding.saturating_add(self.evaluation)

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use bytes::{Bytes, BytesMut};
 use tokio::task::JoinHandle;
 
-use crate::job::Job;
 use crate::job::content::{Content, Pieces};
 use crate::job::peer;
+use crate::job::resources::Resources;
 use crate::job::scheduler::Broken;
 
 /// Contents up to this size are copied together with what is around them.
@@ -26,7 +26,7 @@ pub(crate) const ENOUGH: usize = 64 * 1024;
 
 /// Bytes in the order in which they are sent.
 pub(crate) struct Outgoing {
-    job: Arc<Job>,
+    resources: Arc<Resources>,
     unsent: VecDeque<Unsent>,
     /// Small contents that will be sent together, after `unsent`.
     together: BytesMut,
@@ -43,10 +43,10 @@ enum Unsent {
 }
 
 impl Outgoing {
-    /// An empty queue; pieces are made on the compute pool of the job.
-    pub(crate) fn new(job: Arc<Job>) -> Self {
+    /// An empty queue; pieces are made on the compute pool.
+    pub(crate) fn new(resources: Arc<Resources>) -> Self {
         Self {
-            job,
+            resources,
             unsent: VecDeque::new(),
             together: BytesMut::new(),
             ahead: VecDeque::new(),
@@ -123,7 +123,7 @@ impl Outgoing {
                     self.unsent.push_front(rest);
                 }
                 if pieces.are_quick() {
-                    let pool = &self.job.resources().scheduler;
+                    let pool = &self.resources.scheduler;
                     return Some(pieces.piece(index, pool).await);
                 }
                 let last = pieces.count().min(index + 1 + AHEAD);
@@ -139,8 +139,8 @@ impl Outgoing {
 
     /// Starts to make a piece.
     fn make(&self, pieces: &Arc<Pieces>, index: usize) -> JoinHandle<Result<Bytes, Broken>> {
-        let (job, pieces) = (Arc::clone(&self.job), Arc::clone(pieces));
-        peer::spawn(async move { pieces.piece(index, &job.resources().scheduler).await })
+        let (resources, pieces) = (Arc::clone(&self.resources), Arc::clone(pieces));
+        peer::spawn(async move { pieces.piece(index, &resources.scheduler).await })
     }
 }
 

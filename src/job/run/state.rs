@@ -11,7 +11,7 @@ use super::shared::SharedSystem;
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
-use crate::job::state::Levels;
+use crate::job::state::{Failure, Levels, Reason, State};
 use piad_fit::engine::{Iteration, Level, Outcome, System};
 
 /// Why a run has ended.
@@ -25,6 +25,24 @@ pub(crate) enum Ending {
     Broken,
     /// Its memory was given to another run.
     Revoked,
+}
+
+impl Ending {
+    /// The final state of a job whose run has ended like this, with the reason, and the failure of a failed one.
+    pub(crate) fn verdict(self) -> (State, Option<Reason>, Option<Failure>) {
+        match self {
+            Self::Outcome(outcome) => match outcome {
+                Outcome::Converged => (State::Converged, None, None),
+                Outcome::Minimum => (State::Converged, Some(Reason::Minimum), None),
+                Outcome::Exhausted => (State::Exhausted, None, None),
+                Outcome::Stalled(reason) => (State::Stalled, Some(reason), None),
+                Outcome::Overflow => (State::Failed, None, Some(Failure::Overflow)),
+            },
+            Self::Broken => (State::Failed, None, Some(Failure::Defect)),
+            // Primary runs are never revoked.
+            Self::Stopped | Self::Revoked => (State::Cancelled, None, None),
+        }
+    }
 }
 
 /// The outcome of looking for a frame in a run.

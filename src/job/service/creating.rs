@@ -72,7 +72,9 @@ impl Jobs {
     ) -> Result<Option<Accepted>, Refused> {
         let outline = Outline::new(label, &problem, peer);
         let slot = self.slots.take(peer)?;
-        let memory = self.share(&outline).take_at_once(peer, outline.memory);
+        let memory = self
+            .share(outline.step_cost)
+            .take_at_once(peer, outline.memory);
         let status = match memory {
             Some(_) => Status::running(),
             None => Status::QUEUED,

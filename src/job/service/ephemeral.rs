@@ -71,7 +71,7 @@ impl Jobs {
         let trace = Arc::new(JobTrace::default());
         trace.begin(&outline, RequestTrace::current().as_ref());
         let queue = trace.queue();
-        let share = self.share(&outline);
+        let share = self.share(outline.step_cost);
         let room = tokio::select! {
             biased;
             () = replaced(&mut turn) => None,

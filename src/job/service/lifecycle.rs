@@ -12,11 +12,10 @@ use crate::job::probation::OnProbation;
 use crate::job::result::LastGeometry;
 use crate::job::run::{Ending, Run, SharedSystem};
 use crate::job::slots::Slot;
-use crate::job::state::{Failure, Reason, State, Status};
+use crate::job::state::{State, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::probation;
 use crate::job::{Job, STORE_AGAIN, patiently};
-use piad_fit::engine::Outcome;
 
 /// A run that was started.
 struct StartedRun {
@@ -32,22 +31,6 @@ enum Turn {
     Cancelled,
     /// Another replica was quicker.
     Elsewhere,
-}
-
-/// The final state of a job whose run has ended like this.
-fn verdict(ending: Ending) -> (State, Option<Reason>, Option<Failure>) {
-    match ending {
-        Ending::Outcome(outcome) => match outcome {
-            Outcome::Converged => (State::Converged, None, None),
-            Outcome::Minimum => (State::Converged, Some(Reason::Minimum), None),
-            Outcome::Exhausted => (State::Exhausted, None, None),
-            Outcome::Stalled(reason) => (State::Stalled, Some(reason), None),
-            Outcome::Overflow => (State::Failed, None, Some(Failure::Overflow)),
-        },
-        Ending::Broken => (State::Failed, None, Some(Failure::Defect)),
-        // Primary runs are never revoked.
-        Ending::Stopped | Ending::Revoked => (State::Cancelled, None, None),
-    }
 }
 
 /// Ends the span of a job when the task that drives it ends, or is dropped with the runtime.
@@ -113,7 +96,7 @@ impl Jobs {
 
     /// Stores the end of a job and publishes it.
     async fn end(&self, job: &Arc<Job>, ending: Ending, last: Option<Arc<Frame>>, slot: Slot) {
-        let (state, reason, failure) = verdict(ending);
+        let (state, reason, failure) = ending.verdict();
         let status = Status {
             state,
             finished: Some(self.store.stamp()),
@@ -184,7 +167,10 @@ impl Jobs {
         let queue = job.trace.queue();
         let permits = async {
             let outline = job.outline();
-            let memory = self.share(outline).take(job.peer, outline.memory).await?;
+            let memory = self
+                .share(outline.step_cost)
+                .take(job.peer, outline.memory)
+                .await?;
             let probation = match job.crashes {
                 0 => None,
                 _ => Some(self.probation.begin().await),

@@ -1,9 +1,10 @@
 //! All jobs of a server: creating, finding, listing, cancelling and deleting them.
 //!
-//! - [`creating`]: accepts jobs; [`refused`]: why not;
+//! - [`creating`]: accepts jobs; [`refused`]: why not; [`batch`]: the place of many fits in one request;
 //! - `lifecycle`: takes a job from the queue to its end;
 //! - `replicas`: works together with other replicas.
 
+pub(crate) mod batch;
 pub(crate) mod creating;
 pub(crate) mod ephemeral;
 mod lifecycle;
@@ -24,7 +25,6 @@ use uuid::Uuid;
 
 use super::Job;
 use super::memory::Share;
-use super::outline::Outline;
 use super::peer::Peer;
 use super::probation::{LargeBody, Probation};
 use super::recent::Recent;
@@ -115,7 +115,7 @@ impl Jobs {
     }
 
     /// What the jobs share.
-    pub(crate) fn resources(&self) -> &Resources {
+    pub(crate) fn resources(&self) -> &Arc<Resources> {
         &self.resources
     }
 
@@ -334,10 +334,10 @@ impl Jobs {
         Arc::new(job)
     }
 
-    /// The share of the memory that a job is run in.
-    fn share(&self, outline: &Outline) -> &Share {
+    /// The share of the memory that a fit with steps of this cost is run in.
+    fn share(&self, step_cost: usize) -> &Share {
         let memory = &self.resources.memory;
-        match WorkLane::of(outline.step_cost) {
+        match WorkLane::of(step_cost) {
             WorkLane::Quick => &memory.quick,
             _ => &memory.heavy,
         }

@@ -163,7 +163,7 @@ impl Jobs {
             return Ok(());
         }
         for record in shared.waiting(TAKEN_AT_ONCE).await? {
-            let share = self.share(&record.outline);
+            let share = self.share(record.outline.step_cost);
             if share.take_at_once(None, record.outline.memory).is_some() {
                 self.drive_waiting(record);
             }

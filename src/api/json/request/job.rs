@@ -1,6 +1,7 @@
 //! The JSON of a job.
 
 use bytes::Bytes;
+use serde_json::Value;
 
 use super::places::Places;
 use super::points::{self, Data};
@@ -37,6 +38,22 @@ pub(crate) fn read_quickly(body: &[u8], part: usize, most_points: usize) -> Opti
 /// The request of any body, or what is wrong with it.
 pub(crate) fn read_by_serde(body: &[u8], most_points: usize) -> Result<JobRequest, Problem> {
     parse(body, most_points)
+}
+
+/// Checks fields of a job that is to have other fields and points.
+pub(crate) fn check_defaults(fields: &[u8], most_points: usize) -> Result<(), Problem> {
+    let mut value: Value = serde_json::from_slice(fields).unwrap_or_default();
+    let curve = value.get_mut("curve").and_then(Value::as_object_mut);
+    if let Some(curve) = curve {
+        curve
+            .entry("points")
+            .or_insert_with(|| Vec::<u8>::new().into());
+    }
+    match value {
+        Value::Object(_) => parse::<JobRequest>(value.to_string().as_bytes(), most_points),
+        _ => parse(fields, most_points),
+    }
+    .map(drop)
 }
 
 fn placed(request: JobRequest) -> (JobRequest, Places) {

@@ -78,6 +78,23 @@ pub(super) fn result() -> Value {
     })
 }
 
+/// The same without what says whose it is.
+pub(super) fn geometry() -> Value {
+    json!({
+        "basis": "bspline", "degree": 3, "closed": false, "rational": null, "knots": [0, 0, 0, 0, 1, 2, 3, 3, 3, 3],
+        "parameters": [0, 1, 2, 3],
+        "control_points": [[0, 0], [0, 0], [1, 2.4], [3.1, 0.6], [4, 3], [4, 3]],
+    })
+}
+
+/// An item of a batch.
+pub(super) fn batch_item() -> Value {
+    json!({
+        "index": 0, "name": "wing section", "state": "converged", "iteration": 23, "error": error(),
+        "curve": geometry(),
+    })
+}
+
 /// The problem of another job.
 pub(crate) fn problem() -> Value {
     json!({

@@ -56,7 +56,7 @@ pub(crate) struct IterationEvent {
 
 /// What is shown of the geometry of a level.
 #[derive(Default, Serialize, JsonSchema)]
-struct Shown {
+pub(super) struct Shown {
     /// How the arrays are written, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
@@ -84,31 +84,7 @@ struct Shown {
 pub(crate) fn level(frame: &Frame, form: &Form) -> Content {
     let (level, problem) = (&frame.level, &frame.problem);
     let mut document = Document::new(digits(form, level));
-    let points = &frame.control_points;
-    let shown = match form.view {
-        View::Errors => Shown::default(),
-        View::ControlPoints => {
-            let net = ControlNet::new(&mut document, problem, points);
-            Shown {
-                control_points: Some(net.points),
-                weights: net.weights,
-                ..Shown::default()
-            }
-            .written(&document, net.shape)
-        }
-        View::Changed => Shown {
-            changed: Some(Changes::new(
-                problem,
-                Geometry::new(problem, points),
-                frame.moved.as_deref().unwrap_or_default(),
-            )),
-            ..Shown::default()
-        },
-        View::Samples(grid) => {
-            let samples = Samples::new(Arc::clone(problem.setup()), Arc::clone(points), grid);
-            Shown::samples(&mut document, samples)
-        }
-    };
+    let shown = Shown::new(&mut document, frame, form.view);
     let tells = form.knots && problem.is_automatic();
     let knots = tells.then(|| knots(&mut document, problem));
     document.finish(&IterationEvent {
@@ -138,6 +114,35 @@ pub(super) fn digits(form: &Form, level: &Level) -> Digits {
 }
 
 impl Shown {
+    /// What a view shows of a level.
+    pub(super) fn new(document: &mut Document, frame: &Frame, view: View) -> Self {
+        let (problem, points) = (&frame.problem, &frame.control_points);
+        match view {
+            View::Errors => Self::default(),
+            View::ControlPoints => {
+                let net = ControlNet::new(document, problem, points);
+                let shown = Self {
+                    control_points: Some(net.points),
+                    weights: net.weights,
+                    ..Self::default()
+                };
+                shown.written(document, net.shape)
+            }
+            View::Changed => Self {
+                changed: Some(Changes::new(
+                    problem,
+                    Geometry::new(problem, points),
+                    frame.moved.as_deref().unwrap_or_default(),
+                )),
+                ..Self::default()
+            },
+            View::Samples(grid) => {
+                let samples = Samples::new(Arc::clone(problem.setup()), Arc::clone(points), grid);
+                Self::samples(document, samples)
+            }
+        }
+    }
+
     /// Points of the curve or surface at equal steps of the parameters.
     fn samples(document: &mut Document, samples: Samples) -> Self {
         let (u, v) = (samples.u, samples.v);

@@ -5,6 +5,7 @@
 //!
 //! - [`job`]: jobs as resources; [`events`]: what streams say first and last; [`level`]: iterations and results;
 //!   [`limit`]: the limit of local fits;
+//! - [`batch`]: the lines of a batch;
 //! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`warning`]: what is doubtful about a job;
 //! - [`input`](mod@input): a job as it was asked for;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
@@ -13,6 +14,7 @@
 
 mod applied_method;
 mod arrays;
+pub(crate) mod batch;
 mod decimal;
 pub(crate) mod deviation;
 mod document;

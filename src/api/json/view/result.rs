@@ -44,6 +44,16 @@ pub(crate) struct FitResult<'a> {
     iteration: usize,
     /// The distances from the data.
     error: ErrorView,
+    /// What can be read without anything else.
+    #[serde(flatten)]
+    geometry: FitGeometry<'a>,
+}
+
+/// A curve or surface that was fitted, complete with degree and knots.
+#[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
+#[schemars(example = examples::geometry())]
+pub(crate) struct FitGeometry<'a> {
     /// The basis.
     #[schemars(with = "PerDirection<BasisKind>")]
     basis: PerDirection<&'static str>,
@@ -101,18 +111,8 @@ schema_of!(ResultWeights, "ResultWeights", generator => json_schema!({
 
 /// The result: geometry that can be read without anything else.
 pub(crate) fn result(outline: &Outline, status: &Status, frame: &Frame, form: &Form) -> Content {
-    let Frame {
-        level,
-        problem,
-        control_points,
-        ..
-    } = frame;
+    let level = &frame.level;
     let mut document = Document::new(digits(form, level));
-    let knots = knots(&mut document, problem);
-    let parameters = parameters(&mut document, problem);
-    let net = ControlNet::new(&mut document, problem, control_points);
-    let fixed = fixed_weights(&mut document, problem).map(ResultWeights::Fixed);
-    let encoding = document.encoding();
     let result = FitResult {
         id: outline.id,
         name: outline.label.name.as_deref(),
@@ -120,20 +120,35 @@ pub(crate) fn result(outline: &Outline, status: &Status, frame: &Frame, form: &F
         state: status.state.name(),
         notices: &outline.label.notices,
         iteration: level.iteration,
-        error: ErrorView::new(&level.error, &**problem),
-        basis: each(problem, |_, direction| direction.basis.name()),
-        degree: each(problem, |_, direction| direction.basis.degree()),
-        closed: each(problem, |_, direction| direction.is_closed()),
-        rational: Rational::of(problem.request()),
-        bad_weight: BadWeight::of(level, problem),
-        knots,
-        parameters,
-        fairness: problem.method().fairness(),
-        outliers: Outliers::of(problem),
-        encoding,
-        shape: encoding.map(|_| ArrayShape(net.shape)),
-        control_points: net.points,
-        weights: net.weights.map(ResultWeights::Net).or(fixed),
+        error: ErrorView::new(&level.error, &*frame.problem),
+        geometry: FitGeometry::new(&mut document, frame),
     };
     document.finish(&result)
+}
+
+impl<'a> FitGeometry<'a> {
+    /// The geometry of a level.
+    pub(super) fn new(document: &mut Document, frame: &'a Frame) -> Self {
+        let problem = &frame.problem;
+        let knots = knots(document, problem);
+        let parameters = parameters(document, problem);
+        let net = ControlNet::new(document, problem, &frame.control_points);
+        let fixed = fixed_weights(document, problem).map(ResultWeights::Fixed);
+        let encoding = document.encoding();
+        Self {
+            basis: each(problem, |_, direction| direction.basis.name()),
+            degree: each(problem, |_, direction| direction.basis.degree()),
+            closed: each(problem, |_, direction| direction.is_closed()),
+            rational: Rational::of(problem.request()),
+            bad_weight: BadWeight::of(&frame.level, problem),
+            knots,
+            parameters,
+            fairness: problem.method().fairness(),
+            outliers: Outliers::of(problem),
+            encoding,
+            shape: encoding.map(|_| ArrayShape(net.shape)),
+            control_points: net.points,
+            weights: net.weights.map(ResultWeights::Net).or(fixed),
+        }
+    }
 }

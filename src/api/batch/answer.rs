@@ -1,0 +1,158 @@
+//! The lines of a batch, as they are framed.
+
+use std::sync::Arc;
+
+use bytes::{BufMut, Bytes, BytesMut};
+
+use super::settings::Settings;
+use crate::api::json::view::batch::{self as view, BatchEnd, BatchProblem, BatchTotals};
+use crate::api::json::view::to_bytes;
+use crate::api::language::Framing;
+use crate::api::problem::Problem;
+use crate::job::content::Content;
+use crate::job::memory::{Cache, Charge};
+
+/// Contents up to this size are copied together.
+const SMALL: usize = 16 * 1024;
+
+/// What is sent of a batch.
+pub(in crate::api) enum Output {
+    /// Lines of items.
+    Lines(Content),
+    /// The end: what came of all items, or why there is no more.
+    End(Result<BatchTotals, Problem>),
+}
+
+/// Lines of items that follow each other.
+pub(super) struct Lines {
+    framing: Framing,
+    /// Large contents with the lines around them.
+    contents: Vec<Content>,
+    /// The lines after the last of these.
+    text: BytesMut,
+    /// How many of the items have converged, and how many have not.
+    pub(super) converged: usize,
+    pub(super) failed: usize,
+    /// Its bytes in the cache.
+    charge: Option<Charge>,
+    /// Why there are no more.
+    pub(super) fatal: Option<Problem>,
+}
+
+impl Lines {
+    /// No lines.
+    pub(super) fn new(framing: Framing) -> Self {
+        Self {
+            framing,
+            contents: Vec::new(),
+            text: BytesMut::new(),
+            converged: 0,
+            failed: 0,
+            charge: None,
+            fatal: None,
+        }
+    }
+
+    /// The same lines, counted in the cache until they are sent.
+    pub(super) fn counted(mut self, cache: &Arc<Cache>) -> Self {
+        self.charge = Some(cache.charge(self.text.len()));
+        self
+    }
+
+    /// The number of bytes, without those of large contents.
+    pub(super) fn len(&self) -> usize {
+        self.text.len()
+    }
+
+    /// Returns true if there is a content that takes a while to send.
+    pub(super) fn has_large(&self) -> bool {
+        !self.contents.is_empty()
+    }
+
+    /// Adds the line of an item.
+    pub(super) fn push(&mut self, index: usize, data: Content) {
+        match self.framing {
+            Framing::Sse => {
+                let head = format!("event: item\nid: {index}\ndata: ");
+                self.text.put_slice(head.as_bytes());
+                self.put(data);
+                self.text.put_slice(b"\n\n");
+            }
+            Framing::Ndjson | Framing::Protobuf => {
+                self.put(data);
+                self.text.put_slice(b"\n");
+            }
+        }
+    }
+
+    fn put(&mut self, content: Content) {
+        if content.rest.is_none() && content.head.len() <= SMALL {
+            return self.text.extend_from_slice(&content.head);
+        }
+        self.cut();
+        self.contents.push(content);
+    }
+
+    fn cut(&mut self) {
+        if !self.text.is_empty() {
+            self.contents.push(self.text.split().freeze().into());
+        }
+    }
+
+    /// The contents to send.
+    pub(super) fn into_contents(mut self) -> Vec<Content> {
+        self.cut();
+        self.contents
+    }
+}
+
+/// What a stream begins with.
+pub(in crate::api) fn beginning(framing: Framing) -> Bytes {
+    match framing {
+        // Some proxies pass on the head only with the first bytes of the body.
+        Framing::Sse => Bytes::from_static(b": piad\n\n"),
+        Framing::Ndjson | Framing::Protobuf => Bytes::new(),
+    }
+}
+
+/// What is sent while there is nothing to say.
+pub(in crate::api) fn quiet(framing: Framing) -> Bytes {
+    match framing {
+        Framing::Sse => Bytes::from_static(b": still here\n\n"),
+        Framing::Ndjson | Framing::Protobuf => Bytes::new(),
+    }
+}
+
+/// The last line.
+pub(in crate::api) fn last(settings: &Settings, end: Result<BatchTotals, Problem>) -> Bytes {
+    let (name, data) = match end {
+        Ok(totals) => ("totals", to_bytes(&BatchEnd { totals })),
+        Err(problem) => {
+            let problem = settings.body_of(&problem);
+            ("problem", to_bytes(&BatchProblem { problem }))
+        }
+    };
+    let mut text = BytesMut::with_capacity(data.len() + 32);
+    match settings.framing {
+        Framing::Sse => {
+            text.put_slice(format!("event: {name}\ndata: ").as_bytes());
+            text.put_slice(&data);
+            text.put_slice(b"\n\n");
+        }
+        Framing::Ndjson | Framing::Protobuf => {
+            text.put_slice(&data);
+            text.put_slice(b"\n");
+        }
+    }
+    text.freeze()
+}
+
+/// The line of an item that is no fit that can be computed.
+pub(super) fn failed(
+    settings: &Settings,
+    index: usize,
+    name: Option<&str>,
+    problem: &Problem,
+) -> Content {
+    view::failed(index, name, settings.body_of(problem)).into()
+}

@@ -1,0 +1,324 @@
+//! Some items of a batch, one after another on a thread of the compute pool: to hand over each of them alone would
+//! take longer than a small fit.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use std::vec;
+
+use super::answer::{self, Lines};
+use super::defaults::Defaults;
+use super::item::{Item, ItemWords, ReadItem};
+use super::settings::Settings;
+use crate::api::json::view::batch::{self as view, ItemEnd};
+use crate::api::order::PARSED_AT_ONCE;
+use crate::api::problem::Problem;
+use crate::api::start::Base;
+use crate::api::stream::encode::Cost;
+use crate::job::direct::{DirectFit, EndedFit};
+use crate::job::errand::{Errand, Progress};
+use crate::job::memory::Permit;
+use crate::job::outline::{Label, Outline};
+use crate::job::probation::LargeBody;
+use crate::job::scheduler::WorkLane;
+use crate::job::state::{Failure, State};
+use crate::model::job::JobRequest;
+use crate::model::scattered::FootPoints;
+use crate::model::stream::form::Form;
+
+/// Fits that take up to this many bytes need no memory of their own: a group has that much from the start.
+pub(super) const SMALL_FIT: usize = 1024 * 1024;
+
+/// The lines of a group are sent when they have this many bytes.
+const ENOUGH: usize = 128 * 1024;
+
+/// Some items, and what has come of them.
+pub(super) struct Group {
+    settings: Arc<Settings>,
+    items: vec::IntoIter<Item>,
+    /// The item that is being computed.
+    current: Option<Item>,
+    stage: Stage,
+    /// The queue that it works on.
+    lane: WorkLane,
+    lines: Lines,
+    /// What it waits for, if it pauses before its end.
+    want: Option<Want>,
+    /// Held until the last item was read.
+    pub(super) reading: Option<Reading>,
+    /// The memory for fits, and its size.
+    memory: Option<(Permit, usize)>,
+    /// How long it has computed.
+    busy: Duration,
+}
+
+/// How far the current item has come.
+enum Stage {
+    /// It is to be read.
+    Unread,
+    /// It is to be checked.
+    Read(Box<JobRequest>, ItemWords, Base),
+    /// It is to be fitted, and shown in this form.
+    Fitting(Fitting),
+    /// Its line is to be written.
+    Ended(Fitting, Box<EndedFit>),
+}
+
+struct Fitting {
+    name: Option<String>,
+    form: Form,
+    fit: DirectFit,
+}
+
+/// What a group waits for.
+pub(super) enum Want {
+    /// The surface to which an item refers.
+    Base(FootPoints),
+    /// So much memory for a fit with steps of this cost.
+    Memory { step_cost: usize, bytes: usize },
+    /// To have its lines sent.
+    Send,
+}
+
+/// What it takes to read items.
+pub(super) struct Reading {
+    pub(super) _memory: Option<Permit>,
+    /// A large item is read, which jobs on probation do not run beside.
+    pub(super) _large_body: Option<LargeBody>,
+}
+
+impl Group {
+    /// Nothing is computed yet.
+    pub(super) fn new(settings: Arc<Settings>, items: Vec<Item>) -> Self {
+        let lines = Lines::new(settings.framing);
+        Self {
+            settings,
+            items: items.into_iter(),
+            current: None,
+            stage: Stage::Unread,
+            lane: WorkLane::Quick,
+            lines,
+            want: None,
+            reading: None,
+            memory: None,
+            busy: Duration::ZERO,
+        }
+    }
+
+    /// The queue that its next slice belongs to.
+    pub(super) fn lane(&mut self) -> WorkLane {
+        self.lane = self.next_lane();
+        self.lane
+    }
+
+    /// What it waits for; nothing at its end.
+    pub(super) fn take_want(&mut self) -> Option<Want> {
+        self.want.take()
+    }
+
+    /// The lines so far, which are taken out.
+    pub(super) fn take_lines(&mut self) -> Lines {
+        let lines = Lines::new(self.settings.framing);
+        let lines = std::mem::replace(&mut self.lines, lines);
+        lines.counted(&self.settings.app.jobs.resources().memory.cache)
+    }
+
+    /// The number of bytes that are to be read.
+    pub(super) fn unread(&self) -> usize {
+        let of_defaults = self.settings.defaults().map_or(0, Defaults::size);
+        let items = self.items.as_slice().iter();
+        items.map(|item| item.bytes.len() + of_defaults).sum()
+    }
+
+    /// How long it has computed.
+    pub(super) fn busy(&self) -> Duration {
+        self.busy
+    }
+
+    /// Gives it memory for fits; `None` while it waits for something else.
+    pub(super) fn set_memory(&mut self, memory: Option<(Permit, usize)>) {
+        self.memory = memory;
+    }
+
+    /// Gives it the surface to which the current item refers, or why there is none.
+    pub(super) fn set_base(&mut self, found: Result<Base, Problem>) {
+        match (&mut self.stage, found) {
+            (Stage::Read(_, _, base), Ok(found)) => *base = found,
+            (_, Ok(_)) => {}
+            (_, Err(problem)) => self.fail(problem),
+        }
+    }
+
+    /// Goes on with the next item after a panic, which is a defect of the program.
+    pub(super) fn break_off(&mut self) {
+        self.fail(Problem::from(Failure::Defect));
+    }
+
+    fn next_lane(&self) -> WorkLane {
+        let of_reading = |item: Option<&Item>| match item {
+            Some(item) if item.bytes.len() > PARSED_AT_ONCE => WorkLane::Wire,
+            _ => WorkLane::Quick,
+        };
+        match &self.stage {
+            Stage::Unread => of_reading(self.items.as_slice().first()),
+            Stage::Read(_, _, base) if base.is_given() => WorkLane::Wire,
+            Stage::Read(..) => of_reading(self.current.as_ref()),
+            Stage::Fitting(fitting) => fitting.fit.lane(),
+            Stage::Ended(fitting, ended) => {
+                let cost = ended.frame.as_ref();
+                let cost = cost.map(|frame| Cost::of(frame, fitting.form.view));
+                cost.map_or(WorkLane::Quick, Cost::lane)
+            }
+        }
+    }
+
+    /// Takes the current item one step further; returns false if that has to wait.
+    fn step(&mut self, deadline: Instant) -> bool {
+        match std::mem::replace(&mut self.stage, Stage::Unread) {
+            Stage::Unread => self.read(),
+            Stage::Read(request, words, base) => self.check(*request, &words, base),
+            Stage::Fitting(fitting) => self.fit(fitting, deadline),
+            Stage::Ended(fitting, ended) => self.write(fitting, &ended),
+        }
+        self.want.is_none() && self.lines.fatal.is_none()
+    }
+
+    fn read(&mut self) {
+        let Some(item) = self.items.next() else {
+            return;
+        };
+        let read = self.settings.read(&item.bytes);
+        self.current = Some(item);
+        match read {
+            Err(problem) => self.fail(problem),
+            Ok(ReadItem { request, words }) => {
+                self.want = request.base().cloned().map(Want::Base);
+                self.stage = Stage::Read(Box::new(request), words, Base::none());
+            }
+        }
+    }
+
+    fn check(&mut self, request: JobRequest, words: &ItemWords, base: Base) {
+        let valid = base.validate(request, self.settings.limits, words);
+        if self.items.as_slice().is_empty() {
+            self.reading = None;
+        }
+        let valid = match valid {
+            Ok(valid) => valid,
+            Err(problem) => return self.fail(problem),
+        };
+        let form = match self.settings.forms().of(&valid.problem) {
+            Ok(form) => form,
+            Err(problem) => return self.fail(problem),
+        };
+        if let Some(item) = &mut self.current {
+            item.bytes.clear();
+            item.memory = None;
+        }
+        let bytes = valid.problem.memory().max(SMALL_FIT);
+        let step_cost = valid.problem.step_cost();
+        let has = self.memory.as_ref().map_or(0, |(_, bytes)| *bytes);
+        self.want = (bytes > has).then_some(Want::Memory { step_cost, bytes });
+        self.stage = Stage::Fitting(Fitting {
+            name: valid.name,
+            form,
+            fit: DirectFit::new(valid.problem),
+        });
+    }
+
+    fn fit(&mut self, mut fitting: Fitting, deadline: Instant) {
+        let (settings, fit) = (&self.settings, &mut fitting.fit);
+        let ended = fit.work(deadline, &settings.cancelled, settings.app.jobs.resources());
+        self.stage = match ended {
+            None => Stage::Fitting(fitting),
+            Some(ended) => {
+                // Small ones share what is left.
+                self.memory.take_if(|(_, bytes)| *bytes > SMALL_FIT);
+                Stage::Ended(fitting, Box::new(ended))
+            }
+        };
+    }
+
+    fn write(&mut self, fitting: Fitting, ended: &EndedFit) {
+        let Some(item) = self.current.take() else {
+            return;
+        };
+        let converged = ended.status.state == State::Converged;
+        let problem = (!converged).then(|| {
+            let outline = Outline::new(Label::default(), fitting.fit.problem(), None);
+            let problem = Problem::not_converged(&outline, &ended.status);
+            self.settings.body_of(&problem)
+        });
+        let end = ItemEnd {
+            index: item.index,
+            name: fitting.name.as_deref(),
+            status: &ended.status,
+            frame: ended.frame.as_ref(),
+            problem,
+        };
+        let content = view::fitted(end, &fitting.form);
+        match converged {
+            true => self.lines.converged += 1,
+            false => self.lines.failed += 1,
+        }
+        self.lines.push(item.index, content);
+        self.item_has_ended();
+    }
+
+    /// Ends the current item with a problem.
+    fn fail(&mut self, problem: Problem) {
+        self.stage = Stage::Unread;
+        let Some(item) = self.current.take() else {
+            return;
+        };
+        let is_fatal = self.settings.is_fatal(&problem);
+        let name = self.settings.name_of(&item);
+        let problem = self.settings.located(problem, &item);
+        if is_fatal {
+            self.lines.fatal = Some(problem);
+            return;
+        }
+        let content = answer::failed(&self.settings, item.index, name.as_deref(), &problem);
+        self.lines.failed += 1;
+        self.lines.push(item.index, content);
+        self.item_has_ended();
+    }
+
+    fn item_has_ended(&mut self) {
+        self.settings
+            .app
+            .jobs
+            .resources()
+            .counters
+            .batch_items
+            .inc();
+        let is_last = self.items.as_slice().is_empty();
+        if !is_last && (self.lines.len() >= ENOUGH || self.lines.has_large()) {
+            self.want = Some(Want::Send);
+        }
+    }
+
+    /// Returns true if all items have ended.
+    fn is_done(&self) -> bool {
+        self.current.is_none() && self.items.as_slice().is_empty()
+    }
+}
+
+impl Errand for Group {
+    fn work(&mut self, deadline: Instant) -> Progress {
+        let begun = Instant::now();
+        let progress = loop {
+            if self.is_done() || self.settings.is_cancelled() {
+                break Progress::Paused;
+            }
+            let lane = self.next_lane();
+            if lane != self.lane || Instant::now() >= deadline {
+                break Progress::Again(self.lane());
+            }
+            if !self.step(deadline) {
+                break Progress::Paused;
+            }
+        };
+        self.busy += begun.elapsed();
+        progress
+    }
+}

@@ -1,0 +1,114 @@
+//! An item of a batch: a job, read and checked like a job of its own, whose mistakes are at their places in the batch.
+
+use bytes::Bytes;
+use serde::Deserialize;
+
+use super::pieces::BodyForm;
+use super::settings::Settings;
+use crate::api::json::request;
+use crate::api::json::request::places::Places;
+use crate::api::language::Language;
+use crate::api::problem::{Kind, Location, Problem, Words};
+use crate::api::proto;
+use crate::api::proto::fields::MessageLayout;
+use crate::job::memory::Permit;
+use crate::model::job::{JobRequest, LONGEST_NAME};
+use crate::model::mistakes::SpecPart;
+
+/// An item as it has arrived.
+pub(super) struct Item {
+    /// Its place among the items.
+    pub(super) index: usize,
+    pub(super) bytes: Bytes,
+    /// The memory of a large one.
+    pub(super) memory: Option<Permit>,
+}
+
+/// An item that was read.
+pub(super) struct ReadItem {
+    pub(super) request: JobRequest,
+    /// Where its parts stand.
+    pub(super) words: ItemWords,
+}
+
+/// Where the parts of an item stand.
+pub(super) enum ItemWords {
+    Json(Places),
+    Message(MessageLayout),
+}
+
+impl Words for ItemWords {
+    fn of(&self, place: SpecPart) -> String {
+        match self {
+            Self::Json(places) => places.of(place),
+            Self::Message(layout) => layout.of(place),
+        }
+    }
+
+    fn place(&self, text: String) -> Location {
+        match self {
+            Self::Json(places) => places.place(text),
+            Self::Message(layout) => layout.place(text),
+        }
+    }
+}
+
+impl Settings {
+    /// Reads an item, with the defaults of the batch.
+    pub(super) fn read(&self, item: &Bytes) -> Result<ReadItem, Problem> {
+        let bytes = match self.defaults() {
+            None => item.clone(),
+            Some(defaults) => defaults.merge(item),
+        };
+        let config = &self.app.config;
+        match self.language {
+            Language::Json => {
+                let (request, places) = request::job::read(bytes, config.max_points)?;
+                let words = ItemWords::Json(places);
+                Ok(ReadItem { request, words })
+            }
+            Language::Protobuf => {
+                let (request, layout) = proto::request::read(bytes, config)?;
+                let words = ItemWords::Message(layout);
+                Ok(ReadItem { request, words })
+            }
+        }
+    }
+
+    /// Returns true if a batch cannot go on after this problem with an item: its body is no JSON.
+    pub(super) fn is_fatal(&self, problem: &Problem) -> bool {
+        self.body == BodyForm::Document && problem.kind() == Kind::NotJson
+    }
+
+    /// A problem with an item, at its place in the batch: in the item, or in the defaults.
+    pub(super) fn located(&self, problem: Problem, item: &Item) -> Problem {
+        let in_defaults = |pointer: &str| {
+            let defaults = self.defaults();
+            defaults.is_some_and(|defaults| defaults.has(pointer, &item.bytes))
+        };
+        problem.relocated(|place| match place {
+            Location::Pointer(pointer) if in_defaults(&pointer) => {
+                Location::Pointer(format!("/defaults{pointer}"))
+            }
+            Location::Pointer(pointer) => {
+                Location::Pointer(format!("/items/{}{pointer}", item.index))
+            }
+            Location::Field(field) if field.is_empty() => Location::Field("item".to_owned()),
+            Location::Field(field) => Location::Field(format!("item.{field}")),
+            place => place,
+        })
+    }
+
+    /// The name of an item that could not be read, if it has one that can.
+    pub(super) fn name_of(&self, item: &Item) -> Option<String> {
+        #[derive(Deserialize)]
+        struct Named {
+            name: Option<String>,
+        }
+        let name = match self.language {
+            Language::Json => serde_json::from_slice::<Named>(&item.bytes).ok()?.name,
+            Language::Protobuf => None,
+        };
+        name.filter(|name| name.chars().count() <= LONGEST_NAME)
+    }
+}
