@@ -29,6 +29,9 @@ const ENCODED: [&str; 5] = [
     "WatchJobResponse",
 ];
 
+/// Calls whose messages are read and written by the server itself, as they arrive.
+const BY_HAND: [&str; 1] = ["FitBatch"];
+
 /// The page, as `make viewer` makes it.
 const VIEWER: &str = "viewer/dist";
 
@@ -52,11 +55,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::write(out.join("fitting.bin"), descriptors.encode_to_vec())?;
 
     let mut server = tonic_prost_build::configure().build_client(false);
+    let mut served = descriptors.clone();
+    let services = served.file.iter_mut().flat_map(|file| &mut file.service);
+    for service in services {
+        service
+            .method
+            .retain(|call| !BY_HAND.contains(&call.name()));
+    }
     for message in ENCODED {
         let path = format!(".piad.v1.{message}");
         server = server.extern_path(path, "crate::api::stream::encoded::Encoded");
     }
-    server.compile_fds(descriptors.clone())?;
+    server.compile_fds(served)?;
 
     let client = out.join("client");
     std::fs::create_dir_all(&client)?;

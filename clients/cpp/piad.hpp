@@ -270,6 +270,24 @@ struct Result : Geometry {
     Distances error;
 };
 
+// What came of an item of a batch.
+struct BatchItem {
+    std::uint64_t index = 0;  // its place among the items
+    std::string name;
+    std::string state;                       // "converged", "exhausted", "stalled" or "failed"
+    std::optional<std::uint64_t> iteration;  // the last one
+    std::optional<Distances> error;
+    std::optional<Result> result;    // the last iteration, also of a fit that has not converged; without an id
+    std::optional<Problem> problem;  // why it has not converged; pointers begin with /items/3 or /defaults
+};
+
+// How many items of a batch have ended.
+struct BatchTotals {
+    std::uint64_t items = 0;
+    std::uint64_t converged = 0;
+    std::uint64_t failed = 0;  // those that have not converged
+};
+
 // How a job ended.
 struct End {
     std::string id;
@@ -383,6 +401,12 @@ struct WatchOptions {
     // The iteration that an edit starts from: its knots are then not sent again, and with `changed` the first
     // event of an ephemeral edit is relative to it.
     const Iteration* from = nullptr;
+};
+
+// Of batches.
+struct BatchOptions {
+    Json defaults;  // fields of jobs for items that do not have them
+    StopToken stop;
 };
 
 // Which jobs are listed.
@@ -698,6 +722,52 @@ inline Result read_result(const Json& value) {
         if (rational == "fixed") result.weights = read_fixed_weights(value, result.shape);
         if (rational == "homogeneous") read_numbers(value.at("weights"), is_single(value), result.weights);
         return result;
+    });
+}
+
+// A problem with an item of a part of a batch, by the index of the item in the batch.
+inline Problem moved(Problem problem, const std::string& own, const std::string& place) {
+    const auto ends = [](char c) { return c == '/' || c == ':'; };
+    for (auto at = problem.detail.find(own); at != std::string::npos; at = problem.detail.find(own, at + 1)) {
+        const auto behind = at + own.size();
+        if (behind < problem.detail.size() && ends(problem.detail[behind])) {
+            problem.detail.replace(at, own.size(), place);
+            at += place.size() - 1;
+        }
+    }
+    const auto move = [&](std::string& pointer) {
+        const bool is_below = pointer.compare(0, own.size(), own) == 0 && (pointer.size() == own.size() || pointer[own.size()] == '/');
+        if (is_below) pointer.replace(0, own.size(), place);
+    };
+    for (auto& error : problem.errors) move(error.pointer);
+    for (auto& pointer : problem.pointers) move(pointer);
+    return problem;
+}
+
+// The line of an item of a request that has begun with the item `first`.
+inline BatchItem read_batch_item(const Json& value, std::uint64_t first) {
+    return reading([&] {
+        BatchItem item;
+        const auto own = value.at("index").get<std::uint64_t>();
+        item.index = first + own;
+        item.name = text(value, "name");
+        item.state = value.at("state").get<std::string>();
+        item.iteration = field<std::uint64_t>(value, "iteration");
+        item.error = read_error(value);
+        for (const char* kind : {"curve", "surface"}) {
+            const auto geometry = value.find(kind);
+            if (geometry == value.end()) continue;
+            Json result = *geometry;
+            result["kind"] = kind;
+            for (const char* name : {"name", "state", "iteration", "error"}) {
+                if (value.contains(name)) result[name] = value.at(name);
+            }
+            item.result = read_result(result);
+        }
+        if (const auto problem = value.find("problem"); problem != value.end()) {
+            item.problem = moved(read_problem(*problem), "/items/" + std::to_string(own), "/items/" + std::to_string(item.index));
+        }
+        return item;
     });
 }
 
@@ -1444,20 +1514,137 @@ private:
     int failures_ = 0;
 };
 
-// A function of an iteration that returns whether to go on, or nothing.
-template <class Function>
-Stream::OnIteration on_iteration(Function& function) {
-    using Returned = std::invoke_result_t<Function&, const Iteration&>;
+// A function of a value that returns whether to go on, or nothing.
+template <class Value, class Function>
+std::function<bool(const Value&)> going_on(Function& function) {
+    using Returned = std::invoke_result_t<Function&, const Value&>;
     static_assert(std::is_void_v<Returned> || std::is_convertible_v<Returned, bool>, "the function returns bool or nothing");
-    return [&function](const Iteration& iteration) -> bool {
+    return [&function](const Value& value) -> bool {
         if constexpr (std::is_void_v<Returned>) {
-            function(iteration);
+            function(value);
             return true;
         } else {
-            return function(iteration);
+            return function(value);
         }
     };
 }
+
+template <class Function>
+Stream::OnIteration on_iteration(Function& function) {
+    return going_on<Iteration>(function);
+}
+
+// The items of a batch, sent in requests of a bounded size. After a broken connection those are sent again that have
+// no answer.
+class Batch {
+public:
+    using OnItem = std::function<bool(const BatchItem&)>;
+
+    Batch(std::shared_ptr<Connection> connection, const BatchOptions& options, OnItem on_item)
+        : connection_(std::move(connection)), options_(options), on_item_(std::move(on_item)) {
+        if (!options.defaults.is_null()) defaults_ = "\"defaults\":" + encoded(options.defaults) + ",";
+    }
+
+    // Takes an item, and sends those before it once they are enough. Returns false if no more are wanted.
+    bool add(const Json& item) {
+        auto text = encoded(item);
+        const bool is_full = bytes_ + text.size() > 256 * 1024 || part_.size() >= 5000 || Clock::now() - begun_ > std::chrono::milliseconds(500);
+        if (!part_.empty() && is_full && !send()) return false;
+        if (part_.empty()) begun_ = Clock::now();
+        bytes_ += text.size();
+        part_.push_back(std::move(text));
+        return true;
+    }
+
+    // Fits the items that are left. Returns false if no more are wanted.
+    bool send() {
+        failures_ = 0;
+        while (!part_.empty()) {
+            std::chrono::milliseconds pause{0};
+            first_ = totals_.items;
+            ended_ = false;
+            try {
+                connect();
+                if (!ended_ && !done_ && !thrown_) throw ConnectionLost("the answer to the batch has no end");
+            } catch (const Error&) {
+                // An exception of the caller is not one of the batch, even if it looks like one.
+                if (!thrown_) pause = connection_->pause_after(++failures_, 0);
+            }
+            if (thrown_) std::rethrow_exception(thrown_);
+            if (done_) return false;
+            part_.erase(part_.begin(), part_.begin() + static_cast<std::ptrdiff_t>(totals_.items - first_));
+            if (ended_) part_.clear();
+            options_.stop.sleep(pause);
+        }
+        bytes_ = 0;
+        return true;
+    }
+
+    const BatchTotals& totals() const { return totals_; }
+
+private:
+    using Clock = StopToken::Clock;
+
+    void connect() {
+        Call call;
+        call.method = "POST";
+        call.path = "/v1/batch";
+        call.query = {{"encoding", "base64"}};
+        call.accept = "application/x-ndjson";
+        call.content_type = "application/json";
+        call.body = "{" + defaults_ + "\"items\":[";
+        for (std::size_t i = 0; i < part_.size(); ++i) call.body += (i == 0 ? "" : ",") + part_[i];
+        call.body += "]}";
+        call.stop = options_.stop;
+        line_.clear();
+        connection_->stream(call, [&](const char* data, std::size_t size) { return feed(data, size); });
+    }
+
+    bool feed(const char* data, std::size_t size) {
+        while (const auto* end = static_cast<const char*>(size == 0 ? nullptr : std::memchr(data, '\n', size))) {
+            const auto length = static_cast<std::size_t>(end - data);
+            line_.append(data, length);
+            data += length + 1;
+            size -= length + 1;
+            const auto line = std::exchange(line_, {});
+            if (!line.empty() && !take(parse(line))) return false;
+        }
+        line_.append(data, size);
+        return true;
+    }
+
+    bool take(const Json& value) {
+        options_.stop.throw_if_stopped();
+        if (value.contains("totals")) ended_ = true;
+        if (ended_) return true;
+        if (!value.contains("index")) throw ApiError(reading([&] { return read_problem(value.at("problem")); }));
+        const auto item = read_batch_item(value, first_);
+        ++totals_.items;
+        ++(item.state == "converged" ? totals_.converged : totals_.failed);
+        failures_ = 0;
+        try {
+            done_ = !on_item_(item);
+        } catch (...) {
+            thrown_ = std::current_exception();
+        }
+        return !done_ && !thrown_;
+    }
+
+    std::shared_ptr<Connection> connection_;
+    const BatchOptions& options_;
+    OnItem on_item_;
+    std::string defaults_;
+    std::vector<std::string> part_;
+    std::size_t bytes_ = 0;
+    Clock::time_point begun_;
+    std::uint64_t first_ = 0;
+    std::string line_;
+    BatchTotals totals_;
+    std::exception_ptr thrown_;
+    bool ended_ = false;
+    bool done_ = false;
+    int failures_ = 0;
+};
 
 }  // namespace detail
 
@@ -1678,6 +1865,19 @@ public:
         call.query = {{"encoding", "base64"}};
         call.stop = stop;
         return detail::read_result(connection_->json(call));
+    }
+
+    // Many fits, which are much quicker together than one by one. `items` is a range of jobs as JSON, which are taken and
+    // sent some at a time; nothing of them is kept. The function is called with a `BatchItem` for each, in order; it may
+    // return false to end the batch. An item that fails ends nothing: it has a `problem`.
+    template <class Items, class Function>
+    BatchTotals batch(const Items& items, Function&& function, const BatchOptions& options = {}) const {
+        detail::Batch batch(connection_, options, detail::going_on<BatchItem>(function));
+        for (const Json& item : items) {
+            if (!batch.add(item)) return batch.totals();
+        }
+        batch.send();
+        return batch.totals();
     }
 
     // A new job with its iterations in the answer; see `Job::watch`. `job(end->id)` is the job.

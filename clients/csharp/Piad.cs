@@ -109,6 +109,33 @@ namespace Piad
             return new FitResult(await connection.JsonAsync(call, cancellation).ConfigureAwait(false));
         }
 
+        /// <summary>Many fits, which are much quicker together than one by one. Calls back for each item in order, on a
+        /// thread of the pool. Items are taken and sent some at a time, and nothing of them is kept. An item that fails
+        /// ends nothing: it has a Problem. `defaults` are fields of jobs, as JSON, for items that do not have them.</summary>
+        public Task<BatchTotals> BatchAsync(
+            IEnumerable<FitRequest> items, Action<BatchItem> callback, JObject defaults = null,
+            CancellationToken cancellation = default(CancellationToken))
+        {
+            return BatchAsync(items, Later(callback), defaults, cancellation);
+        }
+
+        /// <summary>The same with a callback that is awaited.</summary>
+        public Task<BatchTotals> BatchAsync(
+            IEnumerable<FitRequest> items, Func<BatchItem, Task> callback, JObject defaults = null,
+            CancellationToken cancellation = default(CancellationToken))
+        {
+            return new Batch(connection, defaults).RunAsync(items, callback, cancellation);
+        }
+
+        private static Func<BatchItem, Task> Later(Action<BatchItem> callback)
+        {
+            return item =>
+            {
+                callback(item);
+                return Task.FromResult(true);
+            };
+        }
+
         /// <summary>The iterations of a new job, in the answer to the request for it. With CancelOnDisconnect in the
         /// options the job ends with the connection.</summary>
         public FitStream CreateStream(FitRequest request, WatchOptions options = null)
@@ -900,6 +927,83 @@ namespace Piad
         public FittedSurface Surface { get { return geometry.Surface(shape); } }
     }
 
+    /// <summary>What came of an item of a batch.</summary>
+    public sealed class BatchItem
+    {
+        // The line of an item of a request that has begun with the item `first`.
+        internal BatchItem(JObject json, long first)
+        {
+            long own = Json.Integer(json, "index") ?? 0;
+            Index = first + own;
+            Name = Json.Text(json, "name");
+            State = Json.Text(json, "state");
+            Iteration = Json.Integer(json, "iteration");
+            Error = FitError.Of(json);
+            foreach (string kind in new[] { "curve", "surface" })
+            {
+                JObject geometry = Json.Object(json, kind);
+                if (geometry == null) continue;
+                var result = (JObject)Json.Copy(geometry);
+                Json.Put(result, "kind", Json.Of(kind));
+                foreach (string name in new[] { "state", "iteration", "error" }) Json.Put(result, name, Json.Copy(json[name]));
+                Result = new FitResult(result);
+            }
+            JObject problem = Json.Object(json, "problem");
+            if (problem != null) Problem = new ApiException(Moved(problem, "/items/" + own, "/items/" + Index));
+        }
+
+        /// <summary>Its place among the items, from 0.</summary>
+        public long Index { get; private set; }
+
+        /// <summary>The client's name for it, or null.</summary>
+        public string Name { get; private set; }
+
+        /// <summary>converged, exhausted, stalled or failed; failed also if it is no fit that can be computed.</summary>
+        public string State { get; private set; }
+
+        /// <summary>The number of the last iteration, or null.</summary>
+        public long? Iteration { get; private set; }
+
+        /// <summary>The distances at that iteration, or null.</summary>
+        public FitError Error { get; private set; }
+
+        /// <summary>The last iteration, also of a fit that has not converged; null if there was none. It has no id.</summary>
+        public FitResult Result { get; private set; }
+
+        /// <summary>Why it has not converged, or null; its pointers begin with /items/3 or /defaults. It is not thrown.</summary>
+        public ApiException Problem { get; private set; }
+
+        // A problem with an item of a part, by the index of the item in the batch.
+        private static JObject Moved(JObject problem, string own, string place)
+        {
+            var moved = (JObject)Json.Copy(problem);
+            string detail = Json.Text(moved, "detail") ?? "";
+            moved["detail"] = Json.Of(detail.Replace(own + "/", place + "/").Replace(own + ":", place + ":"));
+            foreach (JObject error in Json.List(moved, "errors").OfType<JObject>())
+            {
+                string pointer = Json.Text(error, "pointer");
+                if (pointer == own || (pointer != null && pointer.StartsWith(own + "/", StringComparison.Ordinal)))
+                {
+                    error["pointer"] = Json.Of(place + pointer.Substring(own.Length));
+                }
+            }
+            return moved;
+        }
+    }
+
+    /// <summary>What came of all items of a batch.</summary>
+    public sealed class BatchTotals
+    {
+        /// <summary>How many items there were.</summary>
+        public long Items { get; internal set; }
+
+        /// <summary>How many of them have converged.</summary>
+        public long Converged { get; internal set; }
+
+        /// <summary>How many have not.</summary>
+        public long Failed { get; internal set; }
+    }
+
     /// <summary>How a job ended: the last event of its stream.</summary>
     public sealed class JobEnd
     {
@@ -1429,6 +1533,154 @@ namespace Piad
 
 namespace Piad.Internal
 {
+    // -------------------------------------------------------------------------------------------------- batches
+
+    // Items of a batch, sent in requests of a bounded size: a request is sent as a whole before its answer is read.
+    internal sealed class Batch
+    {
+        private const int PartBytes = 256 * 1024;
+        private const int PartItems = 5000;
+
+        // Items that come slowly are sent after this time.
+        private static readonly TimeSpan partTime = TimeSpan.FromSeconds(0.5);
+
+        private readonly Connection connection;
+        private readonly string begin;
+        private readonly BatchTotals totals = new BatchTotals();
+
+        internal Batch(Connection connection, JObject defaults)
+        {
+            this.connection = connection;
+            string text = defaults == null ? "" : "\"defaults\":" + Encoding.UTF8.GetString(Json.Write(defaults)) + ",";
+            begin = "{" + text + "\"items\":[";
+        }
+
+        internal async Task<BatchTotals> RunAsync(
+            IEnumerable<FitRequest> items, Func<BatchItem, Task> callback, CancellationToken cancellation)
+        {
+            var part = new Queue<byte[]>();
+            int size = 0;
+            var time = System.Diagnostics.Stopwatch.StartNew();
+            foreach (FitRequest item in items)
+            {
+                byte[] json = Json.Write(item.ToJson());
+                if (part.Count > 0 && (size + json.Length > PartBytes || part.Count >= PartItems || time.Elapsed > partTime))
+                {
+                    await SendAsync(part, callback, cancellation).ConfigureAwait(false);
+                    size = 0;
+                }
+                if (part.Count == 0) time.Restart();
+                part.Enqueue(json);
+                size += json.Length;
+            }
+            await SendAsync(part, callback, cancellation).ConfigureAwait(false);
+            return totals;
+        }
+
+        // Fits some items, which are taken out of the queue. After a broken connection those are sent again that have
+        // no answer.
+        private async Task SendAsync(Queue<byte[]> part, Func<BatchItem, Task> callback, CancellationToken cancellation)
+        {
+            var backoff = new Backoff(connection);
+            BatchAnswer answer = null;
+            try
+            {
+                while (part.Count > 0)
+                {
+                    BatchItem item = null;
+                    PiadException failure = null;
+                    try
+                    {
+                        if (answer == null) answer = await BatchAnswer.OpenAsync(connection, Body(part), totals.Items, cancellation).ConfigureAwait(false);
+                        item = await answer.NextAsync(cancellation).ConfigureAwait(false);
+                    }
+                    catch (PiadException error)
+                    {
+                        failure = error;
+                    }
+                    if (failure != null)
+                    {
+                        if (answer != null) answer.Dispose();
+                        answer = null;
+                        await backoff.WaitAsync(failure, TimeSpan.Zero, cancellation).ConfigureAwait(false);
+                        continue;
+                    }
+                    part.Dequeue();
+                    totals.Items += 1;
+                    if (item.State == "converged") totals.Converged += 1;
+                    else totals.Failed += 1;
+                    backoff.Reset();
+                    await callback(item).ConfigureAwait(false);
+                    cancellation.ThrowIfCancellationRequested();
+                }
+            }
+            finally
+            {
+                if (answer != null) answer.Dispose();
+            }
+        }
+
+        private byte[] Body(IEnumerable<byte[]> part)
+        {
+            var bytes = new MemoryStream();
+            Write(bytes, begin);
+            string comma = "";
+            foreach (byte[] item in part)
+            {
+                Write(bytes, comma);
+                bytes.Write(item, 0, item.Length);
+                comma = ",";
+            }
+            Write(bytes, "]}");
+            return bytes.ToArray();
+        }
+
+        private static void Write(MemoryStream bytes, string text)
+        {
+            byte[] encoded = Encoding.UTF8.GetBytes(text);
+            bytes.Write(encoded, 0, encoded.Length);
+        }
+    }
+
+    // The items of the answer to one request.
+    internal sealed class BatchAnswer : IDisposable
+    {
+        private readonly Body body;
+        private readonly LineReader lines;
+        private readonly long first;
+
+        private BatchAnswer(HttpResponseMessage response, Connection connection, long first)
+        {
+            body = new Body(response, connection.StreamTimeout);
+            lines = new LineReader(body);
+            this.first = first;
+        }
+
+        internal static async Task<BatchAnswer> OpenAsync(Connection connection, byte[] items, long first, CancellationToken cancellation)
+        {
+            var call = new Call("POST", "/v1/batch?encoding=base64") { Body = items };
+            HttpResponseMessage response = await connection.SendAsync(call, "application/x-ndjson", cancellation).ConfigureAwait(false);
+            return new BatchAnswer(response, connection, first);
+        }
+
+        public void Dispose()
+        {
+            body.Dispose();
+        }
+
+        // The next item; there is one, unless the answer ends early.
+        internal async Task<BatchItem> NextAsync(CancellationToken cancellation)
+        {
+            string line = await lines.NextAsync(cancellation).ConfigureAwait(false);
+            if (line == null) throw new ConnectionLostException("the answer to the batch has no end");
+            JObject json = Json.Parse(line);
+            if (Json.Has(json, "index")) return new BatchItem(json, first);
+            JObject problem = Json.Object(json, "problem");
+            if (problem != null) throw new ApiException(problem);
+            throw new ProtocolException("the server left out items of the batch");
+        }
+    }
+
     internal sealed class ServerEvent
     {
         internal string Name = "message";
@@ -1907,6 +2159,19 @@ namespace Piad
     public sealed class ApiException : PiadException
     {
         internal ApiException(HttpResponseMessage response, string body) : this(response, body, ProblemOf(response, body)) { }
+
+        // A problem within an answer.
+        internal ApiException(JObject problem)
+            : base(Json.Integer(problem, "status") + " " + Json.Text(problem, "title") + ": " + Json.Text(problem, "detail"))
+        {
+            Status = (int)(Json.Integer(problem, "status") ?? 0);
+            Type = Json.Text(problem, "type") ?? "about:blank";
+            Title = Json.Text(problem, "title") ?? "";
+            Detail = Json.Text(problem, "detail") ?? "";
+            Errors = Json.List(problem, "errors").OfType<JObject>().ToList();
+            Pointers = Errors.Select(error => Json.Text(error, "pointer")).Where(pointer => pointer != null).ToArray();
+            RequestId = Json.Text(problem, "request_id");
+        }
 
         private ApiException(HttpResponseMessage response, string body, JObject problem)
             : base((int)response.StatusCode + " " + (Json.Text(problem, "title") ?? response.ReasonPhrase) + ": " + (Json.Text(problem, "detail") ?? Short(body)))

@@ -158,7 +158,16 @@ pub(super) async fn result_content(job: &Arc<Job>, form: Form) -> Result<Content
     let cost = Cost::of(&frame, form.view);
     let write = move || match form.is_protobuf() {
         false => view::result::result(owner.outline(), &status, &frame, &form),
-        true => proto::geometry::result(&owner, &status, &frame, form.view),
+        true => {
+            let outline = owner.outline();
+            let head = proto::geometry::ResultHead {
+                id: Some(outline.id),
+                name: outline.label.name.as_deref(),
+                notices: &outline.label.notices,
+                state: status.state,
+            };
+            proto::geometry::result(&head, &frame, form.view)
+        }
     };
     Ok(encode::off_network(job, cost, write).await?)
 }

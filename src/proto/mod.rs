@@ -15,6 +15,7 @@ pub(crate) mod values;
 
 /// What is generated from the contract; the contract documents it.
 #[allow(
+    dead_code,
     missing_docs,
     unreachable_pub,
     clippy::all,

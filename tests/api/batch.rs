@@ -491,6 +491,18 @@ async fn lines_come_while_the_body_is_sent() {
     );
 }
 
+/// A body that pauses for too long ends the batch, with what came before.
+#[tokio::test]
+async fn a_pause_in_the_body_has_an_end() {
+    let server = Server::with(|config| config.body_timeout = Duration::from_millis(300)).await;
+    let first = Ok::<_, std::io::Error>(format!("{}\n{{\"curve\"", curve(0)));
+    let body = stream::iter([first]).chain(stream::pending());
+    let batch = Lines::of(post_lines(&server, Body::wrap_stream(body)).await).await;
+    assert_eq!(batch.states(), ["converged"]);
+    assert_eq!(batch.last["problem"]["type"], "/problems/body-timeout");
+    server.until("piad_jobs_running", 0.0).await;
+}
+
 /// A client that goes away ends its fits, and so does a server that stops.
 #[tokio::test]
 async fn it_ends_with_its_request() {

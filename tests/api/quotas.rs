@@ -206,6 +206,10 @@ async fn open_streams_are_exact() {
         )
         .await;
     }
+    // So does a batch, whatever it has.
+    let batch = server.post("/v1/batch").bearer_auth(&tenants.limited);
+    let batch = batch.json(&json!({"items": [data::small_job()]}));
+    refused(batch.send().await.unwrap(), detail).await;
     let list = server.get("/v1/jobs").bearer_auth(&tenants.limited);
     let list: Value = list.send().await.unwrap().json().await.unwrap();
     assert_eq!(list["jobs"].as_array().unwrap().len(), 1);

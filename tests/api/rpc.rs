@@ -1,5 +1,6 @@
 //! The gRPC service: the same jobs as those of REST, bit for bit.
 
+mod batch;
 mod ends;
 mod jobs;
 mod mistakes;

@@ -53,7 +53,8 @@ def before_call(context, case, kwargs):
     if case.query:
         choose(case)
     if isinstance(case.body, dict) and is_right(case, Place.BODY):
-        make_computable(case.body)
+        for job in case.body.get("items") or [case.body]:
+            make_computable(job)
 
 
 def is_right(case, place) -> bool:

@@ -146,6 +146,30 @@ def fits_a_surface(stub, address):
         assert_same(message, event)
 
 
+def fits_a_batch(stub):
+    """Many curves, whose results come while they are sent; what is wrong is told at its field."""
+    stop = pb.StopRules(tolerance=1e-8)
+
+    def requests():
+        yield pb.FitBatchRequest(options=pb.BatchOptions(defaults=pb.JobInput(stop=stop)))
+        for count in range(200, 700):
+            curve = pb.Curve(dimension=3, points=helix(count))
+            yield pb.FitBatchRequest(item=pb.JobInput(name=str(count), curve=curve))
+        yield pb.FitBatchRequest(item=pb.JobInput(curve=pb.Curve(dimension=2, points=[0, 0, 1, 1, 1, 1])))
+
+    *responses, last = stub.FitBatch(requests())
+    items = [response.item for response in responses]
+    assert [item.index for item in items] == list(range(501))
+    assert [item.name for item in items[:500]] == [str(count) for count in range(200, 700)]
+    assert (last.totals.items, last.totals.converged, last.totals.failed) == (501, 500, 1), last
+    assert items[500].problem.errors[0].field == "item.curve.points[4]", items[500]
+    curve = pb.Curve(dimension=3, points=helix())
+    job, *_ = read(stub.Fit(pb.FitRequest(input=pb.JobInput(curve=curve, stop=stop))))
+    kept = stub.GetResult(pb.GetResultRequest(id=job.id)).result
+    assert list(items[0].result.control_net.points) == list(kept.control_net.points)
+    assert items[0].result.error == kept.error
+
+
 def cancels(stub):
     endless = pb.JobInput(
         curve=pb.Curve(dimension=3, points=helix()),
@@ -223,12 +247,13 @@ def main():
         job = fits_and_watches(stub, address)
         edits(stub, job)
         fits_a_surface(stub, address)
+        fits_a_batch(stub)
         cancels(stub)
         is_told_what_is_wrong(stub)
         is_a_good_citizen(channel)
         jobs = stub.ListJobs(pb.ListJobsRequest(page_size=2))
         assert len(jobs.jobs) == 2 and jobs.next_page_token
-    print("fits, watches, resumes, edits, cancels: all the same as over REST")
+    print("fits, fits batches, watches, resumes, edits, cancels: all the same as over REST")
 
 
 if __name__ == "__main__":

@@ -63,7 +63,7 @@ public static class Tests
 
     private static IEnumerable<MethodInfo> Chosen(string[] names)
     {
-        return new[] { typeof(FitTests), typeof(StreamTests), typeof(MistakeTests), typeof(BreakTests), typeof(HostTests) }
+        return new[] { typeof(FitTests), typeof(StreamTests), typeof(BatchTests), typeof(MistakeTests), typeof(BreakTests), typeof(HostTests) }
             .SelectMany(group => group.GetMethods(BindingFlags.Public | BindingFlags.Static | BindingFlags.DeclaredOnly))
             .Where(test => names.Length == 0 || names.Contains(test.Name));
     }

@@ -21,7 +21,7 @@ def snippets(page: str, section: str) -> list[str]:
 
 
 CLIENT = "clients/python/README.md"
-SECTIONS = ["Five minutes", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
+SECTIONS = ["Five minutes", "Many fits at once", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
 
 
 @pytest.mark.parametrize(("page", "section"), [("README.md", "From CAD"), *((CLIENT, section) for section in SECTIONS)])
@@ -32,7 +32,7 @@ def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, m
     exec(compile(code, page, "exec"), {})
 
 
-@pytest.mark.parametrize("section", ["Five minutes", "While a point is dragged"])
+@pytest.mark.parametrize("section", ["Five minutes", "Many fits at once", "While a point is dragged"])
 def test_examples_are_typed(section: str, tmp_path: Path) -> None:
     example = tmp_path / "example.py"
     example.write_text(snippets(CLIENT, section)[0], encoding="utf-8")

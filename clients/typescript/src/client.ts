@@ -2,6 +2,7 @@
 
 import type * as api from "./api.js";
 import type { Fetch } from "./attempt.js";
+import { Batch, type Batching, type Items } from "./batch.js";
 import { type Call, Connection, serverUrl } from "./connection.js";
 import { type IterationIn, type Result, resultOf } from "./iteration.js";
 import { Job, create, createStream } from "./job.js";
@@ -72,6 +73,15 @@ export class Client {
     const { encoding = "base64", signal } = options;
     const call: Call = { method: "POST", path: "/v1/fit", query: { encoding }, body: request, signal };
     return resultOf(await this.#connection.json<api.FitResult>(call));
+  }
+
+  /**
+   * Many fits, which are much quicker together than one by one: what comes of each, in order, as an async iterator.
+   * Items may come from a generator; they are taken and sent some at a time, and nothing of them is kept. An item that
+   * fails ends nothing: it has a `problem`.
+   */
+  batch(items: Items, options: Batching = {}): Batch {
+    return new Batch(this.#connection, items, options);
   }
 
   /** The job with this id. */

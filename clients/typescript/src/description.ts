@@ -3213,6 +3213,24 @@ export interface components {
          */
         ResultWeights: components["schemas"]["WeightArray"] | components["schemas"]["NumberArrayPair"];
         /**
+         * @description The fields of a server-sent event: `item` with its index as its id, in order, then `totals`; or `problem`. Comments keep quiet streams open.
+         * @example {
+         *       "event": "totals",
+         *       "data": "{\"totals\":{\"items\":3,\"converged\":2,\"failed\":1,\"seconds\":0.0031}}"
+         *     }
+         */
+        BatchEvent: {
+            /**
+             * @description What has ended.
+             * @enum {string}
+             */
+            event: "item" | "totals" | "problem";
+            /** @description The index of the item. */
+            id?: string;
+            /** @description The line, as JSON: a BatchItem, a BatchEnd or a BatchProblem. */
+            data: string;
+        };
+        /**
          * @description A line of a batch: the items in their order, then the totals; or the problem that has ended the batch early.
          * @example {
          *       "index": 0,
@@ -4640,6 +4658,7 @@ export type IterationLine = components['schemas']['IterationLine'];
 export type EndLine = components['schemas']['EndLine'];
 export type FitResult = components['schemas']['FitResult'];
 export type ResultWeights = components['schemas']['ResultWeights'];
+export type BatchEvent = components['schemas']['BatchEvent'];
 export type BatchLine = components['schemas']['BatchLine'];
 export type BatchItem = components['schemas']['BatchItem'];
 export type FitGeometry = components['schemas']['FitGeometry'];

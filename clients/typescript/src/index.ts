@@ -3,6 +3,7 @@
 export type * as api from "./api.js";
 export type { Tensor } from "./arrays.js";
 export type { Fetch } from "./attempt.js";
+export { Batch, type BatchItem, type BatchTotals, type Batching, type Items } from "./batch.js";
 export { Client, type ClientOptions } from "./client.js";
 export { ApiError, ConnectionLost, JobFailed, PiadError, type Problem, ProtocolError } from "./errors.js";
 export type {

@@ -45,7 +45,7 @@ describe("the documentation", () => {
       assert.ok(!said.includes(undefined), String(said));
     });
   }
-  test("has examples", () => assert.equal(examples.length, 6));
+  test("has examples", () => assert.equal(examples.length, 7));
 });
 
 function examplesIn(text: string, name: string): Example[] {

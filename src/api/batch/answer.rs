@@ -5,18 +5,22 @@ use std::sync::Arc;
 use bytes::{BufMut, Bytes, BytesMut};
 
 use super::settings::Settings;
-use crate::api::json::view::batch::{self as view, BatchEnd, BatchProblem, BatchTotals};
+use crate::api::json::view::batch::{self as view, BatchEnd, BatchProblem, BatchTotals, ItemEnd};
 use crate::api::json::view::to_bytes;
 use crate::api::language::Framing;
 use crate::api::problem::Problem;
+use crate::api::proto;
 use crate::job::content::Content;
+use crate::job::direct::EndedFit;
 use crate::job::memory::{Cache, Charge};
+use crate::job::state::State;
+use crate::model::stream::form::Form;
 
 /// Contents up to this size are copied together.
 const SMALL: usize = 16 * 1024;
 
 /// What is sent of a batch.
-pub(in crate::api) enum Output {
+pub(super) enum Output {
     /// Lines of items.
     Lines(Content),
     /// The end: what came of all items, or why there is no more.
@@ -78,10 +82,12 @@ impl Lines {
                 self.put(data);
                 self.text.put_slice(b"\n\n");
             }
-            Framing::Ndjson | Framing::Protobuf => {
+            Framing::Ndjson => {
                 self.put(data);
                 self.text.put_slice(b"\n");
             }
+            // It is framed already.
+            Framing::Protobuf => self.put(data),
         }
     }
 
@@ -107,7 +113,7 @@ impl Lines {
 }
 
 /// What a stream begins with.
-pub(in crate::api) fn beginning(framing: Framing) -> Bytes {
+pub(super) fn beginning(framing: Framing) -> Bytes {
     match framing {
         // Some proxies pass on the head only with the first bytes of the body.
         Framing::Sse => Bytes::from_static(b": piad\n\n"),
@@ -116,35 +122,65 @@ pub(in crate::api) fn beginning(framing: Framing) -> Bytes {
 }
 
 /// What is sent while there is nothing to say.
-pub(in crate::api) fn quiet(framing: Framing) -> Bytes {
+pub(super) fn quiet(framing: Framing) -> Bytes {
     match framing {
         Framing::Sse => Bytes::from_static(b": still here\n\n"),
         Framing::Ndjson | Framing::Protobuf => Bytes::new(),
     }
 }
 
-/// The last line.
-pub(in crate::api) fn last(settings: &Settings, end: Result<BatchTotals, Problem>) -> Bytes {
-    let (name, data) = match end {
-        Ok(totals) => ("totals", to_bytes(&BatchEnd { totals })),
-        Err(problem) => {
-            let problem = settings.body_of(&problem);
+/// The last line; what has ended a batch early is told by the status of a call.
+pub(super) fn last(settings: &Settings, end: &Result<BatchTotals, Problem>) -> Bytes {
+    let (name, data) = match (end, settings.framing) {
+        (Ok(totals), Framing::Protobuf) => {
+            return proto::batch::totals(totals.items, totals.converged, totals.seconds);
+        }
+        (Err(_), Framing::Protobuf) => return Bytes::new(),
+        (&Ok(totals), _) => ("totals", to_bytes(&BatchEnd { totals })),
+        (Err(problem), _) => {
+            let problem = settings.body_of(problem);
             ("problem", to_bytes(&BatchProblem { problem }))
         }
     };
     let mut text = BytesMut::with_capacity(data.len() + 32);
-    match settings.framing {
-        Framing::Sse => {
-            text.put_slice(format!("event: {name}\ndata: ").as_bytes());
-            text.put_slice(&data);
-            text.put_slice(b"\n\n");
-        }
-        Framing::Ndjson | Framing::Protobuf => {
-            text.put_slice(&data);
-            text.put_slice(b"\n");
-        }
+    if settings.framing == Framing::Sse {
+        text.put_slice(format!("event: {name}\ndata: ").as_bytes());
+    }
+    text.put_slice(&data);
+    text.put_slice(b"\n");
+    if settings.framing == Framing::Sse {
+        text.put_slice(b"\n");
     }
     text.freeze()
+}
+
+/// The line of a fit that has ended.
+pub(super) fn fitted(
+    settings: &Settings,
+    index: usize,
+    name: Option<&str>,
+    ended: &EndedFit,
+    form: &Form,
+    problem: Option<&Problem>,
+) -> Content {
+    let frame = ended.frame.as_ref();
+    if settings.framing == Framing::Protobuf {
+        let end = proto::batch::ItemEnd {
+            index,
+            name,
+            state: ended.status.state,
+            problem,
+        };
+        return proto::batch::item(&end, frame.map(|frame| (frame, form)));
+    }
+    let end = ItemEnd {
+        index,
+        name,
+        status: &ended.status,
+        frame,
+        problem: problem.map(|problem| settings.body_of(problem)),
+    };
+    view::fitted(end, form)
 }
 
 /// The line of an item that is no fit that can be computed.
@@ -154,5 +190,14 @@ pub(super) fn failed(
     name: Option<&str>,
     problem: &Problem,
 ) -> Content {
+    if settings.framing == Framing::Protobuf {
+        let end = proto::batch::ItemEnd {
+            index,
+            name,
+            state: State::Failed,
+            problem: Some(problem),
+        };
+        return proto::batch::item(&end, None);
+    }
     view::failed(index, name, settings.body_of(problem)).into()
 }

@@ -15,7 +15,12 @@ use crate::api::json::request;
 use crate::api::problem::{Kind, Location, Problem};
 
 /// The fields that items have unless they say something else.
-pub(super) struct Defaults(Fields);
+pub(super) enum Defaults {
+    /// As JSON.
+    Json(Fields),
+    /// As the bytes of a message: two messages are merged by reading one after the other.
+    Message(Bytes),
+}
 
 /// The fields of an object.
 pub(super) struct Fields(Vec<(String, Field)>);
@@ -38,33 +43,42 @@ impl Defaults {
         })?;
         let raw: &RawValue = serde_json::from_slice(text).map_err(|_| unreadable())?;
         match Field::of(raw) {
-            Field::Object(fields) => Ok(Self(fields)),
+            Field::Object(fields) => Ok(Self::Json(fields)),
             Field::Value(_) => Err(unreadable()),
         }
     }
 
     /// An item with what it does not say itself. What is no object stays as it is.
     pub(super) fn merge(&self, item: &Bytes) -> Bytes {
-        match serde_json::from_slice(item) {
-            Ok(raw) => {
-                let mut merged = String::with_capacity(item.len() + self.size());
-                self.0.merge(&raw, true, &mut merged);
-                Bytes::from(merged)
-            }
-            Err(_) => item.clone(),
+        match self {
+            Self::Message(defaults) => [&defaults[..], &item[..]].concat().into(),
+            Self::Json(defaults) => match serde_json::from_slice(item) {
+                Ok(raw) => {
+                    let mut merged = String::with_capacity(item.len() + defaults.size());
+                    defaults.merge(&raw, true, &mut merged);
+                    Bytes::from(merged)
+                }
+                Err(_) => item.clone(),
+            },
         }
     }
 
     /// Returns true if a JSON pointer into an item that was merged leads to a part of the defaults.
     pub(super) fn has(&self, pointer: &str, item: &[u8]) -> bool {
+        let Self::Json(defaults) = self else {
+            return false;
+        };
         let names = || pointer.split('/').skip(1);
         let of_item = serde_json::from_slice(item).map_or(0, |item| depth(&item, names()));
-        self.0.depth(names()) > of_item
+        defaults.depth(names()) > of_item
     }
 
     /// About how many bytes it adds to an item.
     pub(super) fn size(&self) -> usize {
-        self.0.size()
+        match self {
+            Self::Json(fields) => fields.size(),
+            Self::Message(bytes) => bytes.len(),
+        }
     }
 }
 

@@ -125,8 +125,13 @@ impl Batch {
         }
     }
 
+    /// What is requested for it.
+    pub(super) fn settings(&self) -> &Arc<Settings> {
+        &self.settings
+    }
+
     /// Computes it, and sends what comes of it.
-    pub(in crate::api) fn run(self) -> mpsc::Receiver<Output> {
+    pub(super) fn run(self) -> mpsc::Receiver<Output> {
         let (output, answer) = mpsc::channel(1);
         let cancelled = CancelledAtEnd(Arc::clone(&self.settings));
         peer::spawn(async move {
@@ -274,11 +279,11 @@ impl Batch {
 
     async fn read_defaults(&self, bytes: Bytes) -> Result<(), Problem> {
         if bytes.len() <= PARSED_AT_ONCE {
-            return self.settings.set_defaults(&bytes);
+            return self.settings.set_common(&bytes);
         }
         let settings = Arc::clone(&self.settings);
         let scheduler = &self.settings.app.jobs.resources().scheduler;
-        let read = move || settings.set_defaults(&bytes);
+        let read = move || settings.set_common(&bytes);
         scheduler.compute(WorkLane::Wire, read).await?
     }
 

@@ -9,9 +9,10 @@ use super::answer::{self, Lines};
 use super::defaults::Defaults;
 use super::item::{Item, ItemWords, ReadItem};
 use super::settings::Settings;
-use crate::api::json::view::batch::{self as view, ItemEnd};
+use crate::api::language::Language;
 use crate::api::order::PARSED_AT_ONCE;
 use crate::api::problem::Problem;
+use crate::api::proto::bounds;
 use crate::api::start::Base;
 use crate::api::stream::encode::Cost;
 use crate::job::direct::{DirectFit, EndedFit};
@@ -24,6 +25,7 @@ use crate::job::state::{Failure, State};
 use crate::model::job::JobRequest;
 use crate::model::scattered::FootPoints;
 use crate::model::stream::form::Form;
+use crate::proto::messages as pb;
 
 /// Fits that take up to this many bytes need no memory of their own: a group has that much from the start.
 pub(super) const SMALL_FIT: usize = 1024 * 1024;
@@ -122,11 +124,19 @@ impl Group {
         lines.counted(&self.settings.app.jobs.resources().memory.cache)
     }
 
-    /// The number of bytes that are to be read.
-    pub(super) fn unread(&self) -> usize {
+    /// The number of bytes that are to be read, and the memory that it takes beside them.
+    pub(super) fn unread(&self) -> (usize, usize) {
         let of_defaults = self.settings.defaults().map_or(0, Defaults::size);
         let items = self.items.as_slice().iter();
-        items.map(|item| item.bytes.len() + of_defaults).sum()
+        let sizes = items.map(|item| {
+            let more = match self.settings.language {
+                Language::Json => 0,
+                Language::Protobuf => bounds::memory::<pb::JobInput>(&item.bytes),
+            };
+            (item.bytes.len() + of_defaults, more)
+        });
+        let add = |(bytes, more), (b, m)| (bytes + b, more + m);
+        sizes.fold((0, 0), add)
     }
 
     /// How long it has computed.
@@ -245,17 +255,16 @@ impl Group {
         let converged = ended.status.state == State::Converged;
         let problem = (!converged).then(|| {
             let outline = Outline::new(Label::default(), fitting.fit.problem(), None);
-            let problem = Problem::not_converged(&outline, &ended.status);
-            self.settings.body_of(&problem)
+            Problem::not_converged(&outline, &ended.status)
         });
-        let end = ItemEnd {
-            index: item.index,
-            name: fitting.name.as_deref(),
-            status: &ended.status,
-            frame: ended.frame.as_ref(),
-            problem,
-        };
-        let content = view::fitted(end, &fitting.form);
+        let content = answer::fitted(
+            &self.settings,
+            item.index,
+            fitting.name.as_deref(),
+            ended,
+            &fitting.form,
+            problem.as_ref(),
+        );
         match converged {
             true => self.lines.converged += 1,
             false => self.lines.failed += 1,

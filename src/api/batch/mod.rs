@@ -5,11 +5,12 @@
 //! slowly.
 //!
 //! - [`driver`]: takes a batch from its body to its answer;
-//! - [`arrival`]: the bytes of the body; [`pieces`]: what [`splitter`] cuts them into, by [`document`] and [`lines`];
+//! - [`arrival`]: the bytes of the body; [`pieces`]: what [`splitter`] cuts them into, by [`document`], [`lines`]
+//!   or [`messages`];
 //! - [`defaults`]: what items have in common;
 //! - [`item`]: a job of a batch, read and checked; [`group`]: some of them, one after another on a thread of the pool;
 //!   [`task`]: the memory that a group takes, and what it waits for;
-//! - [`answer`]: lines, as they are framed; [`settings`]: what holds for all of a batch.
+//! - [`answer`]: lines, as they are framed; [`sending`]: the bytes of an answer; [`settings`]: what holds for all of a batch.
 
 pub(in crate::api) mod answer;
 mod arrival;
@@ -19,7 +20,9 @@ pub(in crate::api) mod driver;
 mod group;
 mod item;
 mod lines;
+mod messages;
 pub(in crate::api) mod pieces;
+pub(in crate::api) mod sending;
 pub(in crate::api) mod settings;
 mod splitter;
 mod task;

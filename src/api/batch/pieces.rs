@@ -18,4 +18,6 @@ pub(in crate::api) enum BodyForm {
     Document,
     /// A JSON object a line.
     Lines,
+    /// Messages of gRPC.
+    Messages,
 }

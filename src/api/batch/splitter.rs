@@ -4,6 +4,7 @@ use bytes::BytesMut;
 
 use super::document::Document;
 use super::lines::Lines;
+use super::messages::Messages;
 use super::pieces::{BodyForm, Piece};
 use crate::api::problem::{Kind, Problem};
 
@@ -19,6 +20,7 @@ pub(super) struct Splitter {
 enum Rule {
     Document(Document),
     Lines(Lines),
+    Messages(Messages),
 }
 
 impl Splitter {
@@ -30,6 +32,7 @@ impl Splitter {
             rule: match form {
                 BodyForm::Document => Rule::Document(Document::default()),
                 BodyForm::Lines => Rule::Lines(Lines::default()),
+                BodyForm::Messages => Rule::Messages(Messages::default()),
             },
         }
     }
@@ -49,6 +52,7 @@ impl Splitter {
         let piece = match &mut self.rule {
             Rule::Document(document) => document.next(&mut self.bytes)?,
             Rule::Lines(lines) => lines.next(&mut self.bytes),
+            Rule::Messages(messages) => return messages.next(&mut self.bytes, self.limit),
         };
         let length = match &piece {
             None => self.bytes.len(),
@@ -69,6 +73,7 @@ impl Splitter {
         match &mut self.rule {
             Rule::Document(document) => document.finish(&self.bytes).map(|()| None),
             Rule::Lines(lines) => Ok(lines.finish(&mut self.bytes)),
+            Rule::Messages(_) => Messages::finish(&self.bytes).map(|()| None),
         }
     }
 }

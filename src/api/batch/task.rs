@@ -34,7 +34,7 @@ impl Running {
     pub(super) fn begin(settings: &Arc<Settings>, items: Vec<Item>) -> Self {
         let count = items.len();
         let group = Group::new(Arc::clone(settings), items);
-        let bytes = group.unread();
+        let unread = group.unread();
         let (sender, lines) = mpsc::channel(1);
         let task = Task {
             settings: Arc::clone(settings),
@@ -43,7 +43,7 @@ impl Running {
         };
         Self {
             lines,
-            task: peer::spawn(task.run(bytes)),
+            task: peer::spawn(task.run(unread)),
             items: count,
         }
     }
@@ -73,10 +73,10 @@ struct Task {
 }
 
 impl Task {
-    /// Computes the items, of which this many bytes have to be read; returns how long that took.
-    async fn run(self, bytes: usize) -> Duration {
+    /// Computes the items, of which this is to be read; returns how long that took.
+    async fn run(self, unread: (usize, usize)) -> Duration {
         let Settings { app, .. } = &*self.settings;
-        let reading = take_for_reading(app, bytes).await;
+        let reading = take_for_reading(app, unread).await;
         self.group.lock().reading = Some(reading);
         let memory = take_for_fits(app, 0, SMALL_FIT).await;
         self.group.lock().set_memory(memory);
@@ -121,28 +121,28 @@ impl Task {
         let Err(TrySendError::Full(lines)) = self.sender.try_send(lines) else {
             return;
         };
-        let bytes = {
+        let unread = {
             let mut group = self.group.lock();
             group.set_memory(None);
             group.reading = None;
             group.unread()
         };
         let _ = self.sender.send(lines).await;
-        let reading = take_for_reading(&self.settings.app, bytes).await;
+        let reading = take_for_reading(&self.settings.app, unread).await;
         self.group.lock().reading = Some(reading);
     }
 }
 
-/// Waits for what it takes to read this many bytes of items.
-async fn take_for_reading(app: &App, bytes: usize) -> Reading {
+/// Waits for what it takes to read this many bytes of items, with so much memory beside them.
+async fn take_for_reading(app: &App, (bytes, more): (usize, usize)) -> Reading {
     let memory = &app.jobs.resources().memory;
     let is_large = bytes > 2 * SMALL;
     let share = match is_large {
         false => &memory.requests,
         true => &memory.reading,
     };
-    let taken = share.take(Peer::current(), READING.saturating_mul(bytes));
-    let taken = taken.await;
+    let needed = READING.saturating_mul(bytes).saturating_add(more);
+    let taken = share.take(Peer::current(), needed).await;
     let large_body = match is_large {
         true => Some(app.jobs.read_large_body().await),
         false => None,

@@ -1,9 +1,10 @@
 //! The gRPC service, on the same port as the HTTP resources.
 //!
-//! - [`service`]: the calls; [`mount`]: the service next to the resources, with reflection and health;
+//! - [`service`]: the calls; [`batch`]: the one whose messages are read as they arrive; [`mount`]: the service next to the resources, with reflection and health;
 //! - [`errors`]: problems as gRPC statuses; [`malformed`]: messages that cannot be read;
 //! - [`scopes`]: what each call needs.
 
+mod batch;
 pub(crate) mod errors;
 mod malformed;
 pub(crate) mod mount;

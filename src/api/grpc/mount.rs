@@ -8,7 +8,7 @@ use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
-use axum::routing::any_service;
+use axum::routing::{any_service, post};
 use bytes::Bytes;
 use futures_util::stream;
 use http_body::Frame;
@@ -21,6 +21,7 @@ use tower::Service;
 use tower::util::MapResponseLayer;
 use tracing::error;
 
+use super::batch;
 use super::malformed;
 use super::service;
 use crate::api::app::App;
@@ -41,7 +42,12 @@ pub(crate) fn routes(app: &App) -> Router<App> {
         .max_decoding_message_size(limit);
     let arrival = middleware::from_fn_with_state(app.clone(), take_in);
     let fitting = route(fitting).layer(arrival);
-    let services = fitting.merge(operations(app));
+    let path = format!(
+        "/{}/FitBatch",
+        FittingServiceServer::<service::Service>::NAME
+    );
+    let batch = Router::new().route(&path, post(batch::fit_batch));
+    let services = fitting.merge(batch).merge(operations(app));
     services.layer(MapResponseLayer::new(malformed::told))
 }
 

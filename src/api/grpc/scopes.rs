@@ -38,7 +38,14 @@ mod tests {
             calls.partition(|call| needs(&format!("{SERVICE}{call}")) == Needs::A(JobsRead));
         assert_eq!(
             writing,
-            ["CreateJob", "Fit", "CancelJob", "DeleteJob", "EditJob"]
+            [
+                "CreateJob",
+                "Fit",
+                "FitBatch",
+                "CancelJob",
+                "DeleteJob",
+                "EditJob"
+            ]
         );
         assert_eq!(reading.len(), 8);
     }

@@ -44,7 +44,7 @@ mod points;
 mod query;
 mod rates;
 mod render;
-mod request_id;
+pub(in crate::api) mod request_id;
 pub(crate) mod router;
 pub(in crate::api) mod tickets;
 mod trace;

@@ -5,7 +5,7 @@ use tower_http::request_id::{MakeRequestId, RequestId};
 use uuid::Uuid;
 
 /// The header with the id, in requests and in answers.
-pub(super) const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
+pub(in crate::api) const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
 
 /// The longest id that is taken from a client: it is repeated in answers and in the log.
 const LONGEST: usize = 128;

@@ -25,7 +25,7 @@ use crate::api::http::info::{Health, ProblemTypes, ServiceIndex};
 use crate::api::http::tickets::TicketView;
 use crate::api::json::plain::simplify;
 use crate::api::json::request::batch::BatchRequest;
-use crate::api::json::view::batch::BatchLine;
+use crate::api::json::view::batch::{BatchEvent, BatchLine};
 use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
@@ -122,6 +122,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<ServerSentEvent>();
     answers.subschema_for::<EventLine>();
     answers.subschema_for::<FitResult<'_>>();
+    answers.subschema_for::<BatchEvent>();
     answers.subschema_for::<BatchLine>();
     answers.subschema_for::<PointsView>();
     answers.subschema_for::<LimitView>();

@@ -124,6 +124,10 @@ impl Bounded for pb::JobInput {
     ];
 }
 
+impl Bounded for pb::BatchOptions {
+    const PARTS: &'static [Part] = &[part(1, "defaults", One(pb::JobInput::PARTS))];
+}
+
 impl Bounded for pb::Edit {
     const PARTS: &'static [Part] = &[
         part(3, "moved", Indices),

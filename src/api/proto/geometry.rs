@@ -5,15 +5,15 @@ use std::sync::Arc;
 use bytes::BufMut;
 use prost::Message;
 use prost::encoding::{WireType, encode_key, encode_varint};
+use uuid::Uuid;
 
 use super::names;
 use super::view::{directions, distances, outliers};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
-use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::frame::Frame;
-use crate::job::state::Status;
+use crate::job::state::State;
 use crate::model::stream::form::{Form, View};
 use crate::proto::job;
 use crate::proto::messages::{self as pb, iteration};
@@ -72,11 +72,22 @@ pub(crate) fn iteration(frame: &Frame, form: &Form) -> Content {
     written(&message, large)
 }
 
+/// Whose result it is.
+pub(crate) struct ResultHead<'a> {
+    /// The id of the job, if it has one.
+    pub id: Option<Uuid>,
+    /// The client's name for it.
+    pub name: Option<&'a str>,
+    /// What was understood of its file.
+    pub notices: &'a [String],
+    /// The final state.
+    pub state: State,
+}
+
 /// The final geometry, as the bytes of a `FitResult`.
-pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> Content {
+pub(crate) fn result(head: &ResultHead<'_>, frame: &Frame, view: View) -> Content {
     let (level, problem) = (&frame.level, &frame.problem);
     let points = &frame.control_points;
-    let outline = job.outline();
     let large = match view {
         View::Errors => None,
         View::Samples(grid) => {
@@ -87,10 +98,10 @@ pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> C
     };
     let (u, v) = directions(problem, true);
     let message = pb::FitResult {
-        id: outline.id.to_string(),
-        name: outline.label.name.clone(),
-        kind: names::kind(outline).into(),
-        state: names::state(status.state).into(),
+        id: head.id.map(|id| id.to_string()).unwrap_or_default(),
+        name: head.name.map(str::to_owned),
+        kind: names::kind(v.is_some()).into(),
+        state: names::state(head.state).into(),
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
         rational: job::rational_message(problem.request()).into(),
@@ -98,7 +109,7 @@ pub(crate) fn result(job: &Job, status: &Status, frame: &Frame, view: View) -> C
         v,
         bad_weight: bad_weight(level),
         geometry: None,
-        notices: outline.label.notices.clone(),
+        notices: head.notices.to_vec(),
         fairness: problem.method().fairness(),
         outliers: outliers(problem),
     };

@@ -2,8 +2,9 @@
 //!
 //! - [`request`], [`edit`]: what messages ask for; [`bounds`]: lists that are too long; [`fields`]: where in a
 //!   message a part of the model is;
-//! - [`view`], [`geometry`]: answers as messages; [`names`]: their enumerations.
+//! - [`view`], [`geometry`], [`batch`]: answers as messages; [`names`]: their enumerations.
 
+pub(crate) mod batch;
 pub(crate) mod bounds;
 pub(crate) mod edit;
 pub(crate) mod fields;

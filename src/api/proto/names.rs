@@ -1,6 +1,5 @@
 //! Enumerations of the contract and what they stand for.
 
-use crate::job::outline::Outline;
 use crate::job::state::{Reason, State};
 use crate::model::mistakes::Mistake;
 use crate::proto::messages as pb;
@@ -60,8 +59,8 @@ pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
 }
 
 /// A curve or a surface.
-pub(crate) fn kind(outline: &Outline) -> pb::GeometryKind {
-    match outline.surface {
+pub(crate) fn kind(surface: bool) -> pb::GeometryKind {
+    match surface {
         false => pb::GeometryKind::Curve,
         true => pb::GeometryKind::Surface,
     }

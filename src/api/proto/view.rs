@@ -39,7 +39,7 @@ pub(crate) fn job(job: &Job) -> pb::Job {
     pb::Job {
         id: outline.id.to_string(),
         name: label.name.clone(),
-        kind: names::kind(outline).into(),
+        kind: names::kind(outline.surface).into(),
         state: names::state(status.state).into(),
         reason: names::reason(status.reason).into(),
         rows: count(outline.grid.rows),
@@ -55,7 +55,7 @@ pub(crate) fn job(job: &Job) -> pb::Job {
         started_at: status.started.map(time),
         finished_at: status.finished.map(time),
         parent,
-        problem: status.failure.map(problem),
+        problem: status.failure.map(failure),
         detail: status.detail(outline).unwrap_or_default(),
         warnings: warnings(outline, status.levels.as_ref()),
         predicted: Some(prediction(forecast, level)),
@@ -153,14 +153,27 @@ fn time(at: Timestamp) -> prost_types::Timestamp {
     }
 }
 
-fn problem(failure: Failure) -> pb::Problem {
-    let problem = api::Problem::from(failure);
+fn failure(failure: Failure) -> pb::Problem {
+    problem(&api::Problem::from(failure))
+}
+
+/// A problem, with the fields that are wrong.
+pub(super) fn problem(problem: &api::Problem) -> pb::Problem {
     let entry = problem.kind().entry();
+    let errors = problem.errors().iter();
+    let errors = errors.filter_map(|error| match &error.place {
+        api::Location::Field(field) => Some(pb::FieldProblem {
+            field: field.clone(),
+            detail: error.detail.clone(),
+        }),
+        _ => None,
+    });
     pb::Problem {
         r#type: problem.kind().path(),
         title: entry.title.to_owned(),
         status: entry.status.as_u16().into(),
         detail: problem.detail().to_owned(),
+        errors: errors.collect(),
     }
 }
 
@@ -253,7 +266,7 @@ pub(crate) fn description(
     let message = pb::JobDescription {
         id: outline.id.to_string(),
         name: outline.label.name.clone(),
-        kind: names::kind(outline).into(),
+        kind: names::kind(outline.surface).into(),
         dimension: count(problem.dimension()),
         rows: count(outline.grid.rows),
         columns: count(outline.grid.columns),
@@ -290,7 +303,7 @@ pub(crate) fn end(job: &Job, status: &Status) -> Content {
         iterations: level.map_or(0, |level| level.iteration as u64),
         error: level.map(|level| last_distances(&level, &job.outline().method)),
         elapsed: times.map(|(start, end)| end.duration_since(start).as_secs_f64()),
-        problem: status.failure.map(problem),
+        problem: status.failure.map(failure),
         detail: status.detail(job.outline()).unwrap_or_default(),
         warnings: warnings(job.outline(), status.levels.as_ref()),
     };

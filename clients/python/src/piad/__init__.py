@@ -10,6 +10,7 @@
   `async_job`: the same for event loops; `status`: how a job stands;
 - `iteration`: `Iteration`, `Result` and what is in them; `geometry`: `Curve` and `Surface`, and
   their form in other packages; `points`: files of points; `plotting`: pictures;
+- `batch`: many fits in one request;
 - `errors`: what can go wrong.
 """
 
@@ -18,6 +19,7 @@ from pkgutil import extend_path as _extend_path
 
 from .async_client import AsyncClient
 from .async_job import AsyncJob
+from .batch import AsyncBatch, Batch, BatchItem, BatchTotals
 from .client import Client
 from .errors import (
     ApiError,
@@ -49,10 +51,14 @@ except _metadata.PackageNotFoundError:
 
 __all__ = [
     "ApiError",
+    "AsyncBatch",
     "AsyncClient",
     "AsyncJob",
     "BadWeight",
     "Basis",
+    "Batch",
+    "BatchItem",
+    "BatchTotals",
     "Boundary",
     "Client",
     "ConnectionLost",

@@ -50,6 +50,15 @@ def method(
     return _described(call, asynchronous)
 
 
+def making(asynchronous: Callable[Concatenate[Any, P], T], make: Callable[[T], R]) -> Callable[Concatenate[Any, P], R]:
+    """A method that makes something of the value of one of `self._async` that waits for nothing."""
+
+    def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> R:
+        return make(_begun(call, asynchronous, self, args, kwargs))
+
+    return _described(call, asynchronous)
+
+
 def same(asynchronous: Callable[Concatenate[Any, P], Coroutine[Any, Any, T]]) -> Callable[Concatenate[Any, P], T]:
     """A method that does the same as an asynchronous one with `self._async`."""
     return method(asynchronous, lambda value: value)

@@ -108,6 +108,11 @@ def job(
     )
 
 
+def shape_alone(points: Any) -> dict[str, Any]:
+    """A job of points alone."""
+    return {_kind(points): {"points": as_lists(points)}}
+
+
 def _kind(points: Any) -> Literal["curve", "surface"]:
     dimensions = depth(points)
     if dimensions == 2:

@@ -112,14 +112,16 @@ class Transport:
 
     @asynccontextmanager
     async def stream(
-        self, path: str, *, body: Optional[Mapping[str, Any]], headers: Mapping[str, str], parameters: Parameters
+        self, path: str, *, body: Union[Mapping[str, Any], bytes, None], headers: Mapping[str, str], parameters: Parameters
     ) -> AsyncIterator[AsyncIterator[bytes]]:
-        """The pieces of an answer, read as they are asked for; to a POST if there is a body. Nothing is tried again."""
+        """The pieces of an answer, read as they are asked for; to a POST if there is a body, which is sent as JSON, or
+        as it is with the `Content-Type` of the headers. Nothing is tried again."""
         http = self._connections.http
         timeout = httpx.Timeout(http.timeout)
         timeout.read = max(timeout.read or _QUIET_STREAM, _QUIET_STREAM)
-        method, content = ("GET", None) if body is None else ("POST", encoded(body))
-        if body is not None:
+        content = body if body is None or isinstance(body, bytes) else encoded(body)
+        method = "GET" if content is None else "POST"
+        if isinstance(body, Mapping):
             headers = {**headers, "Content-Type": "application/json"}
         request = http.build_request(
             method, path, content=content, headers=headers, params=parameters or None, timeout=timeout

@@ -8,10 +8,11 @@ from typing import Optional
 
 import httpx
 
-from ._blocking import iterate, method, same
+from ._blocking import iterate, making, method, same
 from ._connections import BlockingConnections
 from ._service import Service
 from ._transport import Transport, settings
+from .batch import Batch
 from .job import Job
 from .status import State
 
@@ -58,6 +59,8 @@ class Client:
     job = method(Service.job, Job)
     read_points = same(Service.read_points)
     capabilities = same(Service.capabilities)
+
+    batch = making(Service.batch, Batch)
 
     def jobs(self, state: Optional[State] = None, *, page: int = 100) -> Iterator[Job]:
         """All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time."""

@@ -1,8 +1,9 @@
 /** All that is tried in Node and in a browser. */
 
 import type { Scenarios } from "../world.js";
+import { batches } from "./batches.js";
 import { jobs } from "./jobs.js";
 import { mistakes } from "./mistakes.js";
 import { streams } from "./streams.js";
 
-export const scenarios: Scenarios = { ...jobs, ...streams, ...mistakes };
+export const scenarios: Scenarios = { ...jobs, ...batches, ...streams, ...mistakes };

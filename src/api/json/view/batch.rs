@@ -167,3 +167,23 @@ schema_of!(BatchLine, "BatchLine", generator => {
         "examples": [examples::batch_item()],
     })
 });
+
+/// A line as a server-sent event.
+pub(crate) enum BatchEvent {}
+
+schema_of!(BatchEvent, "BatchEvent", generator => json_schema!({
+    "description": "The fields of a server-sent event: `item` with its index as its id, in order, then `totals`; or `problem`. Comments keep quiet streams open.",
+    "type": "object",
+    "properties": {
+        "event": {"description": "What has ended.", "type": "string", "enum": ["item", "totals", "problem"]},
+        "id": {"description": "The index of the item.", "type": "string", "pattern": "^[0-9]+$"},
+        "data": {
+            "description": "The line, as JSON: a BatchItem, a BatchEnd or a BatchProblem.",
+            "type": "string",
+            "contentMediaType": "application/json",
+            "contentSchema": generator.subschema_for::<BatchLine>(),
+        },
+    },
+    "required": ["event", "data"],
+    "examples": [{"event": "totals", "data": "{\"totals\":{\"items\":3,\"converged\":2,\"failed\":1,\"seconds\":0.0031}}"}],
+}));

@@ -1,0 +1,191 @@
+/** Batches: many fits in one request, and what comes of each. */
+
+import type * as api from "./api.js";
+import type { Call, Connection } from "./connection.js";
+import { parse } from "./connection.js";
+import { ApiError, ConnectionLost, PiadError, type Problem } from "./errors.js";
+import { type Result, resultOf } from "./iteration.js";
+import type { Cancellable } from "./options.js";
+
+// A request is sent as a whole before its answer is read: the server reads this much ahead of its answers.
+const PART_LENGTH = 256 * 1024;
+const PART_ITEMS = 5000;
+
+// Items that come slowly are sent after so many milliseconds.
+const PART_TIME = 500;
+
+const LINES = "application/x-ndjson";
+
+/** What can be asked for beside the items. */
+export interface Batching extends Cancellable {
+  /** Fields of jobs, without points, for items that do not have them. */
+  readonly defaults?: Readonly<Record<string, unknown>> | undefined;
+  /** How numbers travel; base64 is the default. */
+  readonly encoding?: api.NumberEncoding | undefined;
+}
+
+/** What came of an item of a batch. */
+export interface BatchItem {
+  /** Its place among the items, from 0. */
+  readonly index: number;
+  readonly name: string | null;
+  /** `failed` also if it is no fit that can be computed. */
+  readonly state: api.JobState;
+  /** The number of the last iteration; null if there was none. */
+  readonly iteration: number | null;
+  readonly error: api.FitError | null;
+  /** The last iteration, also of a fit that has not converged; its id is empty. */
+  readonly result: Result | null;
+  /** Why it has not converged; its pointers begin with `/items/3` or `/defaults`. */
+  readonly problem: Problem | null;
+}
+
+/** How many items of a batch have ended so far. */
+export interface BatchTotals {
+  readonly items: number;
+  readonly converged: number;
+  /** Those that have not converged. */
+  readonly failed: number;
+}
+
+/** Jobs, also such as come one by one. */
+export type Items = Iterable<api.JobRequest> | AsyncIterable<api.JobRequest>;
+
+/** The items of a batch in their order, as they end. It can be read once. */
+export class Batch implements AsyncIterable<BatchItem> {
+  readonly #connection: Connection;
+  readonly #items: AsyncGenerator<BatchItem, void, undefined>;
+  readonly #options: Batching;
+  #totals: BatchTotals = { items: 0, converged: 0, failed: 0 };
+
+  constructor(connection: Connection, items: Items, options: Batching) {
+    this.#connection = connection;
+    this.#options = options;
+    this.#items = this.#read(items);
+  }
+
+  /** How many have ended so far. */
+  get totals(): BatchTotals {
+    return this.#totals;
+  }
+
+  [Symbol.asyncIterator](): AsyncGenerator<BatchItem, void, undefined> {
+    return this.#items;
+  }
+
+  async *#read(items: Items): AsyncGenerator<BatchItem, void, undefined> {
+    let first = 0;
+    for await (const part of parts(items)) {
+      for await (const item of this.#fit(part, first)) {
+        const { converged, failed } = this.#totals;
+        const has = item.state === "converged" ? 1 : 0;
+        this.#totals = { items: item.index + 1, converged: converged + has, failed: failed + 1 - has };
+        yield item;
+      }
+      first += part.length;
+    }
+  }
+
+  /** Fits some items. After a broken connection those are sent again that have no answer. */
+  async *#fit(lines: readonly string[], first: number): AsyncGenerator<BatchItem, void, undefined> {
+    const patience = this.#connection.patience();
+    for (let sent = 0; sent < lines.length; ) {
+      const rest = lines.slice(sent);
+      try {
+        let ended = false;
+        for await (const line of this.#lines(rest)) {
+          if ("totals" in line) ended = true;
+          else if (!("index" in line)) throw new ApiError(line.problem);
+          else {
+            sent += 1;
+            patience.reset();
+            yield itemOf(line, first + sent - 1);
+          }
+        }
+        if (ended) return;
+        throw new ConnectionLost("the answer to the batch has no end");
+      } catch (error) {
+        if (!(error instanceof PiadError)) throw error;
+        await patience.wait(error, this.#options.signal);
+      }
+    }
+  }
+
+  /** The lines of the answer to some items. */
+  async *#lines(items: readonly string[]): AsyncGenerator<api.BatchLine, void, undefined> {
+    const { defaults, encoding = "base64", signal } = this.#options;
+    const begin = defaults === undefined ? "" : `${JSON.stringify({ defaults })}\n`;
+    const call: Call = {
+      method: "POST",
+      path: "/v1/batch",
+      query: { encoding },
+      headers: { Accept: LINES },
+      text: { type: LINES, content: begin + items.join("") },
+      signal,
+    };
+    const { response, attempt } = await this.#connection.stream(call);
+    try {
+      for await (const line of linesOf(attempt.chunks(response))) yield parse<api.BatchLine>(line);
+    } finally {
+      attempt.end();
+    }
+  }
+}
+
+/** An item of a batch, of which it is at this place. */
+function itemOf(line: api.BatchItem, index: number): BatchItem {
+  const { name = null, state, iteration = null, error = null, problem } = line;
+  const fitted = (kind: "curve" | "surface", geometry: api.FitGeometry | undefined): Result | null => {
+    if (geometry === undefined || iteration === null || error === null) return null;
+    return resultOf({ ...geometry, id: "", kind, name, state, iteration, error });
+  };
+  const result = fitted("curve", line.curve) ?? fitted("surface", line.surface);
+  const moved = problem === undefined ? null : movedTo(problem, line.index, index);
+  return { index, name, state, iteration, error, result, problem: moved };
+}
+
+/** A problem with an item of a request, by the index of the item in the batch. */
+function movedTo(problem: Problem, own: number, index: number): Problem {
+  const place = new RegExp(`/items/${own}(?![0-9])`, "g");
+  const moved = (text: string) => text.replace(place, `/items/${index}`);
+  const errors = problem.errors?.map(({ pointer, ...error }) =>
+    pointer === undefined ? error : { ...error, pointer: moved(pointer) },
+  );
+  return { ...problem, detail: moved(problem.detail), ...(errors && { errors }) };
+}
+
+/** Items as lines, some at a time. */
+async function* parts(items: Items): AsyncGenerator<readonly string[], void, undefined> {
+  let part: string[] = [];
+  let [length, begun] = [0, 0];
+  for await (const item of items) {
+    // Numbers that JSON does not have are null, so that the item fails alone.
+    const line = `${JSON.stringify(item)}\n`;
+    if (part.length > 0 && length + line.length > PART_LENGTH) {
+      yield part;
+      [part, length] = [[], 0];
+    }
+    if (part.length === 0) begun = Date.now();
+    part.push(line);
+    length += line.length;
+    if (part.length >= PART_ITEMS || Date.now() - begun > PART_TIME) {
+      yield part;
+      [part, length] = [[], 0];
+    }
+  }
+  if (part.length > 0) yield part;
+}
+
+/** The lines of a text that comes in pieces. */
+async function* linesOf(chunks: AsyncIterable<Uint8Array>): AsyncGenerator<string, void, undefined> {
+  const decoder = new TextDecoder();
+  let begun = "";
+  for await (const chunk of chunks) {
+    const [end = "", ...lines] = decoder.decode(chunk, { stream: true }).split("\n");
+    begun += end;
+    for (const line of lines) {
+      yield begun;
+      begun = line;
+    }
+  }
+}
