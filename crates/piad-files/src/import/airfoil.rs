@@ -2,7 +2,7 @@
 //! Lednicer begins with the numbers of points of both sides, which follow from the leading edge on.
 //! That of MSES begins with the domain of a grid, and may have several elements.
 
-use super::table::Table;
+use super::part::Part;
 use piad_fit::data::Points;
 
 /// What stands between the elements of an airfoil in a file of MSES.
@@ -14,7 +14,7 @@ pub(super) fn is_domain(numbers: &[f64]) -> bool {
 }
 
 /// A file of Lednicer as a curve around, like that of Selig; others as they are.
-pub(super) fn around(mut table: Table) -> Table {
+pub(super) fn around(mut table: Part) -> Part {
     let Some((upper, lower)) = sides(&table) else {
         return table;
     };
@@ -45,7 +45,7 @@ pub(super) fn around(mut table: Table) -> Table {
 }
 
 /// The numbers of points of the upper and the lower side, if the file begins with them.
-fn sides(table: &Table) -> Option<(usize, usize)> {
+fn sides(table: &Part) -> Option<(usize, usize)> {
     let points = &table.points;
     if points.dimension() != 2 || table.breaks.first() != Some(&1) {
         return None;

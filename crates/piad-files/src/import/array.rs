@@ -5,9 +5,8 @@ use serde_json::de::StrRead;
 use serde_json::{Deserializer, Value};
 
 use super::error::FileError;
-use super::grid_detection;
-use super::imported::{Hints, Imported, Kind};
-use super::table::Table;
+use super::imported::{Hints, Kind};
+use super::part::{Order, Part};
 use crate::json::{ListLimits, Rows, read_points, read_rows};
 
 /// What an array holds.
@@ -27,43 +26,27 @@ pub(super) fn is_array(text: &str) -> bool {
 }
 
 /// Reads an array; what is wrong is said at its line.
-pub(super) fn read(text: &str, hints: &Hints) -> Result<Imported, FileError> {
+pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileError> {
     let shape = Shape::of(text, hints.kind);
     if shape == Shape::Points {
         let points = parse(text, hints.most, |json, limits| read_points(json, limits))?;
-        let lines = lines(text, shape);
-        let table = Table::new(points, lines)?;
-        return grid_detection::arranged(table, hints);
+        return Part::new(points, lines(text, shape));
     }
     let Rows {
         points,
         missing,
         grid,
     } = parse(text, hints.most, |json, limits| read_rows(json, limits))?;
-    if hints.kind == Some(Kind::Curve) {
-        let detail = "these are rows of a surface, and the fit is one of a curve";
-        return Err(FileError::of_file(detail));
-    }
-    let Grid { rows, columns } = grid;
-    if let Some(size) = hints.size.filter(|size| *size != grid) {
-        return Err(FileError::of_file(format!(
-            "the file has {rows} rows of {columns}, and not {} rows of {}",
-            size.rows, size.columns
-        )));
-    }
     let what = match shape {
         Shape::Heights => "heights, at equal steps",
         _ => "points",
     };
-    Ok(Imported {
-        points,
-        grid: Some(grid),
+    let Grid { rows, columns } = grid;
+    let notice = format!("The file has {rows} rows of {columns} {what}.");
+    Ok(Part {
         missing,
-        closed: false,
-        unordered: false,
-        lines: lines(text, shape),
-        name: None,
-        notices: vec![format!("The file has {rows} rows of {columns} {what}.")],
+        notices: vec![notice],
+        ..Part::ordered(points, lines(text, shape), Order::Rows(grid))?
     })
 }
 
@@ -141,14 +124,12 @@ fn lines(text: &str, shape: Shape) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::import::tests::HINTS;
+    use crate::import::{Imported, read as read_file};
 
-    const HINTS: Hints = Hints {
-        kind: None,
-        size: None,
-        closed: None,
-        ordered: false,
-        most: 100,
-    };
+    fn read(text: &str, hints: &Hints) -> Result<Imported, FileError> {
+        read_file(text.as_bytes(), hints).map_err(|mut errors| errors.0.remove(0))
+    }
 
     fn grid(rows: usize, columns: usize) -> Option<Grid> {
         Some(Grid { rows, columns })

@@ -2,7 +2,7 @@
 //! there once.
 
 use super::imported::{Hints, Kind};
-use super::table::Table;
+use super::part::Part;
 use piad_fit::data::Points;
 
 /// Cosine of the sharpest turn, 60°, at which an outline is taken to go on smoothly. The trailing edge of
@@ -17,18 +17,24 @@ const FEWEST: usize = 8;
 const SAME: f64 = 1e-9;
 
 /// Whether the points are those of a closed curve. If so, the copy of the first point is taken away.
-pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
-    let last = table.points.len() - 1;
+pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
+    if part.closed {
+        return hints.closed != Some(false);
+    }
+    let last = part.points.len() - 1;
     let surface = hints.kind == Some(Kind::Surface);
-    if surface || last < 3 || !is_same(&table.points, last) {
+    if surface || last < 3 || !is_same(&part.points, last) {
         return false;
     }
-    let smooth = last >= FEWEST && turn(&table.points) >= SHARPEST_TURN;
+    let smooth = last >= FEWEST && turn(&part.points) >= SHARPEST_TURN;
     let closed = hints.closed.unwrap_or(smooth);
     if closed {
-        table.points.truncate(last);
-        table.lines.truncate(last);
-        table.breaks.retain(|index| *index < last);
+        part.points.truncate(last);
+        part.lines.truncate(last);
+        if let Some(times) = &mut part.times {
+            times.truncate(last);
+        }
+        part.breaks.retain(|index| *index < last);
     }
     let what = match (closed, hints.closed) {
         (true, _) => "the curve is closed, and the point is there once",
@@ -36,7 +42,7 @@ pub(super) fn closed(table: &mut Table, hints: &Hints) -> bool {
         (false, Some(_)) => "and the curve stays open, as it was asked for",
     };
     let notice = format!("The last point is the first one again: {what}.");
-    table.notices.push(notice);
+    part.notices.push(notice);
     closed
 }
 

@@ -3,8 +3,9 @@
 use super::closed_outline;
 use super::error::FileError;
 use super::imported::{Hints, Imported, Kind};
+use super::part::{Order, Part};
 use super::repeated;
-use super::table::Table;
+use super::times;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::is_unordered;
 
@@ -15,43 +16,88 @@ const NO_ORDER: &str = "the points have no order along a curve: few of them have
 const SCATTERED: &str = "The points have no order, and are scattered points of a surface.";
 
 /// The points as a curve or a surface.
-pub(super) fn arranged(mut table: Table, hints: &Hints) -> Result<Imported, FileError> {
-    let grid = match hints {
-        Hints {
-            size: Some(size), ..
-        } => Some(asked_for(&table, *size)?),
-        Hints {
-            kind: Some(Kind::Curve),
-            ..
-        } => None,
-        _ => shown(&mut table),
+///
+/// # Errors
+///
+/// If they are neither: no order, another number of rows than is asked for, times that do not increase.
+pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileError> {
+    let surface = hints.kind == Some(Kind::Surface);
+    let grid = grid(&mut part, hints)?;
+    let looked_at = match part.order {
+        Order::Unsaid => grid.is_none() && !hints.ordered && is_unordered(&part.points),
+        Order::Curve | Order::Rows(_) => false,
+        Order::None => !hints.ordered,
     };
-    let unordered = grid.is_none() && !hints.ordered;
-    let unordered = unordered && (table.is_mesh || is_unordered(&table.points));
-    if unordered && hints.kind != Some(Kind::Surface) {
+    let unordered = looked_at || (part.order == Order::None && surface);
+    if unordered && !surface {
         return Err(FileError::of_file(NO_ORDER));
     }
     if unordered {
-        table.notices.push(SCATTERED.to_owned());
+        part.notices.push(SCATTERED.to_owned());
     }
-    if grid.is_none() && hints.kind != Some(Kind::Surface) {
-        repeated::leave_out(&mut table);
+    let curve = grid.is_none() && !surface;
+    if curve {
+        repeated::leave_out(&mut part);
     }
-    let closed = grid.is_none() && closed_outline::closed(&mut table, hints);
+    let closed = grid.is_none() && closed_outline::closed(&mut part, hints);
+    let parameters = match curve {
+        true => times::parameters(&mut part, hints)?,
+        false => None,
+    };
     Ok(Imported {
-        points: table.points,
+        points: part.points,
         grid,
-        missing: Vec::new(),
+        missing: part.missing,
         closed,
         unordered,
-        lines: table.lines,
-        name: table.name,
-        notices: table.notices,
+        parameters,
+        lines: part.lines,
+        name: part.name,
+        notices: part.notices,
     })
 }
 
-fn asked_for(table: &Table, size: Grid) -> Result<Grid, FileError> {
-    let count = table.points.len();
+/// The rows and columns of a part, if it is a grid.
+fn grid(part: &mut Part, hints: &Hints) -> Result<Option<Grid>, FileError> {
+    if let Order::Rows(grid) = part.order {
+        check_rows(grid, hints)?;
+        return Ok(Some(grid));
+    }
+    Ok(match (hints.size, hints.kind) {
+        (Some(size), _) => Some(asked_for(part, size)?),
+        (None, Some(Kind::Curve)) => None,
+        _ if part.order == Order::Curve => None,
+        _ => shown(part),
+    })
+}
+
+/// Refuses rows that are no curve, or not as many as are asked for.
+fn check_rows(grid: Grid, hints: &Hints) -> Result<(), FileError> {
+    if hints.kind == Some(Kind::Curve) {
+        let detail = "these are rows of a surface, and the fit is one of a curve";
+        return Err(FileError::of_file(detail));
+    }
+    let Grid { rows, columns } = grid;
+    match hints.size.filter(|size| *size != grid) {
+        None => Ok(()),
+        Some(size) => Err(FileError::of_file(format!(
+            "the file has {rows} rows of {columns}, and not {} rows of {}",
+            size.rows, size.columns
+        ))),
+    }
+}
+
+/// Returns true if blank lines part a table into curves of their own, and not into the rows of a surface.
+pub(super) fn is_several(table: &Part, hints: &Hints) -> bool {
+    let surface = hints.kind == Some(Kind::Surface) || hints.size.is_some();
+    let rows = hints.kind.is_none() && table.points.dimension() == 3 && rows(table).is_some();
+    // A blank line after each point parts nothing.
+    let spaced = table.breaks.len() + 1 == table.points.len();
+    !table.breaks.is_empty() && !surface && !rows && !spaced
+}
+
+fn asked_for(part: &Part, size: Grid) -> Result<Grid, FileError> {
+    let count = part.points.len();
     if size.rows.checked_mul(size.columns) == Some(count) {
         return Ok(size);
     }
@@ -61,16 +107,15 @@ fn asked_for(table: &Table, size: Grid) -> Result<Grid, FileError> {
 }
 
 /// The grid that a file shows, if it is one.
-fn shown(table: &mut Table) -> Option<Grid> {
-    if table.points.dimension() != 3 {
+fn shown(part: &mut Part) -> Option<Grid> {
+    if part.points.dimension() != 3 {
         return None;
     }
-    let blanks = blank_lines(table);
-    let (grid, why) = match blanks {
+    let (grid, why) = match rows(part) {
         Some(grid) => (grid, "blank lines are between the rows"),
-        None => (lattice(&table.points)?, "x and y form a lattice"),
+        None => (lattice(&part.points)?, "x and y form a lattice"),
     };
-    table.notices.push(format!(
+    part.notices.push(format!(
         "The points are {} rows of {}: {why}.",
         grid.rows, grid.columns
     ));
@@ -78,17 +123,13 @@ fn shown(table: &mut Table) -> Option<Grid> {
 }
 
 /// Rows of the same length with blank lines between them.
-fn blank_lines(table: &mut Table) -> Option<Grid> {
-    let columns = *table.breaks.first()?;
-    let rows = table.breaks.len() + 1;
+fn rows(part: &Part) -> Option<Grid> {
+    let columns = *part.breaks.first()?;
+    let rows = part.breaks.len() + 1;
     let starts = (1..rows).map(|row| row * columns);
-    let regular = starts.eq(table.breaks.iter().copied());
-    if columns >= 2 && regular && rows * columns == table.points.len() {
-        return Some(Grid { rows, columns });
-    }
-    let notice = "The parts between blank lines differ in length, so that they are no rows of a surface; the blank lines are passed over.";
-    table.notices.push(notice.to_owned());
-    None
+    let regular = starts.eq(part.breaks.iter().copied());
+    (columns >= 2 && regular && rows * columns == part.points.len())
+        .then_some(Grid { rows, columns })
 }
 
 /// Rows in which x is the same and y is as in the first one, or the other way around.

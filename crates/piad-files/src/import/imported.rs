@@ -1,9 +1,10 @@
 //! What a file of points becomes, and what is known of it before.
 
+use super::columns::Columns;
 use piad_fit::data::{Grid, Points};
 
 /// What is known of a file beside what is in it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Hints {
     /// Whether it is a curve or a surface; the file shows it where nobody says it.
     pub kind: Option<Kind>,
@@ -13,6 +14,12 @@ pub struct Hints {
     pub closed: Option<bool>,
     /// Whether the order of points is known to be meant, so that it is not looked at.
     pub ordered: bool,
+    /// Which columns of a table are what; the file shows it where nobody says it.
+    pub columns: Option<Columns>,
+    /// Which part is read of a file with several.
+    pub part: Option<PartChoice>,
+    /// Whether the times of points are the parameters of a curve.
+    pub times: bool,
     /// The most points that may be in it.
     pub most: usize,
 }
@@ -25,8 +32,29 @@ impl Default for Hints {
             size: None,
             closed: None,
             ordered: false,
+            columns: None,
+            part: None,
+            times: false,
             most: usize::MAX,
         }
+    }
+}
+
+/// One of the parts of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum PartChoice {
+    /// By its number, from 1.
+    Number(usize),
+    /// By its name.
+    Name(String),
+}
+
+impl PartChoice {
+    /// A number, or else a name.
+    #[must_use]
+    pub fn of_text(text: &str) -> Self {
+        let number = text.parse().map(Self::Number);
+        number.unwrap_or_else(|_| Self::Name(text.to_owned()))
     }
 }
 
@@ -39,7 +67,7 @@ pub enum Kind {
     Surface,
 }
 
-/// The points of a file.
+/// The points of a file, or of one of its parts.
 #[derive(Debug, PartialEq)]
 pub struct Imported {
     /// The points; those of a grid row by row.
@@ -48,13 +76,15 @@ pub struct Imported {
     pub grid: Option<Grid>,
     /// The indices of missing points of a surface, increasing.
     pub missing: Vec<usize>,
-    /// Whether the curve is closed, so that the copy of its first point has been taken away.
+    /// Whether the curve is closed; its first point is there once.
     pub closed: bool,
-    /// Whether the points seem to have no order along a curve.
+    /// Whether the points have no order along a curve.
     pub unordered: bool,
-    /// The line of each point, from 1.
+    /// The parameters of the points of a curve, increasing: their times, where these are asked for.
+    pub parameters: Option<Vec<f64>>,
+    /// The line of each point, from 1; empty for files without lines.
     pub lines: Vec<u32>,
-    /// What the file calls itself.
+    /// What the part or the file calls itself.
     pub name: Option<String>,
     /// What was found out about it, in sentences.
     pub notices: Vec<String>,

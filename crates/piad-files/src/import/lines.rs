@@ -6,9 +6,10 @@ use rayon::prelude::*;
 use super::airfoil;
 use super::error::{FileError, FileErrors, MOST_ERRORS};
 use super::fast_path::{self, Piece};
+use super::imported::Hints;
 use super::layout::{Layout, MOST_COLUMNS, text_column};
 use super::number_format::Notation;
-use super::table::{NO_POINTS, Table, check_count};
+use super::part::{NO_POINTS, Part};
 use crate::short::quoted;
 use piad_fit::data::Points;
 
@@ -30,10 +31,10 @@ pub(super) fn line_end(text: &str) -> char {
     }
 }
 
-/// Reads the lines of a file, no more points than that.
-pub(super) fn read(text: &str, most: usize) -> Result<Table, FileErrors> {
+/// Reads the lines of a file.
+pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     let end = line_end(text);
-    let mut reader = Reader::new(most, fast_path::count_lines(text, end));
+    let mut reader = Reader::new(hints.most, fast_path::count_lines(text, end));
     let mut rest = Some(text);
     for number in 1.. {
         let Some(text) = rest.filter(|text| !reader.takes_all(text, end, number)) else {
@@ -305,7 +306,7 @@ impl Reader {
         Err(text_column(&self.titles).unwrap_or_else(unknown))
     }
 
-    fn end(self) -> Result<Table, FileErrors> {
+    fn end(self) -> Result<Part, FileErrors> {
         if !self.errors.is_empty() {
             return Err(FileErrors(self.errors));
         }
@@ -315,7 +316,6 @@ impl Reader {
                 .unwrap_or_else(|| FileError::of_file(NO_POINTS))
                 .into());
         };
-        check_count(points.len())?;
         let mut notices = self.notices;
         notices.extend(layout.notice());
         let titles = self.titles.len() - usize::from(layout.named);
@@ -333,13 +333,11 @@ impl Reader {
         let mut breaks = self.breaks;
         breaks.retain(|index| *index < points.len());
         let name = self.titles.into_iter().take(titles).next();
-        Ok(Table {
-            points,
-            lines: self.lines,
+        Ok(Part {
             breaks,
-            is_mesh: false,
             name: name.map(|(_, name)| name.replace('\t', " ")),
             notices,
+            ..Part::new(points, self.lines)?
         })
     }
 }

@@ -1,11 +1,13 @@
 //! Files of points: CSV, tables with blanks, point clouds (XYZ), airfoils (`.dat`) and JSON arrays.
 //!
-//! [`read`] is the only entry. It knows nothing of HTTP or of jobs: a file becomes points, and what is
+//! [`read`] gives one part of a file, and [`read_parts`] all of them. They know nothing of HTTP or of jobs: files become points, and what is
 //! wrong with it is reported at its line. What it is, is seen from what is in it:
 //!
 //! - `number_format`: what separates columns, and decimals;
+//! - `format`: what the file is;
+//! - `part`: what each reader gives, the parts of a file;
 //! - `layout`: which columns are coordinates, and what is a title, a remark or a damaged point;
-//! - `lines`: lines become points of a `table`, with titles above them and remarks below them; `fast_path`: those of
+//! - `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
 //!   large files, by all threads;
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `off`: the vertices of meshes (OFF);
@@ -18,59 +20,148 @@
 mod airfoil;
 mod array;
 mod closed_outline;
+mod columns;
 mod error;
 mod fast_path;
+mod format;
 mod grid_detection;
 mod imported;
 mod layout;
 mod lines;
 mod number_format;
 mod off;
+mod part;
 mod repeated;
-mod table;
+mod times;
 
 use std::borrow::Cow;
 
-use crate::short::without_mark;
+use crate::short::{quoted, without_mark};
 
+pub use columns::Columns;
 pub use error::{FileError, FileErrors};
-pub use imported::{Hints, Imported, Kind};
+pub use imported::{Hints, Imported, Kind, PartChoice};
 
-/// Reads a file of points in UTF-8, with or without a byte-order mark.
+use format::Format;
+use part::{Part, Parts};
+
+/// The most names of parts that an error lists.
+const MOST_NAMES: usize = 20;
+
+/// Reads one part of a file, with or without a byte-order mark: the only one, or the one of the hints.
+///
+/// # Errors
+///
+/// The first ten errors of the file, each with its line; that there are several parts, if nothing says which one.
+pub fn read(file: &[u8], hints: &Hints) -> Result<Imported, FileErrors> {
+    let Parts { parts, notices } = parts(file, hints)?;
+    let part = one(parts, hints.part.as_ref())?;
+    Ok(finished(part, &notices, hints)?)
+}
+
+/// Reads all parts of a file, or the one of the hints, in their order.
 ///
 /// # Errors
 ///
 /// The first ten errors of the file, each with its line.
-pub fn read(file: &[u8], hints: &Hints) -> Result<Imported, FileErrors> {
+pub fn read_parts(file: &[u8], hints: &Hints) -> Result<Vec<Imported>, FileErrors> {
+    let Parts { mut parts, notices } = parts(file, hints)?;
+    if hints.part.is_some() {
+        parts = vec![one(parts, hints.part.as_ref())?];
+    }
+    let all = parts
+        .into_iter()
+        .map(|part| finished(part, &notices, hints));
+    Ok(all.collect::<Result<_, _>>()?)
+}
+
+/// The parts of a file as its format has them.
+fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let file = without_mark(file);
     // Where all of it is UTF-8, which is found out much faster than where it is not.
     let text = str::from_utf8(file).map(Cow::Borrowed);
     let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
-    if array::is_array(&text) {
-        return Ok(array::read(&text, hints)?);
+    match Format::of(&text) {
+        Format::Array => Ok(array::read(&text, hints)?.into()),
+        Format::Off => Ok(off::read(&text, hints)?.into()),
+        Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
-    let table = match off::vertices(&text) {
-        None => airfoil::around(lines::read(&text, hints.most)?),
-        Some(vertices) => {
-            let vertices = vertices?;
-            let table = lines::read(vertices.text, hints.most);
-            let mut table = table.map_err(|errors| below(errors, vertices.above))?;
-            table.move_down(vertices.above);
-            table.notices.insert(0, vertices.notice);
-            table.is_mesh = vertices.faces > 0;
-            table.breaks.clear();
-            table
-        }
-    };
-    Ok(grid_detection::arranged(table, hints)?)
 }
 
-/// The errors of the part of a file that begins below this number of lines.
-fn below(mut errors: FileErrors, lines: usize) -> FileErrors {
-    for line in errors.0.iter_mut().filter_map(|it| it.line.as_mut()) {
-        *line += lines;
+/// A table as one part, or each of its parts between blank lines if they are no rows of a surface.
+fn tables(mut table: Part, hints: &Hints) -> Result<Parts, FileErrors> {
+    if !grid_detection::is_several(&table, hints) {
+        return Ok(table.into());
     }
-    errors
+    let mut notices = std::mem::take(&mut table.notices);
+    let parts = table.split()?;
+    notices.push(format!(
+        "The file has {} parts between blank lines.",
+        parts.len()
+    ));
+    Ok(Parts { parts, notices })
+}
+
+/// The only part, or the one that is chosen.
+fn one(mut parts: Vec<Part>, choice: Option<&PartChoice>) -> Result<Part, FileError> {
+    let index = match choice {
+        None if parts.len() == 1 => Some(0),
+        None => return Err(FileError::of_file(several(&parts))),
+        Some(PartChoice::Number(number)) => {
+            number.checked_sub(1).filter(|index| *index < parts.len())
+        }
+        Some(PartChoice::Name(name)) => {
+            let is_it = |part: &Part| part.name.as_ref() == Some(name);
+            parts.iter().position(is_it)
+        }
+    };
+    let Some(index) = index else {
+        let detail = match choice {
+            Some(PartChoice::Name(name)) => {
+                format!(
+                    "no part of the file is called {}{}",
+                    quoted(name),
+                    names(&parts)
+                )
+            }
+            _ => format!("the file has parts 1 to {}{}", parts.len(), names(&parts)),
+        };
+        return Err(FileError::of_file(detail));
+    };
+    Ok(parts.swap_remove(index))
+}
+
+/// What is said of a file with several parts where one is wanted.
+fn several(parts: &[Part]) -> String {
+    if parts.is_empty() {
+        return part::NO_POINTS.to_owned();
+    }
+    format!(
+        "the file has {} parts, and a fit is of one: say which by its number or name (--part 1, or part=1 in a query){}",
+        parts.len(),
+        names(parts)
+    )
+}
+
+/// The names of parts, if they have some.
+fn names(parts: &[Part]) -> String {
+    let named: Vec<String> = parts
+        .iter()
+        .filter_map(|part| part.name.as_deref())
+        .take(MOST_NAMES)
+        .map(|name| quoted(name).to_string())
+        .collect();
+    match named.is_empty() {
+        true => String::new(),
+        false => format!("; there are {}", named.join(", ")),
+    }
+}
+
+/// A part as a curve or a surface, with what is said of the whole file.
+fn finished(part: Part, notices: &[String], hints: &Hints) -> Result<Imported, FileError> {
+    let mut imported = grid_detection::arranged(part, hints)?;
+    imported.notices.splice(0..0, notices.iter().cloned());
+    Ok(imported)
 }
 
 #[cfg(test)]

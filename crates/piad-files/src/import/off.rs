@@ -1,30 +1,55 @@
 //! Meshes in OFF files: the vertices are points; the line of counts above them and the faces below are not.
 
-use super::error::FileError;
-use super::lines::{line_end, without_comment};
+use super::error::{FileError, FileErrors};
+use super::imported::Hints;
+use super::lines::{self, line_end, without_comment};
+use super::part::{Order, Part};
 
 /// What such files begin with; letters before `OFF` name what follows the coordinates of a vertex.
 const KEYWORDS: [&str; 5] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF"];
 
 /// The lines of the vertices of a mesh.
-#[derive(Debug)]
-pub(super) struct Vertices<'a> {
+struct Vertices<'a> {
     /// These lines.
-    pub(super) text: &'a str,
+    text: &'a str,
     /// How many lines are above them.
-    pub(super) above: usize,
+    above: usize,
     /// How many faces the mesh has.
-    pub(super) faces: usize,
+    faces: usize,
     /// What is said of the file.
-    pub(super) notice: String,
+    notice: String,
 }
 
-/// The vertices of a mesh; `None` if the text is no OFF file.
-///
-/// # Errors
-///
-/// If there are fewer vertices than the file says.
-pub(super) fn vertices(text: &str) -> Option<Result<Vertices<'_>, FileError>> {
+/// Returns true if a text is an OFF file.
+pub(super) fn is_off(text: &str) -> bool {
+    vertices(text).is_some()
+}
+
+/// The vertices of a mesh, which have no order.
+pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
+    let vertices = vertices(text).unwrap_or_else(|| Err(FileError::of_file("this is no OFF file")));
+    let vertices = vertices?;
+    let part = lines::read(vertices.text, hints);
+    let mut part = part.map_err(|errors| below(errors, vertices.above))?;
+    part.move_down(vertices.above);
+    part.notices.insert(0, vertices.notice);
+    if vertices.faces > 0 {
+        part.order = Order::None;
+    }
+    part.breaks.clear();
+    Ok(part)
+}
+
+/// The errors of the part of a file that begins below this number of lines.
+fn below(mut errors: FileErrors, lines: usize) -> FileErrors {
+    for line in errors.0.iter_mut().filter_map(|it| it.line.as_mut()) {
+        *line += lines;
+    }
+    errors
+}
+
+/// The vertices of a mesh; `None` if the text is no OFF file. It is an error if there are fewer than the file says.
+fn vertices(text: &str) -> Option<Result<Vertices<'_>, FileError>> {
     let mut lines = Lines {
         rest: Some(text),
         end: line_end(text),
@@ -93,22 +118,22 @@ impl<'a> Iterator for Lines<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Hints, Imported, Kind, read};
+    use crate::import::tests::HINTS;
+    use crate::import::{Hints, Imported, Kind, read};
 
-    const HINTS: Hints = Hints {
-        kind: Some(Kind::Surface),
-        size: None,
-        closed: None,
-        ordered: false,
-        most: 100,
-    };
+    fn surface() -> Hints {
+        Hints {
+            kind: Some(Kind::Surface),
+            ..HINTS
+        }
+    }
 
     fn points(text: &str) -> Imported {
-        read(text.as_bytes(), &HINTS).unwrap()
+        read(text.as_bytes(), &surface()).unwrap()
     }
 
     fn errors(text: &str) -> Vec<(Option<usize>, String)> {
-        let errors = read(text.as_bytes(), &HINTS).unwrap_err().0.into_iter();
+        let errors = read(text.as_bytes(), &surface()).unwrap_err().0.into_iter();
         errors.map(|it| (it.line, it.detail)).collect()
     }
 

@@ -6,11 +6,14 @@ use super::error::MOST_ERRORS;
 use super::*;
 use piad_fit::data::Grid;
 
-const HINTS: Hints = Hints {
+pub(super) const HINTS: Hints = Hints {
     kind: None,
     size: None,
     closed: None,
     ordered: false,
+    columns: None,
+    part: None,
+    times: false,
     most: 100,
 };
 
@@ -157,9 +160,38 @@ fn rows_are_a_surface() {
     // None of them.
     assert_eq!(of("0 0 1\n0 1 2\n0 2 3\n1 0 1\n1 1 2\n1 2.5 3\n"), None);
     assert_eq!(of("0 0 1\n0 0 2\n0 0 3\n0 0 1\n"), None);
-    assert_eq!(of("0 0\n0 1\n\n1 0\n1 1\n"), None);
-    let uneven = read("0 0 1\n1 0 2\n\n2 0 3\n", &HINTS).unwrap();
-    assert!(uneven.grid.is_none() && uneven.notices[0].contains("differ"));
+    // A blank line after each line parts nothing.
+    let spaced = read("0 0 1\n\n1 0 2\n\n2 0 3\n", &HINTS).unwrap();
+    assert_eq!((spaced.grid, spaced.points.len()), (None, 3));
+}
+
+#[test]
+fn blank_lines_part_curves() {
+    let text = "x,y\n0,0\n1,2\n\n\n5,5\n6,7\n7,9\n";
+    let parts = read_parts(text.as_bytes(), &HINTS).unwrap();
+    let lines: Vec<&[u32]> = parts.iter().map(|part| &part.lines[..]).collect();
+    assert_eq!(lines, [&[2, 3][..], &[6, 7, 8]]);
+    assert!(
+        parts[1].notices[0].contains("2 parts"),
+        "{:?}",
+        parts[1].notices
+    );
+    let part = |part: &str| Hints {
+        part: Some(PartChoice::of_text(part)),
+        ..HINTS
+    };
+    assert_eq!(read(text, &part("2")).unwrap(), parts[1]);
+    for (hints, detail) in [
+        (HINTS, "the file has 2 parts, and a fit is of one"),
+        (part("3"), "the file has parts 1 to 2"),
+        (part("0"), "the file has parts 1 to 2"),
+        (part("top"), "no part of the file is called \"top\""),
+    ] {
+        let wrong = read(text, &hints).unwrap_err();
+        assert!(wrong[0].detail.starts_with(detail), "{wrong:?}");
+    }
+    let alone = read("0 0\n1 1\n\n2 2\n\n3 3\n4 4\n", &part("1")).unwrap_err();
+    assert_eq!(alone[0].line, Some(4));
 }
 
 #[test]
@@ -408,15 +440,22 @@ fn large_files_are_the_same_in_pieces() {
         ("x y u\n", " ", "\n", 0),
     ] {
         let [plain, quoted] = [false, true].map(|quoted| file(head, separator, end, rows, quoted));
-        let found = read(&plain, &hints).unwrap();
-        assert_eq!(found, read(&quoted, &hints).unwrap(), "{separator:?}");
-        assert_eq!((found.points.len(), found.lines.len()), (40_000, 40_000));
-        assert_eq!(found.grid.is_some(), rows == 200);
+        let [found, quoted] =
+            [plain, quoted].map(|text| read_parts(text.as_bytes(), &hints).unwrap());
+        assert_eq!(found, quoted, "{separator:?}");
+        let counts = |part: &Imported| [part.points.len(), part.lines.len()];
+        let total = found
+            .iter()
+            .map(counts)
+            .reduce(|a, b| [a[0] + b[0], a[1] + b[1]]);
+        assert_eq!(total, Some([40_000; 2]));
+        assert_eq!(found[0].grid.is_some(), rows == 200);
+        assert_eq!(found.len(), if rows == 333 { 121 } else { 1 });
     }
     let text = file("", ",", "\n", 0, false);
     let fewer = Hints {
         most: 39_999,
-        ..hints
+        ..hints.clone()
     };
     assert_eq!(read(&text, &fewer).unwrap_err()[0].line, Some(40_000));
     let line = text.lines().nth(30_000).unwrap();

@@ -1,0 +1,23 @@
+//! What a file is, by what is in it.
+
+/// The formats that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    /// A JSON array of points, of rows of points or of rows of heights.
+    Array,
+    /// The vertices of a mesh in OFF.
+    Off,
+    /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
+    Table,
+}
+
+impl Format {
+    /// The format of a text.
+    pub(super) fn of(text: &str) -> Self {
+        match () {
+            () if super::array::is_array(text) => Self::Array,
+            () if super::off::is_off(text) => Self::Off,
+            () => Self::Table,
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! The points of a part of a file, before it is known whether they are those of a curve or of a surface.
+
+use super::error::FileError;
+use piad_fit::data::{Grid, Points};
+
+/// What a reader gives: the parts of a file, each a curve, a surface or a cloud of its own.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    pub(super) parts: Vec<Part>,
+    /// What was found out about the file as a whole, in sentences.
+    pub(super) notices: Vec<String>,
+}
+
+/// The points of one part, in the order of the file.
+#[derive(Debug)]
+pub(super) struct Part {
+    pub(super) points: Points,
+    /// The line of each point, from 1; empty for files without lines.
+    pub(super) lines: Vec<u32>,
+    /// The indices of points before which there were blank lines.
+    pub(super) breaks: Vec<usize>,
+    pub(super) order: Order,
+    /// Whether the file says that the curve is closed; its first point is there once.
+    pub(super) closed: bool,
+    /// The indices of points that are missing in a grid, increasing; their coordinates mean nothing.
+    pub(super) missing: Vec<usize>,
+    /// The time of each point in seconds from the first one, if the file has times.
+    pub(super) times: Option<Vec<f64>>,
+    /// Whether the times are the parameters without being asked for.
+    pub(super) times_are_parameters: bool,
+    pub(super) name: Option<String>,
+    pub(super) notices: Vec<String>,
+}
+
+/// What a file says of the order of points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Order {
+    /// Nothing: they are looked at.
+    #[default]
+    Unsaid,
+    /// They follow each other along a curve.
+    Curve,
+    /// They are rows of a surface.
+    Rows(Grid),
+    /// None: they are a cloud, or the vertices of a mesh.
+    None,
+}
+
+impl Part {
+    /// Points and their lines, if there are enough.
+    ///
+    /// # Errors
+    ///
+    /// If there are fewer than two.
+    pub(super) fn new(points: Points, lines: Vec<u32>) -> Result<Self, FileError> {
+        check_count(points.len())?;
+        Ok(Self {
+            points,
+            lines,
+            breaks: Vec::new(),
+            order: Order::Unsaid,
+            closed: false,
+            missing: Vec::new(),
+            times: None,
+            times_are_parameters: false,
+            name: None,
+            notices: Vec::new(),
+        })
+    }
+
+    /// Points of this order.
+    ///
+    /// # Errors
+    ///
+    /// If there are fewer than two.
+    pub(super) fn ordered(
+        points: Points,
+        lines: Vec<u32>,
+        order: Order,
+    ) -> Result<Self, FileError> {
+        let part = Self::new(points, lines)?;
+        Ok(Self { order, ..part })
+    }
+
+    /// Counts the lines of a table that stands below so many lines from the beginning of its file.
+    pub(super) fn move_down(&mut self, lines: usize) {
+        let lines = u32::try_from(lines).unwrap_or(u32::MAX);
+        for line in &mut self.lines {
+            *line = line.saturating_add(lines);
+        }
+    }
+
+    /// Keeps the points of these indices, which increase.
+    pub(super) fn keep(&mut self, kept: &[usize]) {
+        let lanes = self.points.lanes().iter();
+        let lanes: Vec<Vec<f64>> = lanes.map(|lane| chosen(lane, kept)).collect();
+        self.points = Points::from_lanes(lanes);
+        self.lines = chosen(&self.lines, kept);
+        self.times = self.times.take().map(|times| chosen(&times, kept));
+        for index in &mut self.breaks {
+            *index = kept.partition_point(|it| it < index);
+        }
+    }
+
+    /// The parts between the blank lines.
+    ///
+    /// # Errors
+    ///
+    /// If one of them has one point, at its line.
+    pub(super) fn split(self) -> Result<Vec<Self>, FileError> {
+        let ends = self.breaks.iter().copied().chain([self.points.len()]);
+        let mut start = 0;
+        let part = |end: usize| {
+            let range = start..end;
+            start = end;
+            let cut = |lane: &[f64]| lane.get(range.clone()).unwrap_or_default().to_vec();
+            let points = Points::from_lanes(self.points.lanes().iter().map(|lane| cut(lane)));
+            let lines = self.lines.get(range.clone()).unwrap_or_default().to_vec();
+            let alone = || FileError {
+                line: lines.first().map(|line| *line as usize),
+                detail: "this part has one point, and a curve has at least 2".to_owned(),
+            };
+            if range.len() < 2 {
+                return Err(alone());
+            }
+            Ok(Self {
+                times: self.times.as_deref().map(cut),
+                order: self.order,
+                times_are_parameters: self.times_are_parameters,
+                ..Self::new(points, lines)?
+            })
+        };
+        ends.map(part).collect()
+    }
+}
+
+fn chosen<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
+    let value = |index: &usize| values.get(*index).copied();
+    indices.iter().filter_map(value).collect()
+}
+
+impl From<Part> for Parts {
+    fn from(part: Part) -> Self {
+        Self {
+            parts: vec![part],
+            notices: Vec::new(),
+        }
+    }
+}
+
+/// What is wrong with a file without points.
+pub(super) const NO_POINTS: &str = "there are no points in the file";
+
+/// Refuses fewer than two points.
+pub(super) fn check_count(count: usize) -> Result<(), FileError> {
+    let detail = match count {
+        0 => NO_POINTS,
+        1 => "there is one point in the file, and a curve has at least 2",
+        _ => return Ok(()),
+    };
+    Err(FileError::of_file(detail))
+}
