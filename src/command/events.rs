@@ -3,13 +3,13 @@
 use std::time::Duration;
 
 use axum::body::Body;
-use http_body_util::BodyExt;
 use serde::Deserialize;
 use serde_json::Value;
 use tokio::time::sleep;
 
 use super::client::Client;
 use super::failure::Failure;
+use super::lines::Lines;
 use super::request::PROGRESS;
 
 /// How often a broken stream is taken up again without an event in between.
@@ -97,10 +97,7 @@ pub(super) struct Why {
 /// The events of a job, in order.
 pub(super) struct Events<'a> {
     client: &'a Client,
-    body: Body,
-    /// What has come of the next lines, and how much of that has no end of a line.
-    bytes: Vec<u8>,
-    searched: usize,
+    lines: Lines,
     last: Option<usize>,
     attempts: u32,
 }
@@ -110,9 +107,7 @@ impl<'a> Events<'a> {
     pub(super) fn new(client: &'a Client, body: Body) -> Self {
         Self {
             client,
-            body,
-            bytes: Vec::new(),
-            searched: 0,
+            lines: Lines::new(body),
             last: None,
             attempts: 0,
         }
@@ -121,39 +116,18 @@ impl<'a> Events<'a> {
     /// The next event.
     pub(super) async fn next(&mut self) -> Result<Event, Failure> {
         loop {
-            if let Some(event) = self.take_line()? {
-                self.note(&event);
-                return Ok(event);
-            }
-            match self.body.frame().await {
-                Some(Ok(frame)) => {
-                    if let Ok(data) = frame.into_data() {
-                        self.bytes.extend_from_slice(&data);
-                    }
+            match self.lines.next().await {
+                Ok(Some(line)) => {
+                    let event = serde_json::from_slice(&line).map_err(|reason| {
+                        Failure::Failed(format!("an event is not understood: {reason}"))
+                    })?;
+                    self.note(&event);
+                    return Ok(event);
                 }
-                broken => {
-                    let reason = match broken {
-                        Some(Err(reason)) => reason.to_string(),
-                        _ => "it ended too early".to_owned(),
-                    };
-                    self.resume(&reason).await?;
-                }
+                Ok(None) => self.resume("it ended too early").await?,
+                Err(reason) => self.resume(&reason).await?,
             }
         }
-    }
-
-    fn take_line(&mut self) -> Result<Option<Event>, Failure> {
-        let rest = self.bytes.get(self.searched..).unwrap_or_default();
-        let Some(length) = rest.iter().position(|byte| *byte == b'\n') else {
-            self.searched = self.bytes.len();
-            return Ok(None);
-        };
-        let line: Vec<u8> = self.bytes.drain(..=self.searched + length).collect();
-        self.searched = 0;
-        let event = serde_json::from_slice(&line);
-        let not_understood =
-            |reason| Failure::Failed(format!("an event is not understood: {reason}"));
-        event.map(Some).map_err(not_understood)
     }
 
     fn note(&mut self, event: &Event) {
@@ -182,7 +156,7 @@ impl<'a> Events<'a> {
             self.attempts += 1;
             match self.client.get(&path, "application/x-ndjson").await {
                 Ok(Ok(body)) => {
-                    (self.body, self.bytes, self.searched) = (body, Vec::new(), 0);
+                    self.lines = Lines::new(body);
                     return Ok(());
                 }
                 Ok(Err(refusal)) if refusal.status.is_client_error() => {

@@ -17,6 +17,7 @@ mod events;
 mod failure;
 mod input;
 mod iterations;
+mod lines;
 mod options;
 mod outputs;
 mod point_kind;

@@ -6,16 +6,11 @@ use super::failure::Failure;
 use super::input::{Content, Input, not_json, not_read};
 use super::point_kind::PointKind;
 use super::pointer;
-use crate::api::json::request::file::{self, FileHints};
+use crate::api::json::request::file::{self, COLUMNS, FileHints, PART, SIZE};
 use crate::api::json::request::path::{insert, insert_value};
 use crate::config::fit_arguments::FitArguments;
 use crate::files;
-use crate::model::stream::Samples;
 use piad_files::import::Hints;
-use piad_fit::data::Grid;
-
-/// The field of a request with a file of points that says how many rows and columns there are.
-pub(super) const SIZE: &str = "surface.size";
 
 /// The parameters of scattered points that are those of foot points.
 const FOOT_POINTS: &str = "foot_points";
@@ -25,8 +20,8 @@ const FOOT_POINTS: &str = "foot_points";
 pub(super) struct Asked {
     /// Fields of a job, without points.
     pub fields: Map<String, Value>,
-    /// Rows and columns.
-    pub size: Option<String>,
+    /// What the flags say of a file: parameters of a query, and their values.
+    pub reading: Vec<(&'static str, String)>,
     /// Where each flag has gone.
     pub flags: Vec<(String, String)>,
 }
@@ -34,14 +29,11 @@ pub(super) struct Asked {
 impl Asked {
     /// What the flags say of a file of points.
     pub(super) fn hints(&self) -> Hints {
-        let size = match self.size.as_deref().and_then(Samples::of_text) {
-            Some(Samples::Grid(rows, columns)) => Some(Grid { rows, columns }),
-            _ => None,
-        };
-        let reading = FileHints {
-            size,
-            ordered: false,
-        };
+        let mut reading = FileHints::default();
+        for (name, text) in &self.reading {
+            // What is wrong with them is told by the server, which takes them, too.
+            let _ = reading.take(name, text);
+        }
         file::hints(&self.fields, reading, usize::MAX)
     }
 
@@ -53,9 +45,19 @@ impl Asked {
             asked.take_set(text)?;
         }
         if arguments.surface.is_some() {
-            asked.size = arguments.surface.clone().flatten();
+            let size = arguments.surface.clone().flatten();
+            asked.reading.extend(size.map(|size| (SIZE, size)));
             asked.fields.entry("surface").or_insert_with(|| json!({}));
             asked.flags.push((SIZE.to_owned(), "--surface".to_owned()));
+        }
+        for (name, flag, text) in [
+            (COLUMNS, "--columns", &arguments.columns),
+            (PART, "--part", &arguments.part),
+        ] {
+            if let Some(text) = text {
+                asked.reading.push((name, text.clone()));
+                asked.flags.push((name.to_owned(), flag.to_owned()));
+            }
         }
         let from_file = match &arguments.json {
             None => Map::new(),

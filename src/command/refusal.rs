@@ -5,8 +5,9 @@ use serde::Deserialize;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::{Asked, SIZE};
+use super::options::Asked;
 use super::pointer;
+use crate::api::json::request::file::SIZE;
 
 /// A problem object, as far as the command needs it.
 #[derive(Debug, Default, Deserialize)]

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::{Asked, SIZE, merge};
+use super::options::{Asked, merge};
 
 /// Streams of progress: no geometry, and no iteration that is out of date.
 pub(super) const PROGRESS: &str = "view=errors&pace=latest";
@@ -28,16 +28,17 @@ pub(super) struct Request {
 impl Request {
     /// The request for a fit of an input with these options.
     pub(super) fn new(input: &Input, asked: &Asked) -> Result<Self, Failure> {
-        match input.content {
-            Content::Points => Self::of_points(input, asked),
-            Content::Job if asked.size.is_some() => Err(Failure::usage(format!(
-                "--surface: {} is a whole job, which has its rows",
+        match (input.content, asked.reading.first()) {
+            (Content::Points, _) => Self::of_points(input, asked),
+            (Content::Job, Some((parameter, _))) => Err(Failure::usage(format!(
+                "{}: {} is a whole job, and no file of points",
+                asked.flag(parameter).unwrap_or(parameter),
                 input.name
             ))),
-            Content::Job if asked.fields.is_empty() => {
+            (Content::Job, None) if asked.fields.is_empty() => {
                 Ok(Self::of_json(input.bytes.slice_ref(input.json())))
             }
-            Content::Job => {
+            (Content::Job, None) => {
                 let mut job = input.value()?;
                 if let Some(fields) = job.as_object_mut() {
                     merge(fields, asked.fields.clone());
@@ -68,8 +69,8 @@ impl Request {
                 value => add(name, &value.to_string()),
             }
         }
-        if let Some(size) = &asked.size {
-            add(SIZE, size);
+        for (name, text) in &asked.reading {
+            add(name, text);
         }
         if path.len() > LONGEST {
             let detail = "there is too much beside the points of the file: make it a whole job";
@@ -77,7 +78,7 @@ impl Request {
         }
         Ok(Self {
             path,
-            media_type: "text/csv",
+            media_type: "application/octet-stream",
             body: input.bytes.clone(),
         })
     }

@@ -12,7 +12,7 @@ use piad_files::export::Unit;
 
 /// What is told below the flags.
 const MORE: &str = "\
-Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ), airfoils (.dat, Selig, Lednicer and MSES), vertices of meshes (OFF), a JSON array of points, of rows of points or of rows of heights, or a whole job as POST /v1/jobs takes it. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then.
+Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job as POST /v1/jobs takes it. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then.
 
 Output is written as the ending of its name says: .json, .step (.stp), .iges (.igs), .obj, .gltf (.glb), .stl, .dxf, .svg, .csv. Without -o the result goes to the standard output. Files appear when they are complete; those that are there are overwritten.
 
@@ -69,6 +69,15 @@ pub struct FitArguments {
     /// them in the order in which they are near each other.
     #[arg(long, value_name = "ORDER", value_parser = PossibleValuesParser::new(["given", "nearest"]), help_heading = "Fit")]
     pub(crate) order: Option<String>,
+
+    /// Which columns of a table are what, by numbers from 1 or names: x=2,y=3, or t,q1:q7 with the times of the points
+    /// as parameters.
+    #[arg(long, value_name = "COLUMNS", help_heading = "Input")]
+    pub(crate) columns: Option<String>,
+
+    /// Which part of a file with several is fitted: its number from 1, or its name.
+    #[arg(long, value_name = "PART", help_heading = "Input")]
+    pub(crate) part: Option<String>,
 
     /// Basis: bspline, bernstein, said_ball or wang_ball [default: bspline].
     #[arg(long, value_name = "BASIS", help_heading = "Fit")]

@@ -281,7 +281,7 @@ async fn files_are_fitted_like_json() {
 #[tokio::test]
 async fn mistakes_of_jobs_are_told_where_they_stand() {
     let server = Server::start().await;
-    let near = "# too near for chord lengths\n0,0\n1e17,1\n\n1e17,2\n2e17,0\n3e17,1\n";
+    let near = "# too near for chord lengths\n0,0\n1e17,1\n# another\n1e17,2\n2e17,0\n3e17,1\n";
     let response = send(&server, "/v1/jobs", "text/csv", near).await;
     let (status, answer) = problem(response).await;
     assert_eq!(
@@ -374,4 +374,74 @@ async fn large_files_are_shown() {
     let points = shown["curve"]["points"].as_array().unwrap();
     assert_eq!(points.len(), 100_000);
     assert_eq!(points[99_999], json!([99_999.0 * 0.1, 4.0, 9.0]));
+}
+
+/// Two curves with a blank line between them.
+const TWO: &str = "x,y\n0,0\n1,2\n2,1\n\n5,5\n6,7\n7,9\n8,6\n";
+
+#[tokio::test]
+async fn one_part_of_a_file_is_fitted() {
+    let server = Server::start().await;
+    for path in ["/v1/points", "/v1/jobs", "/v1/fit"] {
+        for (query, detail) in [
+            ("", "the file has 2 parts"),
+            ("?part=3", "the file has parts 1 to 2"),
+            ("?part=top", "no part of the file is called \"top\""),
+        ] {
+            let response = send(&server, &format!("{path}{query}"), "text/csv", TWO).await;
+            let (status, answer) = problem(response).await;
+            assert_eq!(status, 422, "{path}{query}");
+            let error = &answer["errors"][0];
+            assert_eq!(error["parameter"], "part", "{answer:#}");
+            assert!(
+                error["detail"].as_str().unwrap().starts_with(detail),
+                "{answer:#}"
+            );
+        }
+    }
+    let second = input(&server, "?part=2", TWO).await;
+    let expected = json!([[5.0, 5.0], [6.0, 7.0], [7.0, 9.0], [8.0, 6.0]]);
+    assert_eq!(second["curve"]["points"], expected);
+    let shown = send(&server, "/v1/points?part=2", "text/csv", TWO).await;
+    let shown: Value = shown.json().await.unwrap();
+    assert_eq!(shown["curve"]["points"], expected);
+    assert!(shown["notices"][0].as_str().unwrap().contains("2 parts"));
+}
+
+#[tokio::test]
+async fn the_parts_of_a_file_are_a_batch() {
+    let server = Server::start().await;
+    let path = "/v1/batch?curve.degree=2&stop.tolerance=1e-9";
+    let response = send(&server, path, "application/octet-stream", TWO).await;
+    assert_eq!(response.status(), 200);
+    let text = response.text().await.unwrap();
+    let lines: Vec<Value> = text
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    assert_eq!(lines.len(), 3);
+    assert_eq!(lines[2]["totals"]["converged"], 2, "{text}");
+    for (line, points) in lines.iter().zip([3, 4]) {
+        assert_eq!(line["curve"]["degree"], 2);
+        let parameters = line["curve"]["parameters"].as_array().unwrap();
+        assert_eq!(parameters.len(), points);
+    }
+    // What is wrong with a part is told in its line.
+    let near = TWO.replace("2,1\n", "1e17,0\n1e17,1\n");
+    let text = send(&server, "/v1/batch", "text/csv", &near).await;
+    let text = text.text().await.unwrap();
+    let first: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
+    assert_eq!(first["state"], "failed", "{text}");
+    let pointer = first["problem"]["errors"][0]["pointer"].as_str().unwrap();
+    assert!(pointer.starts_with("/items/0/curve/points"), "{text}");
+    assert!(text.contains("\"converged\":1"), "{text}");
+    // And what is wrong with the file instead of an answer.
+    for (query, status) in [
+        ("?part=3", 422),
+        ("?curve.degree=x", 200),
+        ("?columns=", 400),
+    ] {
+        let response = send(&server, &format!("/v1/batch{query}"), "text/csv", TWO).await;
+        assert_eq!(response.status(), status, "{query}");
+    }
 }

@@ -6,11 +6,13 @@ use axum::http::HeaderMap;
 use axum::response::Response;
 use futures_util::stream;
 
-use super::query::IterationQuery;
+use super::points::{Fields, PartJobs};
+use super::query::{IterationQuery, OF_RESULTS};
 use super::request_id::REQUEST_ID;
 use super::{body, coding, events, negotiate};
 use crate::api::app::App;
 use crate::api::batch::driver::Batch;
+use crate::api::batch::pieces::BodyForm;
 use crate::api::batch::sending::Sending;
 use crate::api::batch::settings::{Forms, Settings};
 use crate::api::language::{Framing, NDJSON, SSE};
@@ -18,17 +20,32 @@ use crate::api::problem::Problem;
 use crate::model::stream::form::Digits;
 use crate::model::stream::options;
 
-/// Fits many curves and surfaces.
+/// Fits many curves and surfaces: the items of a batch, or the parts of a file.
 pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Response, Problem> {
-    let query: IterationQuery = negotiate::query(request.uri())?;
+    let fields = Fields::of_points(&request, &OF_RESULTS)?;
+    let (query, fields): (IterationQuery, _) = match fields {
+        None => (negotiate::query(request.uri())?, None),
+        Some((query, fields)) => (query, Some(fields)),
+    };
     let headers = request.headers();
     let framing = framing(headers)?;
-    let form = body::of_batch(headers)?;
-    let coding = coding::of_body(headers)?;
+    let form = match fields {
+        None => body::of_batch(headers)?,
+        Some(_) => BodyForm::Lines,
+    };
     let request_id = headers.get(REQUEST_ID).and_then(|id| id.to_str().ok());
     let request_id = request_id.map(str::to_owned);
     let settings = Settings::new(&app, form, framing, forms(&query)?, request_id);
-    let batch = Batch::begin(settings, request.into_body(), coding).await?;
+    let batch = match fields {
+        None => {
+            let coding = coding::of_body(headers)?;
+            Batch::begin(settings, request.into_body(), coding).await?
+        }
+        Some(fields) => {
+            let jobs = PartJobs::read(&app, request, fields).await?;
+            Batch::begin(settings, jobs.into_body(), None).await?
+        }
+    };
     let lines = stream::unfold(Sending::begin(batch), |mut sending| async move {
         let bytes = sending.next().await?;
         Some((bytes, sending))

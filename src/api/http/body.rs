@@ -12,6 +12,19 @@ use crate::api::problem::{Kind, Problem};
 use crate::api::proto::bounds::{self, Bounded};
 use piad_files::short::quoted;
 
+/// The media types of files of points. What is in a file says what it is; these say that it is one.
+const FILES: [&str; 9] = [
+    "text/csv",
+    "text/plain",
+    "application/octet-stream",
+    "application/geo+json",
+    "application/gpx+xml",
+    "image/svg+xml",
+    "image/vnd.dxf",
+    "model/obj",
+    "model/stl",
+];
+
 /// Receives the body of a request, which is JSON or such a protobuf message.
 pub(super) async fn read<M: Bounded>(
     app: &App,
@@ -34,7 +47,7 @@ pub(super) async fn read_points(
     if !is_points(request.headers()) {
         let given = content_type(request.headers());
         let detail = format!(
-            "Content-Type is {}; points are sent as text/csv or text/plain in UTF-8",
+            "Content-Type is {}; points are sent as text/csv or text/plain in UTF-8, and any file as application/octet-stream",
             quoted(given)
         );
         return Err(Problem::new(Kind::UnsupportedMediaType, detail));
@@ -75,7 +88,7 @@ pub(super) fn of_batch(headers: &HeaderMap) -> Result<BodyForm, Problem> {
 pub(super) fn is_points(headers: &HeaderMap) -> bool {
     let (essence, utf8) = media_type(content_type(headers));
     let is = |name: &str| essence.eq_ignore_ascii_case(name);
-    utf8 && (is("text/csv") || is("text/plain"))
+    utf8 && FILES.into_iter().any(is)
 }
 
 /// Whether a page of another origin has sent a text, which browsers let every page do without asking:
@@ -93,7 +106,7 @@ pub(super) fn is_unasked(headers: &HeaderMap) -> bool {
             .split_once("://")
             .is_none_or(|(_, authority)| !authority.eq_ignore_ascii_case(host))
     });
-    foreign && !essence.eq_ignore_ascii_case("text/csv")
+    foreign && essence.eq_ignore_ascii_case("text/plain")
 }
 
 fn content_type(headers: &HeaderMap) -> &str {
@@ -124,7 +137,7 @@ fn language(request: &Request) -> Result<Language, Problem> {
     if essence.eq_ignore_ascii_case(PROTOBUF) {
         return Ok(Language::Protobuf);
     }
-    const SENT: &str = "jobs are sent as application/json in UTF-8, or as application/x-protobuf; the points of new ones also as text/csv";
+    const SENT: &str = "jobs are sent as application/json in UTF-8, or as application/x-protobuf; the points of new ones also as text/csv or, of any file, as application/octet-stream";
     let detail = match given {
         "" => format!("the Content-Type header is missing; {SENT}"),
         _ => format!("Content-Type is {}; {SENT}", quoted(given)),

@@ -13,12 +13,13 @@ use bytes::Bytes;
 use futures_util::{StreamExt, stream};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::answer::whole;
+use super::body_limits::ReceivedBody;
 use super::{body, negotiate};
 use crate::api::app::App;
-use crate::api::json::request::file::{self, FileHints, FileWords};
+use crate::api::json::request::file::{self, COLUMNS, FileHints, FileWords, ORDER, PART, SIZE};
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
 use crate::api::json::view::to_bytes;
@@ -29,19 +30,11 @@ use crate::api::stream::sending::ENOUGH;
 use crate::config::Config;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
-use crate::model::stream::Samples;
 use piad_files::import::{self, Hints, Imported};
 use piad_files::short::quoted;
-use piad_fit::data::Grid;
 
-/// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
-const SIZE: &str = "surface.size";
-
-/// The order of the points of a curve.
-const ORDER: &str = "curve.order";
-
-/// Those that there are.
-const ORDERS: [&str; 2] = ["given", "nearest"];
+/// The parameters of a curve.
+const PARAMETERS: &str = "curve.parameters";
 
 /// The JSON of points takes at most so many times the memory of their file, also while it grows: 1e15 has sixteen
 /// digits there.
@@ -54,6 +47,10 @@ struct PointsQuery {
     size: Option<String>,
     #[serde(rename = "curve.order")]
     order: Option<String>,
+    #[serde(rename = "curve.parameters")]
+    parameters: Option<String>,
+    columns: Option<String>,
+    part: Option<String>,
 }
 
 /// `POST /v1/points`: the points of a file, as the JSON of a job has them.
@@ -61,15 +58,21 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     negotiate::json(request.headers())?;
     let query: PointsQuery = negotiate::query(request.uri())?;
     let mut reading = FileHints::default();
-    for (name, text) in [(SIZE, query.size), (ORDER, query.order)] {
+    for (name, text) in [
+        (SIZE, query.size),
+        (ORDER, query.order),
+        (COLUMNS, query.columns),
+        (PART, query.part),
+    ] {
         if let Some(text) = text {
             take(&mut reading, name, &text)?;
         }
     }
+    let fields = of_curve(query.parameters.as_deref())?;
     let body = body::read_points(&app, request, JSON_OF_POINTS).await?;
     let (length, most) = (body.bytes.len(), app.config.limits().points);
     let work = move || {
-        let hints = file::hints(&Map::new(), reading, most);
+        let hints = file::hints(&fields, reading, most);
         let points = imported(&body.bytes, &hints)?;
         let json = to_bytes(&PointsView::new(points));
         // Held until now: the file and its points take memory.
@@ -88,6 +91,22 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
         .take(Peer::current(), json.len())
         .await;
     Ok(whole(in_parts(json, room), JSON))
+}
+
+/// The fields of a curve whose parameters are to be the times of its file.
+fn of_curve(parameters: Option<&str>) -> Result<Map<String, Value>, Problem> {
+    let mut fields = Map::new();
+    match parameters {
+        None => {}
+        Some(file::TIME) => {
+            fields.insert("curve".to_owned(), json!({"parameters": file::TIME}));
+        }
+        Some(other) => {
+            let detail = format!("{} is not read from files; time is", quoted(other));
+            return Err(Problem::at_parameter(PARAMETERS, detail));
+        }
+    }
+    Ok(fields)
 }
 
 /// A long body, which takes memory until the last part of it has gone.
@@ -146,13 +165,7 @@ impl Fields {
 
     /// The same text for the same fields.
     pub(super) fn text(&self) -> String {
-        let size = self.reading.size;
-        let size = size.map(|size| format!("{}x{}", size.rows, size.columns));
-        format!(
-            "{} {}",
-            Value::from(self.json.clone()),
-            size.unwrap_or_default()
-        )
+        format!("{} {:?}", Value::from(self.json.clone()), self.reading)
     }
 
     /// The job that they ask for, with the points of this body.
@@ -169,6 +182,47 @@ impl Fields {
     }
 }
 
+/// The jobs of the parts of a file, a line of JSON each.
+pub(super) struct PartJobs {
+    /// The memory that the file and its lines take.
+    body: ReceivedBody,
+    lines: std::vec::IntoIter<Bytes>,
+}
+
+impl PartJobs {
+    /// Reads a body with the fields that all parts have in common.
+    pub(super) async fn read(app: &App, request: Request, fields: Fields) -> Result<Self, Problem> {
+        let body = body::read_points(app, request, JSON_OF_POINTS).await?;
+        let work = move || {
+            let hints = file::hints(&fields.json, fields.reading, usize::MAX);
+            let parts = import::read_parts(&body.bytes, &hints)?;
+            let line = |part| {
+                let json = file::json(fields.json.clone(), part, &hints)?;
+                Ok([json, Bytes::from_static(b"\n")].concat().into())
+            };
+            let lines: Vec<Bytes> = parts
+                .into_iter()
+                .map(line)
+                .collect::<Result<_, Problem>>()?;
+            Ok(Self {
+                body,
+                lines: lines.into_iter(),
+            })
+        };
+        order::read(app, 0, work).await
+    }
+
+    /// The lines as the body of a batch.
+    pub(super) fn into_body(self) -> Body {
+        let lines = stream::iter(self.lines).map(move |line| {
+            // Held until the last line has gone.
+            let _ = &self.body;
+            Ok::<_, Infallible>(line)
+        });
+        Body::from_stream(lines)
+    }
+}
+
 /// The address with some of its parameters.
 fn only(uri: &Uri, parameters: &[&str]) -> Uri {
     let text = format!("{}?{}", uri.path(), parameters.join("&"));
@@ -178,35 +232,6 @@ fn only(uri: &Uri, parameters: &[&str]) -> Uri {
 
 /// Takes a parameter that says how a file is read; returns true if it is one.
 fn take(reading: &mut FileHints, name: &str, text: &str) -> Result<bool, Problem> {
-    match name {
-        SIZE => reading.size = Some(size(text)?),
-        ORDER if ORDERS.contains(&text) => reading.ordered = true,
-        ORDER => {
-            let [given, nearest] = ORDERS;
-            let detail = format!(
-                "{} is no order; there are {given} and {nearest}",
-                quoted(text)
-            );
-            return Err(Problem::at_parameter(ORDER, detail));
-        }
-        _ => return Ok(false),
-    }
-    Ok(true)
-}
-
-/// Rows and columns, such as 40x60.
-fn size(text: &str) -> Result<Grid, Problem> {
-    let size = match Samples::of_text(text) {
-        Some(Samples::Grid(rows, columns)) if rows >= 2 && columns >= 2 => {
-            Some(Grid { rows, columns })
-        }
-        _ => None,
-    };
-    size.ok_or_else(|| {
-        let detail = format!(
-            "{} is no number of rows and columns, such as 40x60",
-            quoted(text)
-        );
-        Problem::at_parameter(SIZE, detail)
-    })
+    let taken = reading.take(name, text);
+    taken.map_err(|detail| Problem::at_parameter(name, detail))
 }

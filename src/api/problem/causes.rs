@@ -49,10 +49,13 @@ impl From<ChoiceMistake> for Problem {
 
 impl From<FileErrors> for Problem {
     fn from(FileErrors(errors): FileErrors) -> Self {
-        let problems = errors.into_iter().map(|error| match error.line {
-            Some(line) => Self::at_line(line, &error.detail),
-            None => Self::new(Kind::InvalidFit, error.detail),
-        });
+        let problems = errors
+            .into_iter()
+            .map(|error| match (error.line, error.hint) {
+                (Some(line), _) => Self::at_line(line, &error.detail),
+                (None, Some(hint)) => Self::of_hint(hint, &error.detail),
+                (None, None) => Self::new(Kind::InvalidFit, error.detail),
+            });
         let unsaid = || Self::new(Kind::InvalidFit, "the file is not understood");
         Self::of_all(problems).unwrap_or_else(unsaid)
     }

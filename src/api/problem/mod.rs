@@ -106,6 +106,15 @@ impl Problem {
         Self::at(Kind::InvalidFit, Location::Line(line), detail)
     }
 
+    /// A problem with a file that a query parameter does not fit, or one without it.
+    pub fn of_hint(name: &str, detail: &str) -> Self {
+        Self::at(
+            Kind::InvalidFit,
+            Location::Parameter(name.to_owned()),
+            detail,
+        )
+    }
+
     /// A problem with a query parameter.
     pub fn at_parameter(name: impl Into<String>, detail: impl Into<String>) -> Self {
         let place = Location::Parameter(name.into());

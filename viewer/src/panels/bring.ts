@@ -74,13 +74,14 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
     data.replaceChildren(...(dataOf(request) === null ? [] : [el("p", {}, el("b", {}, words(request)))]), ...notices.map((notice) => el("p", { class: "hint" }, notice)));
   };
 
-  async function take({ name, text }: Brought): Promise<void> {
+  async function take(brought: Brought): Promise<void> {
+    const { name, text } = brought;
     byId("tab-bring").click();
     reading.abort();
     const { signal } = (reading = new AbortController());
     wrong.replaceChildren();
     try {
-      const result = await read(text, name?.replace(/\.[^.]*$/, "") ?? null, signal);
+      const result = await read(brought, name?.replace(/\.[^.]*$/, "") ?? null, signal);
       notices = result.notices;
       draft.set({ request: editable(result.request as api.JobRequest), touched: true });
       show();
@@ -94,7 +95,7 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
     }
   }
 
-  const input = el("input", { type: "file", id: "file", class: "aside", tabindex: -1, "aria-label": "A file of points", accept: ".csv,.dat,.txt,.xyz,.json,.tsv,text/*,application/json" });
+  const input = el("input", { type: "file", id: "file", class: "aside", tabindex: -1, "aria-label": "A file of points", accept: ".csv,.dat,.txt,.xyz,.json,.tsv,.gpx,.geojson,.dxf,.svg,.nc,.gcode,.asc,.pts,.pcd,.las,.ply,.stl,.obj,.off,text/*,application/json" });
   input.addEventListener("change", () => {
     const [file] = input.files ?? [];
     input.value = "";
@@ -122,7 +123,7 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
   const element = el(
     "div",
     { class: "sources" },
-    el("div", { class: "row" }, el("button", { type: "button", class: "plain", onclick: () => input.click() }, "Choose a file"), el("p", { class: "hint" }, "or drop or paste it anywhere: CSV, .dat, XYZ, JSON"), input),
+    el("div", { class: "row" }, el("button", { type: "button", class: "plain", onclick: () => input.click() }, "Choose a file"), el("p", { class: "hint" }, "or drop or paste it anywhere: CSV, .dat, XYZ, JSON, GPX, DXF, SVG, meshes and others"), input),
     typed,
     ready,
     wrong,

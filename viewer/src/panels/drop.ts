@@ -7,6 +7,8 @@ export interface Brought {
   /** The name of the file; null for what was pasted. */
   readonly name: string | null;
   readonly text: string;
+  /** The bytes of the file, which need not be text. */
+  readonly bytes?: Blob;
 }
 
 // A file larger than this is no file of points.
@@ -56,7 +58,7 @@ export function listen(onText: (brought: Brought) => void, onTrouble: (sentence:
 export async function open(file: File): Promise<Brought> {
   if (file.size > LARGEST) throw new Error(`${file.name} is larger than files of points are.`);
   if (file.size === 0) throw new Error(`${file.name} is empty.`);
-  return { name: file.name, text: await file.text() };
+  return { name: file.name, text: await file.text(), bytes: file };
 }
 
 function isField(target: EventTarget | null): boolean {

@@ -3,6 +3,7 @@
 import type { Problem, api } from "piad";
 
 import { ask } from "../ask.js";
+import type { Brought } from "./drop.js";
 import { type Fields, type Json, isFields } from "./pointer.js";
 
 /** What a file says. */
@@ -32,10 +33,10 @@ export class Unreadable extends Error {
   }
 }
 
-/** Reads the text of a file. `name` is that of the file without its ending, for the job. */
-export async function read(text: string, name: string | null, signal: AbortSignal): Promise<Reading> {
+/** Reads a file, or its text where there is no file. `name` is that of the file without its ending, for the job. */
+export async function read({ text, bytes }: Brought, name: string | null, signal: AbortSignal): Promise<Reading> {
   const value = /^\s*[[{]/.test(text) ? parsed(text) : null;
-  const { request, notices } = isFields(value) ? job(value, text) : await byServer(text, signal);
+  const { request, notices } = isFields(value) && !("type" in value) ? job(value, text) : await byServer(text, bytes, signal);
   // What a file calls itself goes before how the file is called.
   return { request: name === null || "name" in request ? request : { name, ...request }, notices };
 }
@@ -74,9 +75,9 @@ function placeOf(text: string, words: string): { line: number | null; column: nu
   return { line: before.length, column: (before.at(-1)?.length ?? 0) + 1 };
 }
 
-async function byServer(text: string, signal: AbortSignal): Promise<Reading> {
-  const headers = { "Content-Type": "text/plain; charset=utf-8", Accept: "application/json, application/problem+json" };
-  const response = await ask(new URL("v1/points", document.baseURI), { method: "POST", headers, body: text, signal });
+async function byServer(text: string, bytes: Blob | undefined, signal: AbortSignal): Promise<Reading> {
+  const headers = { "Content-Type": bytes === undefined ? "text/plain; charset=utf-8" : "application/octet-stream", Accept: "application/json, application/problem+json" };
+  const response = await ask(new URL("v1/points", document.baseURI), { method: "POST", headers, body: bytes ?? text, signal });
   const body = (await response.json().catch(() => null)) as Json;
   if (response.ok && isFields(body)) {
     const { notices, ...request } = body;

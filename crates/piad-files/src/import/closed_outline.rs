@@ -31,9 +31,6 @@ pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
     if closed {
         part.points.truncate(last);
         part.lines.truncate(last);
-        if let Some(times) = &mut part.times {
-            times.truncate(last);
-        }
         part.breaks.retain(|index| *index < last);
     }
     let what = match (closed, hints.closed) {

@@ -10,6 +10,8 @@ pub(super) const MOST_ERRORS: usize = 10;
 pub struct FileError {
     /// The line, from 1; none if it concerns the whole file.
     pub line: Option<usize>,
+    /// The hint that does not fit the file, if it is that: `part` or `columns`.
+    pub hint: Option<&'static str>,
     /// What is wrong there.
     pub detail: String,
 }
@@ -22,6 +24,7 @@ impl FileError {
     pub(super) fn at(line: usize, detail: impl Into<String>) -> Self {
         Self {
             line: Some(line),
+            hint: None,
             detail: detail.into(),
         }
     }
@@ -29,7 +32,16 @@ impl FileError {
     pub(super) fn of_file(detail: impl Into<String>) -> Self {
         Self {
             line: None,
+            hint: None,
             detail: detail.into(),
+        }
+    }
+
+    /// A hint that does not fit the file.
+    pub(super) fn of_hint(hint: &'static str, detail: impl Into<String>) -> Self {
+        Self {
+            hint: Some(hint),
+            ..Self::of_file(detail)
         }
     }
 }

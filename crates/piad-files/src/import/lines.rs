@@ -45,9 +45,13 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
             None => (text, None),
         };
         rest = below;
-        let line = without_comment(line);
+        let bare = without_blanks(line);
+        let line = without_comment(bare);
         if line.is_empty() {
-            reader.pause();
+            // A line that is a comment parts nothing.
+            if bare.is_empty() {
+                reader.pause();
+            }
         } else if let Err(error) = reader.line(number, line) {
             reader.errors.push(error);
             // Of a file without a line of numbers so far all further lines are wrong in the same way.
@@ -62,9 +66,13 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     reader.end()
 }
 
+fn without_blanks(line: &str) -> &str {
+    line.trim_matches(|c: char| c.is_whitespace() || c == '\0')
+}
+
 /// A line without blanks around it, and without a comment.
 pub(super) fn without_comment(line: &str) -> &str {
-    let line = line.trim_matches(|c: char| c.is_whitespace() || c == '\0');
+    let line = without_blanks(line);
     if COMMENTS.iter().any(|mark| line.starts_with(mark)) {
         return "";
     }

@@ -102,11 +102,14 @@ fn tables(mut table: Part, hints: &Hints) -> Result<Parts, FileErrors> {
     Ok(Parts { parts, notices })
 }
 
+/// The hint that chooses a part.
+const PART: &str = "part";
+
 /// The only part, or the one that is chosen.
 fn one(mut parts: Vec<Part>, choice: Option<&PartChoice>) -> Result<Part, FileError> {
     let index = match choice {
         None if parts.len() == 1 => Some(0),
-        None => return Err(FileError::of_file(several(&parts))),
+        None => return Err(several(&parts)),
         Some(PartChoice::Number(number)) => {
             number.checked_sub(1).filter(|index| *index < parts.len())
         }
@@ -126,21 +129,22 @@ fn one(mut parts: Vec<Part>, choice: Option<&PartChoice>) -> Result<Part, FileEr
             }
             _ => format!("the file has parts 1 to {}{}", parts.len(), names(&parts)),
         };
-        return Err(FileError::of_file(detail));
+        return Err(FileError::of_hint(PART, detail));
     };
     Ok(parts.swap_remove(index))
 }
 
-/// What is said of a file with several parts where one is wanted.
-fn several(parts: &[Part]) -> String {
+/// What is wrong with a file that has no part, or several where one is wanted.
+fn several(parts: &[Part]) -> FileError {
     if parts.is_empty() {
-        return part::NO_POINTS.to_owned();
+        return FileError::of_file(part::NO_POINTS);
     }
-    format!(
+    let detail = format!(
         "the file has {} parts, and a fit is of one: say which by its number or name (--part 1, or part=1 in a query){}",
         parts.len(),
         names(parts)
-    )
+    );
+    FileError::of_hint(PART, detail)
 }
 
 /// The names of parts, if they have some.

@@ -116,12 +116,10 @@ impl Part {
             let cut = |lane: &[f64]| lane.get(range.clone()).unwrap_or_default().to_vec();
             let points = Points::from_lanes(self.points.lanes().iter().map(|lane| cut(lane)));
             let lines = self.lines.get(range.clone()).unwrap_or_default().to_vec();
-            let alone = || FileError {
-                line: lines.first().map(|line| *line as usize),
-                detail: "this part has one point, and a curve has at least 2".to_owned(),
-            };
             if range.len() < 2 {
-                return Err(alone());
+                let line = lines.first().map_or(1, |line| *line as usize);
+                let detail = "this part has one point, and a curve has at least 2";
+                return Err(FileError::at(line, detail));
             }
             Ok(Self {
                 times: self.times.as_deref().map(cut),

@@ -3,43 +3,116 @@
 //! The fields are read as the JSON that they are, without points; the points take their place. What is
 //! wrong is told at the line of a point, or at the parameter that a field was given in.
 
-use serde_json::{Map, Value, json};
+use std::sync::Arc;
+
+use bytes::Bytes;
+use serde_json::{Map, Value, json, to_value};
 
 use super::job;
 use super::places::Places;
 use super::points::Data;
 use crate::api::json::view::to_bytes;
-use crate::api::problem::{Location, Problem, Words};
+use crate::api::problem::{Kind, Location, Problem, Words};
 use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
-use piad_files::import::{Hints, Imported, Kind};
+use crate::model::points::{PointGrid, PointList};
+use crate::model::stream::Samples;
+use piad_files::import::{Columns, Hints, Imported, Kind as FileKind, PartChoice};
 use piad_files::short;
 use piad_fit::data::Grid;
 
+/// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
+pub(crate) const SIZE: &str = "surface.size";
+
+/// The order of the points of a curve.
+pub(crate) const ORDER: &str = "curve.order";
+
+/// The orders that there are.
+const ORDERS: [&str; 2] = ["given", "nearest"];
+
+/// Which columns of a table are what.
+pub(crate) const COLUMNS: &str = "columns";
+
+/// Which part is read of a file with several.
+pub(crate) const PART: &str = "part";
+
 /// What is said of a file of points beside the fields of a job, as a help to read it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct FileHints {
     /// The rows and columns of a surface.
     pub size: Option<Grid>,
     /// True if the points of a curve are in order along it.
     pub ordered: bool,
+    /// Which columns of a table are what.
+    pub columns: Option<Columns>,
+    /// Which part is read of a file with several.
+    pub part: Option<PartChoice>,
 }
+
+impl FileHints {
+    /// Takes a parameter that says how a file is read; returns true if it is one.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with its value.
+    pub(crate) fn take(&mut self, name: &str, text: &str) -> Result<bool, String> {
+        match name {
+            SIZE => self.size = Some(size(text)?),
+            PART => self.part = Some(PartChoice::of_text(text)),
+            COLUMNS => self.columns = Some(Columns::of_text(text)?),
+            ORDER if ORDERS.contains(&text) => self.ordered = true,
+            ORDER => {
+                let [given, nearest] = ORDERS;
+                return Err(format!(
+                    "{} is no order; there are {given} and {nearest}",
+                    short::quoted(text)
+                ));
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+/// Rows and columns, such as 40x60.
+fn size(text: &str) -> Result<Grid, String> {
+    match Samples::of_text(text) {
+        Some(Samples::Grid(rows, columns)) if rows >= 2 && columns >= 2 => {
+            Ok(Grid { rows, columns })
+        }
+        _ => Err(format!(
+            "{} is no number of rows and columns, such as 40x60",
+            short::quoted(text)
+        )),
+    }
+}
+
+/// The parameters of a curve that are the times of its points in a file.
+pub(crate) const TIME: &str = "time";
 
 /// The hints for reading a file of at most `most` points, from the fields of the job and the parameters of the file.
 pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize) -> Hints {
-    let FileHints { size, ordered } = reading;
+    let FileHints {
+        size,
+        ordered,
+        columns,
+        part,
+    } = reading;
     let has = |name| fields.contains_key(name);
-    let order = fields.get("curve").and_then(|curve| curve.get("order"));
+    let of_curve = |name| fields.get("curve").and_then(|curve| curve.get(name));
     let kind = match (has("curve"), has("surface") || size.is_some()) {
-        (true, _) => Some(Kind::Curve),
-        (false, true) => Some(Kind::Surface),
+        (true, _) => Some(FileKind::Curve),
+        (false, true) => Some(FileKind::Surface),
         (false, false) => None,
     };
     Hints {
         kind,
         size,
         closed: closed(fields),
-        ordered: ordered || order.is_some(),
+        ordered: ordered || of_curve("order").is_some(),
+        columns,
+        part,
+        times: of_curve("parameters").is_some_and(|it| it == TIME),
         most,
     }
 }
@@ -56,20 +129,69 @@ fn closed(fields: &Map<String, Value>) -> Option<bool> {
 
 /// Reads a job of these fields, with these points of a file, about which that was known.
 pub(crate) fn read(
-    mut fields: Map<String, Value>,
+    fields: Map<String, Value>,
     file: Imported,
     hints: &Hints,
 ) -> Result<(JobRequest, FileWords), Problem> {
+    let (fields, data, lines) = parts_of_job(fields, file, hints)?;
+    match job::read_with(&to_bytes(&fields), data, hints.most) {
+        Ok((spec, places)) => Ok((spec, FileWords { places, lines })),
+        Err(problem) => Err(problem.relocated(|place| match place {
+            Location::Pointer(pointer) => lines.place(pointer),
+            place => place,
+        })),
+    }
+}
+
+/// The JSON of a job of these fields, with these points of a file, about which that was known.
+pub(crate) fn json(
+    fields: Map<String, Value>,
+    file: Imported,
+    hints: &Hints,
+) -> Result<Bytes, Problem> {
+    let (mut fields, data, _) = parts_of_job(fields, file, hints)?;
+    let unwritten = |_| Problem::new(Kind::Internal, "the points of the file cannot be written");
+    let (shape, list, points) = match data {
+        Data::Curve(points) => ("curve", "points", to_value(PointList(Arc::new(points)))),
+        Data::Scattered(points) => (
+            "surface",
+            "scattered",
+            to_value(PointList(Arc::new(points))),
+        ),
+        Data::Grid(points, grid, missing) => {
+            let grid = PointGrid {
+                points: Arc::new(points),
+                missing,
+                grid,
+            };
+            ("surface", "points", to_value(grid))
+        }
+    };
+    if let Some(shape) = fields.get_mut(shape).and_then(Value::as_object_mut) {
+        shape.insert(list.to_owned(), points.map_err(unwritten)?);
+    }
+    Ok(to_bytes(&fields))
+}
+
+/// The fields of a job without the points of this file, these points, and their lines.
+fn parts_of_job(
+    mut fields: Map<String, Value>,
+    file: Imported,
+    hints: &Hints,
+) -> Result<(Map<String, Value>, Data, Lines), Problem> {
     let lines = Lines {
         columns: file.grid.map_or(1, |grid| grid.columns),
         lines: file.lines,
     };
-    let shown = file.grid.map_or(Kind::Curve, |_| Kind::Surface);
+    let shown = file.grid.map_or(FileKind::Curve, |_| FileKind::Surface);
     let kind = hints.kind.unwrap_or(shown);
-    let (name, list) = match (kind, file.grid) {
-        (Kind::Curve, _) => ("curve", "points"),
-        (Kind::Surface, Some(_)) => ("surface", "points"),
-        (Kind::Surface, None) => ("surface", "scattered"),
+    let (name, list, data) = match (kind, file.grid) {
+        (FileKind::Curve, _) => ("curve", "points", Data::Curve(file.points)),
+        (FileKind::Surface, Some(grid)) => {
+            let data = Data::Grid(file.points, grid, file.missing);
+            ("surface", "points", data)
+        }
+        (FileKind::Surface, None) => ("surface", "scattered", Data::Scattered(file.points)),
     };
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
@@ -78,29 +200,22 @@ pub(crate) fn read(
         }
         if list == "scattered" && !shape.contains_key("parameters") {
             let detail = "the file does not show the rows of a surface: say how many rows and columns there are, such as 40x60, or give surface.parameters for scattered points, such as project";
-            return Err(Problem::at_parameter("surface.size", detail));
+            return Err(Problem::at_parameter(SIZE, detail));
         }
         shape.insert(list.to_owned(), json!([]));
         if file.closed {
             shape.entry("closed").or_insert(Value::from(true));
+        }
+        let given = shape.get("parameters").filter(|it| *it != TIME);
+        if let (None, Some(times)) = (given, file.parameters) {
+            shape.insert("parameters".to_owned(), Value::from(times));
         }
     }
     if let Some(name) = file.name {
         let name = short::cut(&name, LONGEST_NAME - 1).into_owned();
         fields.entry("name").or_insert(Value::from(name));
     }
-    let data = match (kind, file.grid) {
-        (Kind::Curve, _) => Data::Curve(file.points),
-        (Kind::Surface, Some(grid)) => Data::Grid(file.points, grid, file.missing),
-        (Kind::Surface, None) => Data::Scattered(file.points),
-    };
-    match job::read_with(&to_bytes(&fields), data, hints.most) {
-        Ok((spec, places)) => Ok((spec, FileWords { places, lines })),
-        Err(problem) => Err(problem.relocated(|place| match place {
-            Location::Pointer(pointer) => lines.place(pointer),
-            place => place,
-        })),
-    }
+    Ok((fields, data, lines))
 }
 
 /// Where the parts of such a job stand.
@@ -135,7 +250,8 @@ impl Lines {
             .into_iter()
             .find_map(|list| pointer.strip_prefix(list))
         {
-            Some(rest) => Location::Line(self.line(rest)),
+            Some(rest) if !self.lines.is_empty() => Location::Line(self.line(rest)),
+            Some(_) => Location::Pointer(pointer),
             None if pointer.is_empty() => Location::Pointer(pointer),
             None => Location::Parameter(pointer.trim_start_matches('/').replace('/', ".")),
         }

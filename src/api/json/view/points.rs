@@ -30,6 +30,7 @@ pub(crate) struct PointsView {
 
 /// The points of a curve.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(extend("examples" = [{"points": [[0, 0], [1, 2]]}]))]
 struct CurvePoints {
     /// The points in their order.
@@ -37,6 +38,9 @@ struct CurvePoints {
     /// The curve is closed: the file had the first point at its end again, which is not among these.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     closed: bool,
+    /// The parameters of the points: their times, where these were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<Vec<f64>>,
 }
 
 /// The points of a surface.
@@ -55,6 +59,7 @@ impl PointsView {
             grid,
             missing,
             closed,
+            parameters,
             name,
             notices,
             ..
@@ -65,6 +70,7 @@ impl PointsView {
                 Some(CurvePoints {
                     points: PointList(points),
                     closed,
+                    parameters,
                 }),
                 None,
             ),
