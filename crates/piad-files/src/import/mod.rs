@@ -1,8 +1,11 @@
-//! Files of points: CSV, tables with blanks, point clouds (XYZ), airfoils (`.dat`) and JSON arrays.
+//! Files of points: CSV, tables with blanks, point clouds (XYZ, PTS, PCD, LAS), meshes (PLY, STL, OBJ, OFF), grids of
+//! heights (ESRI), airfoils (`.dat`) and JSON arrays.
 //!
 //! [`read`] gives one part of a file, and [`read_parts`] all of them. They know nothing of HTTP or of jobs: files become points, and what is
 //! wrong with it is reported at its line. What it is, is seen from what is in it:
 //!
+//! - `encoding`: text in UTF-16 becomes UTF-8;
+//! - `unread`: files that are not read, and are named;
 //! - `number_format`: what separates columns, and decimals;
 //! - `format`: what the file is;
 //! - `part`: what each reader gives, the parts of a file;
@@ -10,7 +13,9 @@
 //! - `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
 //!   large files, by all threads;
 //! - `array`: points, rows of points and rows of heights in JSON;
-//! - `off`: the vertices of meshes (OFF);
+//! - `off`, `ply`, `stl`, `obj`: the vertices of meshes, and the polylines of OBJ;
+//! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
+//! - `esri_grid`: heights at equal steps;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
 //! - `closed_outline`: an outline that comes back to its first point is closed;
@@ -21,6 +26,7 @@ mod airfoil;
 mod array;
 mod closed_outline;
 mod columns;
+mod encoding;
 mod error;
 mod fast_path;
 mod format;
@@ -33,10 +39,11 @@ mod off;
 mod part;
 mod repeated;
 mod times;
+mod unread;
 
 use std::borrow::Cow;
 
-use crate::short::{quoted, without_mark};
+use crate::short::quoted;
 
 pub use columns::Columns;
 pub use error::{FileError, FileErrors};
@@ -77,10 +84,13 @@ pub fn read_parts(file: &[u8], hints: &Hints) -> Result<Vec<Imported>, FileError
 
 /// The parts of a file as its format has them.
 fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
-    let file = without_mark(file);
+    let file = encoding::as_utf8(file)?;
+    unread::check(&file)?;
+    let text = unread::without_padding(&file);
     // Where all of it is UTF-8, which is found out much faster than where it is not.
-    let text = str::from_utf8(file).map(Cow::Borrowed);
-    let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
+    let text = str::from_utf8(text)
+        .map(Cow::Borrowed)
+        .unwrap_or_else(|_| String::from_utf8_lossy(text));
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Off => Ok(off::read(&text, hints)?.into()),
