@@ -1,6 +1,23 @@
 //! What a file is, by what is in it.
 
-/// The formats that are read.
+/// The formats that are read as bytes: they are binary, or have binary kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ByteFormat {
+    /// A mesh or a cloud in PLY.
+    Ply,
+}
+
+impl ByteFormat {
+    /// The format of a file; `None` if it is read as text or not at all.
+    pub(super) fn of(file: &[u8]) -> Option<Self> {
+        Some(match () {
+            () if super::ply::is_ply(file) => Self::Ply,
+            () => return None,
+        })
+    }
+}
+
+/// The formats that are read as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     /// A JSON array of points, of rows of points or of rows of heights.

@@ -24,7 +24,10 @@
 
 mod airfoil;
 mod array;
+mod binary;
+mod byte_lines;
 mod closed_outline;
+mod cloud;
 mod columns;
 mod encoding;
 mod error;
@@ -37,6 +40,7 @@ mod lines;
 mod number_format;
 mod off;
 mod part;
+mod ply;
 mod repeated;
 mod times;
 mod unread;
@@ -49,7 +53,7 @@ pub use columns::Columns;
 pub use error::{FileError, FileErrors};
 pub use imported::{Hints, Imported, Kind, PartChoice};
 
-use format::Format;
+use format::{ByteFormat, Format};
 use part::{Part, Parts};
 
 /// The most names of parts that an error lists.
@@ -85,6 +89,11 @@ pub fn read_parts(file: &[u8], hints: &Hints) -> Result<Vec<Imported>, FileError
 /// The parts of a file as its format has them.
 fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let file = encoding::as_utf8(file)?;
+    if let Some(format) = ByteFormat::of(&file) {
+        return Ok(match format {
+            ByteFormat::Ply => ply::read(&file, hints)?.into(),
+        });
+    }
     unread::check(&file)?;
     let text = unread::without_padding(&file);
     // Where all of it is UTF-8, which is found out much faster than where it is not.
