@@ -5,12 +5,16 @@
 pub(super) enum ByteFormat {
     /// A mesh or a cloud in PLY.
     Ply,
+    /// A mesh in binary STL.
+    Stl,
 }
 
 impl ByteFormat {
     /// The format of a file; `None` if it is read as text or not at all.
     pub(super) fn of(file: &[u8]) -> Option<Self> {
         Some(match () {
+            // Such a file may begin with anything, and its size says what it is.
+            () if super::stl::is_binary(file) => Self::Stl,
             () if super::ply::is_ply(file) => Self::Ply,
             () => return None,
         })
@@ -24,6 +28,8 @@ pub(super) enum Format {
     Array,
     /// The vertices of a mesh in OFF.
     Off,
+    /// A mesh in STL.
+    Stl,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
     Table,
 }
@@ -34,6 +40,7 @@ impl Format {
         match () {
             () if super::array::is_array(text) => Self::Array,
             () if super::off::is_off(text) => Self::Off,
+            () if super::stl::is_text(text) => Self::Stl,
             () => Self::Table,
         }
     }

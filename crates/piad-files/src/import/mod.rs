@@ -42,6 +42,7 @@ mod off;
 mod part;
 mod ply;
 mod repeated;
+mod stl;
 mod times;
 mod unread;
 
@@ -92,6 +93,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     if let Some(format) = ByteFormat::of(&file) {
         return Ok(match format {
             ByteFormat::Ply => ply::read(&file, hints)?.into(),
+            ByteFormat::Stl => stl::read_binary(&file, hints)?.into(),
         });
     }
     unread::check(&file)?;
@@ -103,6 +105,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Off => Ok(off::read(&text, hints)?.into()),
+        Format::Stl => Ok(stl::read_text(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
 }
