@@ -30,6 +30,8 @@ pub(super) enum Format {
     Off,
     /// A mesh in STL.
     Stl,
+    /// A mesh or polylines in OBJ.
+    Obj,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
     Table,
 }
@@ -41,6 +43,7 @@ impl Format {
             () if super::array::is_array(text) => Self::Array,
             () if super::off::is_off(text) => Self::Off,
             () if super::stl::is_text(text) => Self::Stl,
+            () if super::obj::is_obj(text) => Self::Obj,
             () => Self::Table,
         }
     }

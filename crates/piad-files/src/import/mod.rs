@@ -38,6 +38,7 @@ mod imported;
 mod layout;
 mod lines;
 mod number_format;
+mod obj;
 mod off;
 mod part;
 mod ply;
@@ -106,6 +107,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Off => Ok(off::read(&text, hints)?.into()),
         Format::Stl => Ok(stl::read_text(&text, hints)?.into()),
+        Format::Obj => obj::read(&text, hints),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
 }
