@@ -41,6 +41,7 @@ mod number_format;
 mod obj;
 mod off;
 mod part;
+mod pcd;
 mod ply;
 mod repeated;
 mod stl;
@@ -93,6 +94,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let file = encoding::as_utf8(file)?;
     if let Some(format) = ByteFormat::of(&file) {
         return Ok(match format {
+            ByteFormat::Pcd => pcd::read(&file, hints)?.into(),
             ByteFormat::Ply => ply::read(&file, hints)?.into(),
             ByteFormat::Stl => stl::read_binary(&file, hints)?.into(),
         });
