@@ -35,6 +35,8 @@ pub(super) enum Format {
     Stl,
     /// A mesh or polylines in OBJ.
     Obj,
+    /// A scan in PTS.
+    Pts,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
     Table,
 }
@@ -47,6 +49,7 @@ impl Format {
             () if super::off::is_off(text) => Self::Off,
             () if super::stl::is_text(text) => Self::Stl,
             () if super::obj::is_obj(text) => Self::Obj,
+            () if super::pts::is_pts(text) => Self::Pts,
             () => Self::Table,
         }
     }

@@ -43,6 +43,7 @@ mod off;
 mod part;
 mod pcd;
 mod ply;
+mod pts;
 mod repeated;
 mod stl;
 mod times;
@@ -110,6 +111,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         Format::Off => Ok(off::read(&text, hints)?.into()),
         Format::Stl => Ok(stl::read_text(&text, hints)?.into()),
         Format::Obj => obj::read(&text, hints),
+        Format::Pts => Ok(pts::read(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
 }
