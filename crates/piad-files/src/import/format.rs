@@ -3,6 +3,8 @@
 /// The formats that are read as bytes: they are binary, or have binary kinds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ByteFormat {
+    /// A scan in LAS.
+    Las,
     /// A cloud in PCD.
     Pcd,
     /// A mesh or a cloud in PLY.
@@ -17,6 +19,7 @@ impl ByteFormat {
         Some(match () {
             // Such a file may begin with anything, and its size says what it is.
             () if super::stl::is_binary(file) => Self::Stl,
+            () if super::las::is_las(file) => Self::Las,
             () if super::ply::is_ply(file) => Self::Ply,
             () if super::pcd::is_pcd(file) => Self::Pcd,
             () => return None,

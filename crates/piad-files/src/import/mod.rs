@@ -35,6 +35,7 @@ mod fast_path;
 mod format;
 mod grid_detection;
 mod imported;
+mod las;
 mod layout;
 mod lines;
 mod number_format;
@@ -95,6 +96,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let file = encoding::as_utf8(file)?;
     if let Some(format) = ByteFormat::of(&file) {
         return Ok(match format {
+            ByteFormat::Las => las::read(&file, hints)?.into(),
             ByteFormat::Pcd => pcd::read(&file, hints)?.into(),
             ByteFormat::Ply => ply::read(&file, hints)?.into(),
             ByteFormat::Stl => stl::read_binary(&file, hints)?.into(),
