@@ -40,6 +40,8 @@ pub(super) enum Format {
     Obj,
     /// A scan in PTS.
     Pts,
+    /// An ASCII grid of ESRI.
+    EsriGrid,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
     Table,
 }
@@ -52,6 +54,7 @@ impl Format {
             () if super::off::is_off(text) => Self::Off,
             () if super::stl::is_text(text) => Self::Stl,
             () if super::obj::is_obj(text) => Self::Obj,
+            () if super::esri_grid::is_grid(text) => Self::EsriGrid,
             () if super::pts::is_pts(text) => Self::Pts,
             () => Self::Table,
         }

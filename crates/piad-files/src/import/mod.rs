@@ -31,6 +31,7 @@ mod cloud;
 mod columns;
 mod encoding;
 mod error;
+mod esri_grid;
 mod fast_path;
 mod format;
 mod grid_detection;
@@ -114,6 +115,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         Format::Stl => Ok(stl::read_text(&text, hints)?.into()),
         Format::Obj => obj::read(&text, hints),
         Format::Pts => Ok(pts::read(&text, hints)?.into()),
+        Format::EsriGrid => Ok(esri_grid::read(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
 }
