@@ -197,4 +197,6 @@ fn finished(part: Part, notices: &[String], hints: &Hints) -> Result<Imported, F
 }
 
 #[cfg(test)]
+mod format_tests;
+#[cfg(test)]
 mod tests;
