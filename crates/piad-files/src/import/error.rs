@@ -46,6 +46,16 @@ impl FileError {
     }
 }
 
+impl FileErrors {
+    /// The errors of the part of a file that begins below this number of lines.
+    pub(super) fn moved_down(mut self, lines: usize) -> Self {
+        for line in self.0.iter_mut().filter_map(|it| it.line.as_mut()) {
+            *line += lines;
+        }
+        self
+    }
+}
+
 impl From<FileError> for FileErrors {
     fn from(error: FileError) -> Self {
         Self(vec![error])

@@ -1,12 +1,47 @@
 //! What a file is, by what is in it.
 
-/// The formats that are read.
+/// The formats that are read as bytes: they are binary, or have binary kinds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ByteFormat {
+    /// A scan in LAS.
+    Las,
+    /// A cloud in PCD.
+    Pcd,
+    /// A mesh or a cloud in PLY.
+    Ply,
+    /// A mesh in binary STL.
+    Stl,
+}
+
+impl ByteFormat {
+    /// The format of a file; `None` if it is read as text or not at all.
+    pub(super) fn of(file: &[u8]) -> Option<Self> {
+        Some(match () {
+            // Such a file may begin with anything, and its size says what it is.
+            () if super::stl::is_binary(file) => Self::Stl,
+            () if super::las::is_las(file) => Self::Las,
+            () if super::ply::is_ply(file) => Self::Ply,
+            () if super::pcd::is_pcd(file) => Self::Pcd,
+            () => return None,
+        })
+    }
+}
+
+/// The formats that are read as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     /// A JSON array of points, of rows of points or of rows of heights.
     Array,
     /// The vertices of a mesh in OFF.
     Off,
+    /// A mesh in STL.
+    Stl,
+    /// A mesh or polylines in OBJ.
+    Obj,
+    /// A scan in PTS.
+    Pts,
+    /// An ASCII grid of ESRI.
+    EsriGrid,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
     Table,
 }
@@ -17,6 +52,10 @@ impl Format {
         match () {
             () if super::array::is_array(text) => Self::Array,
             () if super::off::is_off(text) => Self::Off,
+            () if super::stl::is_text(text) => Self::Stl,
+            () if super::obj::is_obj(text) => Self::Obj,
+            () if super::esri_grid::is_grid(text) => Self::EsriGrid,
+            () if super::pts::is_pts(text) => Self::Pts,
             () => Self::Table,
         }
     }

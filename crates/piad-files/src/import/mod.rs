@@ -1,8 +1,11 @@
-//! Files of points: CSV, tables with blanks, point clouds (XYZ), airfoils (`.dat`) and JSON arrays.
+//! Files of points: CSV, tables with blanks, point clouds (XYZ, PTS, PCD, LAS), meshes (PLY, STL, OBJ, OFF), grids of
+//! heights (ESRI), airfoils (`.dat`) and JSON arrays.
 //!
 //! [`read`] gives one part of a file, and [`read_parts`] all of them. They know nothing of HTTP or of jobs: files become points, and what is
 //! wrong with it is reported at its line. What it is, is seen from what is in it:
 //!
+//! - `encoding`: text in UTF-16 becomes UTF-8;
+//! - `unread`: files that are not read, and are named;
 //! - `number_format`: what separates columns, and decimals;
 //! - `format`: what the file is;
 //! - `part`: what each reader gives, the parts of a file;
@@ -10,7 +13,9 @@
 //! - `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
 //!   large files, by all threads;
 //! - `array`: points, rows of points and rows of heights in JSON;
-//! - `off`: the vertices of meshes (OFF);
+//! - `off`, `ply`, `stl`, `obj`: the vertices of meshes, and the polylines of OBJ;
+//! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
+//! - `esri_grid`: heights at equal steps;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
 //! - `closed_outline`: an outline that comes back to its first point is closed;
@@ -19,30 +24,42 @@
 
 mod airfoil;
 mod array;
+mod binary;
+mod byte_lines;
 mod closed_outline;
+mod cloud;
 mod columns;
+mod encoding;
 mod error;
+mod esri_grid;
 mod fast_path;
 mod format;
 mod grid_detection;
 mod imported;
+mod las;
 mod layout;
 mod lines;
 mod number_format;
+mod obj;
 mod off;
 mod part;
+mod pcd;
+mod ply;
+mod pts;
 mod repeated;
+mod stl;
 mod times;
+mod unread;
 
 use std::borrow::Cow;
 
-use crate::short::{quoted, without_mark};
+use crate::short::quoted;
 
 pub use columns::Columns;
 pub use error::{FileError, FileErrors};
 pub use imported::{Hints, Imported, Kind, PartChoice};
 
-use format::Format;
+use format::{ByteFormat, Format};
 use part::{Part, Parts};
 
 /// The most names of parts that an error lists.
@@ -77,13 +94,28 @@ pub fn read_parts(file: &[u8], hints: &Hints) -> Result<Vec<Imported>, FileError
 
 /// The parts of a file as its format has them.
 fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
-    let file = without_mark(file);
+    let file = encoding::as_utf8(file)?;
+    if let Some(format) = ByteFormat::of(&file) {
+        return Ok(match format {
+            ByteFormat::Las => las::read(&file, hints)?.into(),
+            ByteFormat::Pcd => pcd::read(&file, hints)?.into(),
+            ByteFormat::Ply => ply::read(&file, hints)?.into(),
+            ByteFormat::Stl => stl::read_binary(&file, hints)?.into(),
+        });
+    }
+    unread::check(&file)?;
+    let text = unread::without_padding(&file);
     // Where all of it is UTF-8, which is found out much faster than where it is not.
-    let text = str::from_utf8(file).map(Cow::Borrowed);
-    let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
+    let text = str::from_utf8(text)
+        .map(Cow::Borrowed)
+        .unwrap_or_else(|_| String::from_utf8_lossy(text));
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Off => Ok(off::read(&text, hints)?.into()),
+        Format::Stl => Ok(stl::read_text(&text, hints)?.into()),
+        Format::Obj => obj::read(&text, hints),
+        Format::Pts => Ok(pts::read(&text, hints)?.into()),
+        Format::EsriGrid => Ok(esri_grid::read(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
 }
@@ -168,5 +200,7 @@ fn finished(part: Part, notices: &[String], hints: &Hints) -> Result<Imported, F
     Ok(imported)
 }
 
+#[cfg(test)]
+mod format_tests;
 #[cfg(test)]
 mod tests;

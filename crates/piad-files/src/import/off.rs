@@ -30,7 +30,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     let vertices = vertices(text).unwrap_or_else(|| Err(FileError::of_file("this is no OFF file")));
     let vertices = vertices?;
     let part = lines::read(vertices.text, hints);
-    let mut part = part.map_err(|errors| below(errors, vertices.above))?;
+    let mut part = part.map_err(|errors| errors.moved_down(vertices.above))?;
     part.move_down(vertices.above);
     part.notices.insert(0, vertices.notice);
     if vertices.faces > 0 {
@@ -38,14 +38,6 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     }
     part.breaks.clear();
     Ok(part)
-}
-
-/// The errors of the part of a file that begins below this number of lines.
-fn below(mut errors: FileErrors, lines: usize) -> FileErrors {
-    for line in errors.0.iter_mut().filter_map(|it| it.line.as_mut()) {
-        *line += lines;
-    }
-    errors
 }
 
 /// The vertices of a mesh; `None` if the text is no OFF file. It is an error if there are fewer than the file says.

@@ -308,7 +308,7 @@ fn lines_of_words_stand_above_the_points() {
         ]
     );
     assert_eq!(errors("1.0 oops\n0.9 0.1\n0.8 0.2\n")[0].0, Some(1));
-    let head = "ply\nformat ascii 1.0\nelement vertex 2\nend_header\n0 0 0\n1 1 1\n";
+    let head = "mesh\nversion 1.0\npoints below\nall of them\n0 0 0\n1 1 1\n";
     assert_eq!(errors(head)[0].0, Some(4));
 }
 

@@ -1,0 +1,136 @@
+//! What is below the head of a PLY file: elements one after the other, in lines or in bytes.
+
+use super::super::binary::Cursor;
+use super::super::byte_lines::{ByteLines, number, text, words};
+use super::super::cloud::{Cloud, too_few};
+use super::super::error::FileError;
+use super::super::imported::Hints;
+use super::header::{Element, Header, PropertyKind};
+use crate::short::quoted;
+
+/// The elements that are not read yet.
+pub(super) enum Body<'a> {
+    Text(ByteLines<'a>),
+    Binary(Cursor<'a>),
+}
+
+impl<'a> Body<'a> {
+    pub(super) fn new(header: &Header<'a>) -> Self {
+        match header.endian {
+            None => Self::Text(header.body.clone()),
+            Some(endian) => Self::Binary(Cursor::new(header.body.rest(), endian)),
+        }
+    }
+
+    /// Passes over all elements of a kind; `None` if the file ends before.
+    pub(super) fn skip(&mut self, element: &Element) -> Option<()> {
+        // Elements without properties are no lines, and no bytes.
+        if element.properties.is_empty() {
+            return Some(());
+        }
+        match self {
+            Self::Text(lines) => (0..element.count).try_for_each(|_| lines.next_filled().map(drop)),
+            Self::Binary(cursor) => match element.size() {
+                Some(size) => cursor.skip(size.checked_mul(usize::try_from(element.count).ok()?)?),
+                None => (0..element.count).try_for_each(|_| record(cursor, element, |_, _| {})),
+            },
+        }
+    }
+
+    /// The vertices, whose coordinates are these properties.
+    ///
+    /// # Errors
+    ///
+    /// If the file ends early, a line is no vertex, or there are more of them than the limit.
+    pub(super) fn vertices(
+        &mut self,
+        element: &Element,
+        coordinates: &[usize],
+        hints: &Hints,
+    ) -> Result<Cloud, FileError> {
+        let room = match self {
+            // Two numbers and what is around them.
+            Self::Text(lines) => lines.rest().len() / 4,
+            Self::Binary(cursor) => cursor.len() / element.least_size().max(1),
+        };
+        let room = room.min(usize::try_from(element.count).unwrap_or(room));
+        let mut cloud = Cloud::new(coordinates.len(), room, hints.most);
+        let mut point = vec![0.0; coordinates.len()];
+        for found in 0..element.count {
+            let set = |property: usize, value: f64| {
+                let place = coordinates.iter().position(|it| *it == property);
+                if let Some(coordinate) = place.and_then(|place| point.get_mut(place)) {
+                    *coordinate = value;
+                }
+            };
+            let read = match self {
+                Self::Binary(cursor) => record(cursor, element, set).map(|()| None),
+                Self::Text(lines) => match lines.next_filled() {
+                    Some(line) => vertex(line, lines.number, element, set)?,
+                    None => None,
+                },
+            };
+            let early = || too_few(found as usize, element.count, "vertices", "PLY");
+            cloud.push(&point, read.ok_or_else(early)?)?;
+        }
+        Ok(cloud)
+    }
+}
+
+/// Passes over one element, and gives the values of its properties that are numbers.
+fn record(
+    cursor: &mut Cursor<'_>,
+    element: &Element,
+    mut set: impl FnMut(usize, f64),
+) -> Option<()> {
+    for (index, property) in element.properties.iter().enumerate() {
+        match property.kind {
+            PropertyKind::Scalar(kind) => set(index, cursor.number(kind)?),
+            PropertyKind::List { count, item } => {
+                let count = cursor.count(count)?;
+                cursor.skip(count.checked_mul(item.size())?)?;
+            }
+        }
+    }
+    Some(())
+}
+
+/// Reads the line of a vertex, and gives its number.
+fn vertex(
+    line: &[u8],
+    at: usize,
+    element: &Element,
+    mut set: impl FnMut(usize, f64),
+) -> Result<Option<Option<usize>>, FileError> {
+    let mut words = words(line);
+    let mut value = |name: &str| {
+        let word = words.next().ok_or_else(|| {
+            let detail = format!(
+                "this vertex has no {}, its properties end before",
+                quoted(name)
+            );
+            FileError::at(at, detail)
+        })?;
+        number(word).ok_or_else(|| {
+            let detail = format!("{}: {} is no number", quoted(name), quoted(&text(word)));
+            FileError::at(at, detail)
+        })
+    };
+    for (index, property) in element.properties.iter().enumerate() {
+        let first = value(&property.name)?;
+        match property.kind {
+            PropertyKind::Scalar(_) => set(index, first),
+            PropertyKind::List { .. } => {
+                // A count that is no number, or is huge, ends with the line.
+                for _ in 0..first as u64 {
+                    value(&property.name)?;
+                }
+            }
+        }
+    }
+    if words.next().is_some() {
+        let detail = "there is more in this line than the properties of a vertex";
+        return Err(FileError::at(at, detail));
+    }
+    Ok(Some(Some(at)))
+}
