@@ -46,7 +46,10 @@ impl Cloud {
         }
         if self.points.len() >= self.most {
             let detail = too_many(self.most);
-            return Err(FileError { line, detail });
+            return Err(FileError {
+                line,
+                ..FileError::of_file(detail)
+            });
         }
         self.points.push(point);
         if let Some(line) = line {
