@@ -5,6 +5,8 @@
 pub(super) enum Format {
     /// A JSON array of points, of rows of points or of rows of heights.
     Array,
+    /// Tracks, routes and waypoints.
+    Gpx,
     /// The vertices of a mesh in OFF.
     Off,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
@@ -16,6 +18,7 @@ impl Format {
     pub(super) fn of(text: &str) -> Self {
         match () {
             () if super::array::is_array(text) => Self::Array,
+            () if super::gpx::is_gpx(text) => Self::Gpx,
             () if super::off::is_off(text) => Self::Off,
             () => Self::Table,
         }

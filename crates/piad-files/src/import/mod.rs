@@ -10,6 +10,8 @@
 //! - `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
 //!   large files, by all threads;
 //! - `array`: points, rows of points and rows of heights in JSON;
+//! - `curves`: the curves of a file with several, until each is a part;
+//! - `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
 //! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -21,9 +23,11 @@ mod airfoil;
 mod array;
 mod closed_outline;
 mod columns;
+mod curves;
 mod error;
 mod fast_path;
 mod format;
+mod gpx;
 mod grid_detection;
 mod imported;
 mod layout;
@@ -33,6 +37,8 @@ mod off;
 mod part;
 mod repeated;
 mod times;
+mod wgs84;
+mod xml;
 
 use std::borrow::Cow;
 
@@ -83,6 +89,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
+        Format::Gpx => gpx::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
