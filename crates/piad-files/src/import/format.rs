@@ -5,6 +5,8 @@
 pub(super) enum Format {
     /// A JSON array of points, of rows of points or of rows of heights.
     Array,
+    /// Lines, polygons and points of maps.
+    GeoJson,
     /// Tracks, routes and waypoints.
     Gpx,
     /// The vertices of a mesh in OFF.
@@ -18,6 +20,7 @@ impl Format {
     pub(super) fn of(text: &str) -> Self {
         match () {
             () if super::array::is_array(text) => Self::Array,
+            () if super::geojson::is_geojson(text.as_bytes()) => Self::GeoJson,
             () if super::gpx::is_gpx(text) => Self::Gpx,
             () if super::off::is_off(text) => Self::Off,
             () => Self::Table,

@@ -11,7 +11,7 @@
 //!   large files, by all threads;
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `curves`: the curves of a file with several, until each is a part;
-//! - `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
+//! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
 //! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -27,6 +27,7 @@ mod curves;
 mod error;
 mod fast_path;
 mod format;
+mod geojson;
 mod gpx;
 mod grid_detection;
 mod imported;
@@ -46,6 +47,7 @@ use crate::short::{quoted, without_mark};
 
 pub use columns::Columns;
 pub use error::{FileError, FileErrors};
+pub use geojson::is_geojson;
 pub use imported::{Hints, Imported, Kind, PartChoice};
 
 use format::Format;
@@ -89,6 +91,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
+        Format::GeoJson => geojson::read(&text, hints),
         Format::Gpx => gpx::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
