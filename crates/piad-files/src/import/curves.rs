@@ -73,16 +73,21 @@ impl Curve {
         self.points.iter().any(|point| of(point) != first)
     }
 
+    /// Returns true if the last point is the first one again, but for rounding.
+    pub(super) fn ends_meet(&self) -> bool {
+        let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else {
+            return false;
+        };
+        let distance = distance(first, last);
+        self.points.len() > 1 && (distance == 0.0 || distance <= SAME * size(&self.points))
+    }
+
     /// Takes away the first point where it is there again at the end of a closed curve. Two points are never closed.
     fn close(&mut self) {
         if !self.closed {
             return;
         }
-        let (Some(first), Some(last)) = (self.points.first(), self.points.last()) else {
-            return;
-        };
-        let distance = distance(first, last);
-        if self.points.len() > 1 && (distance == 0.0 || distance <= SAME * size(&self.points)) {
+        if self.ends_meet() {
             self.points.pop();
             self.lines.truncate(self.points.len());
             if let Some(times) = &mut self.times {

@@ -5,6 +5,8 @@
 pub(super) enum Format {
     /// A JSON array of points, of rows of points or of rows of heights.
     Array,
+    /// Drawings.
+    Dxf,
     /// Lines, polygons and points of maps.
     GeoJson,
     /// Tracks, routes and waypoints.
@@ -20,6 +22,7 @@ impl Format {
     pub(super) fn of(text: &str) -> Self {
         match () {
             () if super::array::is_array(text) => Self::Array,
+            () if super::dxf::is_dxf(text) => Self::Dxf,
             () if super::geojson::is_geojson(text.as_bytes()) => Self::GeoJson,
             () if super::gpx::is_gpx(text) => Self::Gpx,
             () if super::off::is_off(text) => Self::Off,

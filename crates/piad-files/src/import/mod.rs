@@ -12,6 +12,7 @@
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `curves`: the curves of a file with several, until each is a part;
 //! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
+//! - `dxf`: drawings; `sampled`: points on their arcs and other curves;
 //! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -24,6 +25,7 @@ mod array;
 mod closed_outline;
 mod columns;
 mod curves;
+mod dxf;
 mod error;
 mod fast_path;
 mod format;
@@ -37,6 +39,7 @@ mod number_format;
 mod off;
 mod part;
 mod repeated;
+mod sampled;
 mod times;
 mod wgs84;
 mod xml;
@@ -91,6 +94,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
+        Format::Dxf => dxf::read(&text, hints),
         Format::GeoJson => geojson::read(&text, hints),
         Format::Gpx => gpx::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
