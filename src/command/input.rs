@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use crate::files;
+use piad_files::import::is_geojson;
 use piad_files::short::without_mark;
 
 /// What an input is.
@@ -90,7 +91,7 @@ pub(super) fn not_read(name: &str, reason: &io::Error) -> Failure {
 
 fn content(bytes: &[u8]) -> Content {
     match without_mark(bytes).trim_ascii_start().first() {
-        Some(b'{') => Content::Job,
+        Some(b'{') if !is_geojson(bytes) => Content::Job,
         _ => Content::Points,
     }
 }
@@ -108,6 +109,10 @@ mod tests {
             (" \n[[1, 2]]", Content::Points),
             ("\u{feff}[[1, 2]]", Content::Points),
             ("{\"curve\": {}}", Content::Job),
+            (
+                "{\"type\": \"LineString\", \"coordinates\": [[0, 0], [1, 2]]}",
+                Content::Points,
+            ),
         ] {
             assert_eq!(content(text.as_bytes()), expected, "{text:?}");
         }

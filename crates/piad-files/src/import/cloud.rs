@@ -46,10 +46,7 @@ impl Cloud {
         }
         if self.points.len() >= self.most {
             let detail = too_many(self.most);
-            return Err(FileError {
-                line,
-                ..FileError::of_file(detail)
-            });
+            return Err(FileError::new(line, detail));
         }
         self.points.push(point);
         if let Some(line) = line {

@@ -21,20 +21,21 @@ pub struct FileError {
 pub struct FileErrors(pub Vec<FileError>);
 
 impl FileError {
-    pub(super) fn at(line: usize, detail: impl Into<String>) -> Self {
+    /// An error in a line, or in the whole file.
+    pub(super) fn new(line: Option<usize>, detail: impl Into<String>) -> Self {
         Self {
-            line: Some(line),
+            line,
             hint: None,
             detail: detail.into(),
         }
     }
 
+    pub(super) fn at(line: usize, detail: impl Into<String>) -> Self {
+        Self::new(Some(line), detail)
+    }
+
     pub(super) fn of_file(detail: impl Into<String>) -> Self {
-        Self {
-            line: None,
-            hint: None,
-            detail: detail.into(),
-        }
+        Self::new(None, detail)
     }
 
     /// A hint that does not fit the file.

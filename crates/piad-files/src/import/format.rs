@@ -32,6 +32,12 @@ impl ByteFormat {
 pub(super) enum Format {
     /// A JSON array of points, of rows of points or of rows of heights.
     Array,
+    /// Drawings.
+    Dxf,
+    /// Lines, polygons and points of maps.
+    GeoJson,
+    /// Tracks, routes and waypoints.
+    Gpx,
     /// The vertices of a mesh in OFF.
     Off,
     /// A mesh in STL.
@@ -51,6 +57,9 @@ impl Format {
     pub(super) fn of(text: &str) -> Self {
         match () {
             () if super::array::is_array(text) => Self::Array,
+            () if super::dxf::is_dxf(text) => Self::Dxf,
+            () if super::geojson::is_geojson(text.as_bytes()) => Self::GeoJson,
+            () if super::gpx::is_gpx(text) => Self::Gpx,
             () if super::off::is_off(text) => Self::Off,
             () if super::stl::is_text(text) => Self::Stl,
             () if super::obj::is_obj(text) => Self::Obj,

@@ -16,6 +16,9 @@
 //! - `off`, `ply`, `stl`, `obj`: the vertices of meshes, and the polylines of OBJ;
 //! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
 //! - `esri_grid`: heights at equal steps;
+//! - `curves`: the curves of a file with several, until each is a part;
+//! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
+//! - `dxf`: drawings; `sampled`: points on their arcs and other curves;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
 //! - `closed_outline`: an outline that comes back to its first point is closed;
@@ -29,11 +32,15 @@ mod byte_lines;
 mod closed_outline;
 mod cloud;
 mod columns;
+mod curves;
+mod dxf;
 mod encoding;
 mod error;
 mod esri_grid;
 mod fast_path;
 mod format;
+mod geojson;
+mod gpx;
 mod grid_detection;
 mod imported;
 mod las;
@@ -47,9 +54,12 @@ mod pcd;
 mod ply;
 mod pts;
 mod repeated;
+mod sampled;
 mod stl;
 mod times;
 mod unread;
+mod wgs84;
+mod xml;
 
 use std::borrow::Cow;
 
@@ -57,6 +67,7 @@ use crate::short::quoted;
 
 pub use columns::Columns;
 pub use error::{FileError, FileErrors};
+pub use geojson::is_geojson;
 pub use imported::{Hints, Imported, Kind, PartChoice};
 
 use format::{ByteFormat, Format};
@@ -111,6 +122,9 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         .unwrap_or_else(|_| String::from_utf8_lossy(text));
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
+        Format::Dxf => dxf::read(&text, hints),
+        Format::GeoJson => geojson::read(&text, hints),
+        Format::Gpx => gpx::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
         Format::Stl => Ok(stl::read_text(&text, hints)?.into()),
         Format::Obj => obj::read(&text, hints),
