@@ -1,11 +1,18 @@
-//! CSV: samples of the curve or surface with their parameters.
+//! CSV: samples of curves and surfaces with their parameters.
+
+mod listed;
 
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::document::Document;
 use super::error::{ExportError, NetIndex};
 use super::fitted::Fitted;
-use super::text::Text;
+use super::format::Format;
+use super::nurbs::Nurbs;
+use super::options::Options;
+use super::text::{Text, one_line};
+use listed::Listed;
 use piad_fit::data::Grid;
 use piad_fit::engine::samples::Samples;
 
@@ -23,77 +30,149 @@ const CHUNK: usize = 256;
 /// coordinates, `u,v,x,y,z` of a surface), then one for each sample, at equal steps of the parameters; on surfaces row by row.
 #[derive(Debug)]
 pub struct Table {
-    samples: Samples,
+    source: Source,
+}
+
+/// Where the samples of a table are from.
+#[derive(Debug)]
+enum Source {
+    /// The level of a fit.
+    Level(Samples),
+    /// A curve or surface by itself.
+    Nurbs(Listed),
 }
 
 impl Table {
     /// The table of a level.
     pub fn new(fitted: &Fitted<'_>) -> Result<Self, ExportError> {
-        let grid = fitted.options.samples.unwrap_or(match fitted.problem.v() {
-            None => Grid {
-                rows: CURVE,
-                columns: 1,
-            },
-            Some(_) => Grid {
-                rows: SURFACE,
-                columns: SURFACE,
-            },
-        });
+        let surface = fitted.problem.v().is_some();
+        let grid = grid(&fitted.options, surface);
         let setup = Arc::clone(fitted.problem.setup());
         let samples = Samples::new(setup, Arc::clone(fitted.control_points), grid);
         check(&samples)?;
-        Ok(Self { samples })
+        let source = Source::Level(samples);
+        Ok(Self { source })
+    }
+
+    fn of_nurbs(nurbs: &Nurbs, options: &Options) -> Result<Self, ExportError> {
+        let listed = Listed::new(nurbs, options)?;
+        let source = Source::Nurbs(listed);
+        Ok(Self { source })
     }
 
     /// About how many multiplications it takes to evaluate all lines.
     pub fn multiplications(&self) -> usize {
-        self.samples.multiplications()
+        match &self.source {
+            Source::Level(samples) => samples.multiplications(),
+            Source::Nurbs(_) => 0,
+        }
     }
 
     /// How many lines follow the names.
     pub fn lines(&self) -> usize {
-        self.samples.count()
+        match &self.source {
+            Source::Level(samples) => samples.count(),
+            Source::Nurbs(listed) => listed.count(),
+        }
     }
 
     /// The line with the names.
     pub fn names(&self) -> Vec<u8> {
-        let mut text = Text::default();
-        text.push(if self.samples.v.is_some() { "u,v" } else { "t" });
-        let dimension = self.samples.dimension();
-        match COORDINATES.get(..dimension) {
-            Some(names) => names
-                .iter()
-                .for_each(|name| text.put(format_args!(",{name}"))),
-            None => (1..=dimension).for_each(|c| text.put(format_args!(",x{c}"))),
-        }
-        text.push("\n");
-        text.into_bytes()
+        let (surface, dimension) = match &self.source {
+            Source::Level(samples) => (samples.v.is_some(), samples.dimension()),
+            Source::Nurbs(listed) => (listed.is_surface(), listed.dimension()),
+        };
+        names(surface, dimension).into_bytes()
     }
 
     /// The lines of these samples.
     pub fn part(&self, lines: Range<usize>) -> Vec<u8> {
-        let columns = self.samples.columns();
         let mut text = Text::default();
-        each(&self.samples, lines, |index, point| {
-            text.put(format_args!("{:?}", self.samples.u.at(index / columns)));
-            if let Some(v) = self.samples.v {
-                text.put(format_args!(",{:?}", v.at(index % columns)));
+        match &self.source {
+            Source::Level(samples) => {
+                let columns = samples.columns();
+                each(samples, lines, |index, point| {
+                    let v = samples.v.map(|v| v.at(index % columns));
+                    line(&mut text, samples.u.at(index / columns), v, point);
+                });
             }
-            for x in point {
-                text.put(format_args!(",{x:?}"));
-            }
-            text.push("\n");
-        });
+            Source::Nurbs(listed) => listed.each(lines, |u, v, point| line(&mut text, u, v, point)),
+        }
         text.into_bytes()
     }
 }
 
-/// The whole table.
+/// The number of samples.
+pub(super) fn grid(options: &Options, surface: bool) -> Grid {
+    options.samples.unwrap_or(match surface {
+        false => Grid {
+            rows: CURVE,
+            columns: 1,
+        },
+        true => Grid {
+            rows: SURFACE,
+            columns: SURFACE,
+        },
+    })
+}
+
+fn names(surface: bool, dimension: usize) -> String {
+    let mut names = vec![if surface { "u,v" } else { "t" }.to_owned()];
+    match COORDINATES.get(..dimension) {
+        Some(few) => names.extend(few.iter().map(|&name| name.to_owned())),
+        None => names.extend((1..=dimension).map(|c| format!("x{c}"))),
+    }
+    names.join(",") + "\n"
+}
+
+fn line(text: &mut Text, u: f64, v: Option<f64>, point: &[f64]) {
+    text.put(format_args!("{u:?}"));
+    for x in v.iter().chain(point) {
+        text.put(format_args!(",{x:?}"));
+    }
+    text.push("\n");
+}
+
+/// The whole table of a fit.
 pub(super) fn write(fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
     let table = Table::new(fitted)?;
     let mut file = table.names();
     file.extend(table.part(0..table.lines()));
     Ok(file)
+}
+
+/// The tables of several parts under one line of names: blank lines are between them, and their names above them, as
+/// comments.
+pub(super) fn write_parts(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
+    let mut file: Vec<u8> = Vec::new();
+    let mut columns: Option<Vec<u8>> = None;
+    document.try_each(|shape| {
+        let table = Table::of_nurbs(shape.nurbs, &document.options)?;
+        let names = table.names();
+        match &columns {
+            None => {
+                file.extend(&names);
+                columns = Some(names);
+            }
+            Some(first) if *first == names => file.push(b'\n'),
+            Some(first) => return Err(other_columns(&names, first)),
+        }
+        if document.shapes.len() > 1 {
+            file.extend(format!("# {}\n", one_line(shape.title())).into_bytes());
+        }
+        file.extend(table.part(0..table.lines()));
+        Ok(())
+    })?;
+    Ok(file)
+}
+
+fn other_columns(names: &[u8], first: &[u8]) -> ExportError {
+    let text = |names: &[u8]| String::from_utf8_lossy(names).trim_end().to_owned();
+    ExportError::OtherColumns {
+        format: Format::Csv,
+        found: text(names),
+        expected: text(first),
+    }
 }
 
 fn each(samples: &Samples, range: Range<usize>, mut visit: impl FnMut(usize, &[f64])) {
