@@ -1,7 +1,7 @@
 //! Results and iterations as files, over HTTP. What stands in them is checked with the export itself,
 //! and by other people's software.
 
-use piad_files::export::Format;
+use piad_files::export::{Format, check_shape};
 use serde_json::{Value, json};
 
 use crate::data;
@@ -41,7 +41,8 @@ async fn every_format_of_curves_and_surfaces() {
         let job = server.fit(&job).await;
         let result = format!("{}/result", path(&job));
         for format in Format::ALL {
-            if format == Format::Stl && job["kind"] == "curve" {
+            let surface = job["kind"] == "surface";
+            if format == Format::Gpx || check_shape(format, surface, 3).is_err() {
                 continue;
             }
             let file = fetch(&server, &result, format).await;
@@ -51,6 +52,8 @@ async fn every_format_of_curves_and_surfaces() {
                 Format::Obj => "#",
                 Format::Gltf => "glTF",
                 Format::Stl => "piad",
+                Format::Ply => "ply\n",
+                Format::GeoJson | Format::Gpx => "{",
                 Format::Dxf => "999\n",
                 Format::Svg => "<?xml",
                 Format::Csv => "",
@@ -474,7 +477,8 @@ async fn downloads_are_named_after_the_job() {
         ("wing.obj", "wing.obj", "wing.obj"),
     ] {
         let job = named(Some(name)).await;
-        for format in Format::ALL.into_iter().filter(|it| *it != Format::Stl) {
+        let others = [Format::Stl, Format::Ply, Format::Gpx];
+        for format in Format::ALL.into_iter().filter(|it| !others.contains(it)) {
             let ending = format.extension();
             let exact = exact.trim_end_matches(&format!(".{ending}")).to_owned();
             let ascii = ascii.trim_end_matches(&format!(".{ending}")).to_owned();

@@ -12,6 +12,9 @@ pub fn check(format: Format, file: &[u8]) {
         Format::Stl => stl(file),
         Format::Dxf => dxf(std::str::from_utf8(file).unwrap()),
         Format::Svg => svg(std::str::from_utf8(file).unwrap()),
+        Format::Ply => ply(file),
+        Format::GeoJson => geojson(file),
+        Format::Gpx => assert!(file.ends_with(b"</gpx>\n")),
         Format::Csv => csv(std::str::from_utf8(file).unwrap()),
     }
 }
@@ -106,6 +109,27 @@ fn stl(file: &[u8]) {
     let count = u32::from_le_bytes(file[80..84].try_into().unwrap()) as usize;
     assert!(count > 0);
     assert_eq!(file.len(), 84 + 50 * count);
+}
+
+/// A header, vertices of three doubles and three floats, and triangles.
+fn ply(file: &[u8]) {
+    let end = b"end_header\n";
+    let header = file.windows(end.len()).position(|it| it == end).unwrap() + end.len();
+    let text = std::str::from_utf8(&file[..header]).unwrap();
+    let count = |element: &str| -> usize {
+        let line = text.lines().find_map(|line| line.strip_prefix(element));
+        line.unwrap().trim().parse().unwrap()
+    };
+    let (vertices, faces) = (count("element vertex"), count("element face"));
+    assert_eq!(file.len(), header + 36 * vertices + 13 * faces);
+}
+
+/// One line with finite positions.
+fn geojson(file: &[u8]) {
+    let document: Value = serde_json::from_slice(file).unwrap();
+    let geometry = &document["features"][0]["geometry"];
+    assert_eq!(geometry["type"], "LineString");
+    assert!(geometry["coordinates"].as_array().unwrap().len() > 1);
 }
 
 /// Groups: a code and a value, up to the end of the file.

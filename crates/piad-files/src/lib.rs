@@ -3,7 +3,8 @@
 //! - [`import`]: CSV, tables with blanks, point clouds, grids of heights, airfoils, JSON arrays and vertices of meshes
 //!   become points;
 //!   [`json`]: points in JSON;
-//! - [`export`]: a fitted curve or surface becomes STEP, IGES, OBJ, glTF, STL, DXF, SVG or CSV.
+//! - [`export`]: a fitted curve or surface becomes STEP, IGES, OBJ, glTF, STL, PLY, DXF, SVG, GeoJSON, GPX or CSV.
+//! - [`wgs84`]: longitudes and latitudes as metres in a plane, and back.
 //!
 //! Nothing here opens a file: bytes come in, and bytes go out.
 //!
@@ -29,3 +30,4 @@ pub mod import;
 pub mod json;
 #[doc(hidden)]
 pub mod short;
+pub mod wgs84;

@@ -139,6 +139,7 @@ impl IterationQuery {
             samples: self.samples.as_ref().map(grid).transpose()?,
             dots: named("dots", &self.dots)?.unwrap_or_default(),
             unit: named("units", &self.units)?,
+            ..Options::default()
         })
     }
 }

@@ -5,14 +5,22 @@ use piad_fit::geometry::{KnotVector, Nurbs};
 
 use super::vectors::{dot, length, minus};
 
+/// An open direction.
+pub(super) fn line_of(degree: usize, knots: &[f64]) -> KnotVector {
+    KnotVector {
+        degree,
+        knots: knots.to_vec(),
+        closed: false,
+    }
+}
+
 /// A quarter of a cylinder of radius 2 around the z axis and height 3, in u as a rational
 /// quarter circle of degree 2.
 pub(super) fn cylinder() -> Nurbs {
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    let line = |degree: usize, ends: [f64; 2]| KnotVector {
-        degree,
-        knots: ends.iter().flat_map(|&t| vec![t; degree + 1]).collect(),
-        closed: false,
+    let line = |degree: usize, ends: [f64; 2]| {
+        let knots = ends.iter().flat_map(|&t| vec![t; degree + 1]);
+        line_of(degree, &knots.collect::<Vec<f64>>())
     };
     let mut points = Points::new(3);
     for [x, y] in [[2.0, 0.0], [2.0, 2.0], [0.0, 2.0]] {

@@ -5,6 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::format::Format;
+use crate::short::quoted;
 
 /// Why a curve or surface cannot be written in a format.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -79,6 +80,64 @@ pub enum ExportError {
         /// The format asked for.
         format: Format,
     },
+    /// A surface is no line.
+    #[error("{format} {what}, and a surface is none: export {instead}")]
+    NoLine {
+        /// The format asked for.
+        format: Format,
+        /// What files of the format hold.
+        what: &'static str,
+        /// Formats that hold surfaces.
+        instead: &'static str,
+    },
+    /// Longitudes and latitudes need a place on the earth.
+    #[error(
+        "{format} files hold longitudes and latitudes, and the coordinates have no place on the earth: choose an \
+         origin (longitude and latitude), which the coordinates are metres to the east and north of, or export geojson"
+    )]
+    NoOrigin {
+        /// The format asked for.
+        format: Format,
+    },
+    /// The origin is no place.
+    #[error(
+        "the origin has longitude {longitude} and latitude {latitude}: they are degrees, up to 180 and up to 90"
+    )]
+    Origin {
+        /// Its longitude.
+        longitude: f64,
+        /// Its latitude.
+        latitude: f64,
+    },
+    /// Metres beyond the horizon of the origin.
+    #[error(
+        "a point is {east} m to the east and {north} m to the north of the origin, and no place on the earth is: \
+         {format} files need coordinates in metres from their origin"
+    )]
+    OffTheEarth {
+        /// The format asked for.
+        format: Format,
+        /// Metres to the east.
+        east: f64,
+        /// Metres to the north.
+        north: f64,
+    },
+    /// An option that the format does not have.
+    #[error("{format} files have no {option} to choose; {has} files have")]
+    NoOption {
+        /// The format asked for.
+        format: Format,
+        /// The option.
+        option: &'static str,
+        /// The formats that have it.
+        has: &'static str,
+    },
+    /// Samples of a file without any.
+    #[error("{what} are no samples, so that their number cannot be chosen")]
+    NoSamples {
+        /// The files.
+        what: &'static str,
+    },
     /// More samples than a mesh of the format has.
     #[error(
         "polygon meshes of {format} files have at most {most} samples in each direction: ask for fewer, or export gltf or stl"
@@ -103,6 +162,42 @@ pub enum ExportError {
          be drawn: export csv or json, or scale the data"
     )]
     Extent,
+    /// A file of no curves and surfaces.
+    #[error("there is no curve or surface to write to a {format} file")]
+    NoParts {
+        /// The format asked for.
+        format: Format,
+    },
+    /// A part of several cannot be written.
+    #[error("part {number}{}: {reason}", in_brackets(name.as_deref()))]
+    InPart {
+        /// The number of the part, from 1.
+        number: usize,
+        /// Its name.
+        name: Option<String>,
+        /// What is wrong with it.
+        reason: Box<ExportError>,
+    },
+    /// Tables have the same columns for all parts.
+    #[error(
+        "its columns are {found} and those of the first part {expected}: all parts of a {format} file have the same columns"
+    )]
+    OtherColumns {
+        /// The format asked for.
+        format: Format,
+        /// The columns of the part.
+        found: String,
+        /// The columns of the first part.
+        expected: String,
+    },
+    /// A binary file counts its bytes or its elements with 32 bits.
+    #[error(
+        "the file would be larger than the 4 GB that {format} files can have: ask for fewer samples, or write several files"
+    )]
+    TooLarge {
+        /// The format asked for.
+        format: Format,
+    },
     /// IGES numbers its lines with seven digits.
     #[error(
         "{lines} lines of parameter data are more than the {most} that an IGES file numbers: export step"
@@ -113,6 +208,22 @@ pub enum ExportError {
         /// How many there can be.
         most: usize,
     },
+}
+
+impl ExportError {
+    /// The error of the part with this number, from 1.
+    pub(super) fn in_part(self, number: usize, name: Option<&str>) -> Self {
+        Self::InPart {
+            number,
+            name: name.map(str::to_owned),
+            reason: Box::new(self),
+        }
+    }
+}
+
+/// The name of a part behind its number.
+fn in_brackets(name: Option<&str>) -> String {
+    name.map_or_else(String::new, |name| format!(" ({})", quoted(name)))
 }
 
 /// What a format without a choice of units has.

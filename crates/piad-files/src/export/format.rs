@@ -18,33 +18,45 @@ pub enum Format {
     Gltf,
     /// STL in its binary form: the triangles of a surface, for printers.
     Stl,
-    /// DXF of AutoCAD R12: a polyline or a polygon mesh, for drafting.
+    /// PLY in its binary form: the mesh of a surface with its normals, for point cloud and scan software.
+    Ply,
+    /// DXF of AutoCAD R12: a polyline or a polygon mesh, for drafting; of R2000: the exact curve.
     Dxf,
-    /// A drawing, for people.
+    /// A drawing, for people; or paths, for editors.
     Svg,
+    /// GeoJSON: curves as lines, for maps.
+    GeoJson,
+    /// GPX 1.1: curves as tracks, for navigation.
+    Gpx,
     /// Samples with their parameters, for spreadsheets and scripts.
     Csv,
 }
 
 /// There is no format of this name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{0:?} is not a format; there are step, iges, obj, gltf, stl, dxf, svg and csv")]
+#[error(
+    "{0:?} is not a format; there are step, iges, obj, gltf, stl, ply, dxf, svg, geojson, gpx and csv"
+)]
 pub struct UnknownFormat(String);
 
 impl Format {
     /// All formats.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::Step,
         Self::Iges,
         Self::Obj,
         Self::Gltf,
         Self::Stl,
+        Self::Ply,
         Self::Dxf,
         Self::Svg,
+        Self::GeoJson,
+        Self::Gpx,
         Self::Csv,
     ];
 
-    /// Name, media type (as registered with IANA) and usual file extension.
+    /// Name, media type and usual file extension. Media types are those registered with IANA, except that none
+    /// is for PLY and GPX: these have the usual ones.
     fn names(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Self::Step => ("step", "model/step", "step"),
@@ -52,8 +64,11 @@ impl Format {
             Self::Obj => ("obj", "model/obj", "obj"),
             Self::Gltf => ("gltf", "model/gltf-binary", "glb"),
             Self::Stl => ("stl", "model/stl", "stl"),
+            Self::Ply => ("ply", "application/x-ply", "ply"),
             Self::Dxf => ("dxf", "image/vnd.dxf", "dxf"),
             Self::Svg => ("svg", "image/svg+xml", "svg"),
+            Self::GeoJson => ("geojson", "application/geo+json", "geojson"),
+            Self::Gpx => ("gpx", "application/gpx+xml", "gpx"),
             Self::Csv => ("csv", "text/csv", "csv"),
         }
     }

@@ -3,8 +3,9 @@
 use crate::export::error::ExportError;
 use crate::export::format::Format;
 use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::options::Options;
+use crate::export::sampling::along_curve;
 use crate::export::vectors::{cross, length, minus, unit};
-use piad_fit::data::Grid;
 use piad_fit::engine::nurbs::{Jet, SpanParameter, steps_between};
 
 /// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
@@ -31,44 +32,77 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// Samples a curve or surface, as densely as asked for or as suits it.
+    /// Samples a curve or surface, as densely as requested or as suits it.
     pub(super) fn new(
         nurbs: &Nurbs,
-        samples: Option<Grid>,
+        options: &Options,
         format: Format,
     ) -> Result<Self, ExportError> {
-        let along = |knots: &KnotVector, asked: Option<usize>, most| {
-            knots.sites(asked.map_or_else(|| knots.steps(most), steps_between))
-        };
-        let most = match nurbs.v {
-            None => MOST_ALONG_CURVE,
-            Some(_) => MOST_ALONG_SURFACE,
-        };
-        let u = along(&nurbs.u, samples.map(|grid| grid.rows), most);
-        let v = nurbs
-            .v
-            .as_ref()
-            .map(|v| along(v, samples.map(|grid| grid.columns), most));
-        let v = v.unwrap_or_default();
-        let mut jets = nurbs.evaluate(&u, &v);
-        close(nurbs, v.len().max(1), &mut jets);
-        let origin = origin(&jets);
+        let grid = SampledGrid::new(nurbs, options)?;
+        let origin = origin(&grid.jets);
         let mut mesh = Self {
             origin,
             ..Self::default()
         };
-        for jet in &jets {
+        for jet in &grid.jets {
             let [x, y, z] = minus(jet.point, origin);
             mesh.positions
                 .push([single(x, format)?, single(y, format)?, single(z, format)?]);
         }
         if nurbs.v.is_some() {
-            mesh.triangles = triangles(u.len(), v.len());
-            mesh.normals = normals(nurbs, &u, &v, &jets);
+            mesh.triangles = grid.triangles();
+            mesh.normals = grid.normals(nurbs);
         } else {
-            mesh.lines = (1..u.len() as u32).map(|end| [end - 1, end]).collect();
+            let count = grid.u.len() as u32;
+            mesh.lines = (1..count).map(|end| [end - 1, end]).collect();
         }
         Ok(mesh)
+    }
+}
+
+/// Samples of a curve or surface in double precision.
+#[derive(Clone, Debug)]
+pub(super) struct SampledGrid {
+    u: Vec<SpanParameter>,
+    /// Empty for curves.
+    v: Vec<SpanParameter>,
+    /// The samples, row by row.
+    pub(super) jets: Vec<Jet>,
+}
+
+impl SampledGrid {
+    /// Samples a curve or surface, as densely as requested or as suits it.
+    pub(super) fn new(nurbs: &Nurbs, options: &Options) -> Result<Self, ExportError> {
+        let across = |knots: &KnotVector, requested: Option<usize>| {
+            let steps = requested.map_or_else(|| knots.steps(MOST_ALONG_SURFACE), steps_between);
+            knots.sites(steps)
+        };
+        let samples = options.samples;
+        let (u, v) = match &nurbs.v {
+            None => (along_curve(nurbs, options, MOST_ALONG_CURVE)?, Vec::new()),
+            Some(v) => (
+                across(&nurbs.u, samples.map(|grid| grid.rows)),
+                across(v, samples.map(|grid| grid.columns)),
+            ),
+        };
+        let mut jets = nurbs.evaluate(&u, &v);
+        close(nurbs, v.len().max(1), &mut jets);
+        Ok(Self { u, v, jets })
+    }
+
+    /// The number of samples in a row of a surface; one for a curve.
+    pub(super) fn columns(&self) -> usize {
+        self.v.len().max(1)
+    }
+
+    /// The triangles of a surface, counterclockwise seen from the side of its normals.
+    pub(super) fn triangles(&self) -> Vec<[u32; 3]> {
+        triangles(self.u.len(), self.v.len())
+    }
+
+    /// The unit normals of a surface.
+    pub(super) fn normals(&self, nurbs: &Nurbs) -> Vec<[f32; 3]> {
+        normals(nurbs, &self.u, &self.v, &self.jets)
     }
 }
 
@@ -169,6 +203,7 @@ mod tests {
     use super::*;
     use crate::export::cylinder::cylinder;
     use crate::export::vectors::dot;
+    use piad_fit::data::Grid;
 
     fn wide(vector: [f32; 3]) -> [f64; 3] {
         vector.map(f64::from)
@@ -176,7 +211,7 @@ mod tests {
 
     #[test]
     fn normals_of_a_cylinder_point_away_from_its_axis() {
-        let mesh = Mesh::new(&cylinder(), None, Format::Gltf).unwrap();
+        let mesh = Mesh::new(&cylinder(), &Options::default(), Format::Gltf).unwrap();
         assert_eq!(mesh.origin, [0.0; 3]);
         assert_eq!(mesh.positions.len(), mesh.normals.len());
         for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals) {
@@ -206,7 +241,7 @@ mod tests {
         doubled.weights = None;
         pole.weights = None;
         for nurbs in [doubled, pole] {
-            let mesh = Mesh::new(&nurbs, None, Format::Gltf).unwrap();
+            let mesh = Mesh::new(&nurbs, &Options::default(), Format::Gltf).unwrap();
             for &normal in &mesh.normals {
                 assert!((length(wide(normal)) - 1.0).abs() < 1e-6);
             }
@@ -227,7 +262,7 @@ mod tests {
         nurbs.points.lanes_mut()[0]
             .iter_mut()
             .for_each(|x| *x += 5e6);
-        let mesh = Mesh::new(&nurbs, None, Format::Gltf).unwrap();
+        let mesh = Mesh::new(&nurbs, &Options::default(), Format::Gltf).unwrap();
         for &position in &mesh.positions {
             let [x, y, _] = wide(position);
             let (x, y) = (x + mesh.origin[0] - 5e6, y + mesh.origin[1]);
@@ -237,11 +272,14 @@ mod tests {
 
     #[test]
     fn as_many_samples_as_asked_for() {
-        let grid = Grid {
-            rows: 3,
-            columns: 4,
+        let options = Options {
+            samples: Some(Grid {
+                rows: 3,
+                columns: 4,
+            }),
+            ..Options::default()
         };
-        let mesh = Mesh::new(&cylinder(), Some(grid), Format::Gltf).unwrap();
+        let mesh = Mesh::new(&cylinder(), &options, Format::Gltf).unwrap();
         assert_eq!(mesh.positions.len(), 12);
         assert_eq!(mesh.triangles.len(), 2 * 2 * 3);
     }

@@ -1,12 +1,14 @@
 //! Fitted curves and surfaces as files: for CAD systems, viewers, people and spreadsheets.
 //!
-//! [`write()`] is the only entry. It knows nothing of jobs or of HTTP.
+//! [`write()`] writes a level of a fit, [`write_parts`] several curves and surfaces, through the same writers. They know
+//! nothing of jobs or of HTTP.
 //!
-//! - `fitted`: what is written; `options`: what can be chosen about it;
+//! - `fitted` and `part`: what is written; `options`: what can be chosen about it; `document`: what writers get;
 //! - `format`: the formats and their names; `error`: why something cannot be written;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
-//!   exactly;
-//! - `mesh`: its triangles, for `gltf` and `stl`;
+//!   exactly; `assemble`: that of plain data;
+//! - `mesh`: its triangles, for `gltf`, `stl` and `ply`;
+//! - `sampling`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
 //! - `deviation`: how far it is from each data point, for `svg`;
 //! - `csv`: samples as numbers;
 //! - `text`: numbers and names as text.
@@ -16,23 +18,33 @@
 //! values of a function (one coordinate) and points of more than three coordinates have no place in space, and weights must be positive.
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
 
+mod assemble;
 pub mod csv;
 #[cfg(test)]
 mod cylinder;
 mod deviation;
+mod document;
 mod dxf;
 mod error;
 mod fitted;
 mod format;
+mod geojson;
 mod gltf;
+mod gpx;
 mod iges;
+mod map;
 mod mesh;
 pub mod nurbs;
 mod obj;
 mod options;
+mod part;
+mod ply;
+mod sampling;
 mod step;
 mod stl;
 mod svg;
+#[cfg(test)]
+mod tests;
 mod text;
 mod vectors;
 
@@ -44,8 +56,10 @@ pub use error::ExportError;
 pub use fitted::Fitted;
 pub use format::{Format, UnknownFormat};
 pub use nurbs::Nurbs;
-pub use options::{Dots, Options, Unit};
+pub use options::{Dots, Options, Origin, Style, Unit, Version, check_options};
+pub use part::{Header, Part};
 
+use document::Document;
 use mesh::MOST_ALONG_SURFACE;
 
 use piad_fit::data::Grid;
@@ -57,23 +71,67 @@ pub const MOST_CAD_DEGREE: usize = 25;
 
 /// The file of a level in a format.
 pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
-    if fitted.options.unit.is_some() && !format.has_unit() {
-        return Err(ExportError::NoUnit { format });
-    }
+    let surface = fitted.problem.v().is_some();
+    check_options(format, surface, &fitted.options)?;
     if format == Format::Csv {
         return csv::write(fitted);
     }
     check(format, fitted.problem)?;
     let nurbs = nurbs::checked(fitted.problem, fitted.control_points)?;
+    if format == Format::Svg && fitted.options.style == Style::Drawing {
+        return svg::write(&nurbs, fitted);
+    }
+    write_document(format, &Document::of_fit(fitted, &nurbs))
+}
+
+/// The file of several curves and surfaces in a format.
+///
+/// All formats hold several: STEP in one product, IGES, OBJ, glTF, DXF, GeoJSON and GPX as entities with the names of
+/// the parts, SVG as paths ([`Style::Path`], whatever the options say, as there are no data to draw), STL and PLY as
+/// one mesh, CSV with blank lines between parts.
+///
+/// # Errors
+///
+/// If there is no part, or the first part that the format cannot hold, with its number and name.
+pub fn write_parts(
+    format: Format,
+    parts: &[Part<'_>],
+    header: &Header<'_>,
+) -> Result<Vec<u8>, ExportError> {
+    if parts.is_empty() {
+        return Err(ExportError::NoParts { format });
+    }
+    let mut document = Document::of_parts(parts, header);
+    if format == Format::Svg {
+        document.options.style = Style::Path;
+    }
+    document.try_each(|shape| check_shape_of(format, shape.nurbs, &document.options))?;
+    write_document(format, &document)
+}
+
+/// Checks one curve or surface that is no level of a fit.
+fn check_shape_of(format: Format, nurbs: &Nurbs, options: &Options) -> Result<(), ExportError> {
+    let surface = nurbs.v.is_some();
+    check_options(format, surface, options)?;
+    check_shape(format, surface, nurbs.points.dimension())?;
+    let across = nurbs.v.as_ref().map_or(0, |v| v.degree);
+    check_degree(format, nurbs.u.degree.max(across))?;
+    nurbs::check(nurbs)
+}
+
+fn write_document(format: Format, document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     match format {
-        Format::Step => Ok(step::write(&nurbs, fitted)),
-        Format::Iges => iges::write(&nurbs, fitted),
-        Format::Obj => Ok(obj::write(&nurbs, fitted)),
-        Format::Gltf => gltf::write(&nurbs, fitted),
-        Format::Stl => stl::write(&nurbs, fitted),
-        Format::Dxf => dxf::write(&nurbs, fitted),
-        Format::Svg => svg::write(&nurbs, fitted),
-        Format::Csv => csv::write(fitted),
+        Format::Step => Ok(step::write(document)),
+        Format::Iges => iges::write(document),
+        Format::Obj => Ok(obj::write(document)),
+        Format::Gltf => gltf::write(document),
+        Format::Stl => stl::write(document),
+        Format::Ply => ply::write(document),
+        Format::Dxf => dxf::write(document),
+        Format::Svg => svg::path::write(document),
+        Format::GeoJson => geojson::write(document),
+        Format::Gpx => gpx::write(document),
+        Format::Csv => csv::write_parts(document),
     }
 }
 
@@ -92,7 +150,14 @@ pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> us
     };
     match format {
         Format::Step | Format::Iges | Format::Csv => 0,
-        Format::Obj | Format::Gltf | Format::Stl | Format::Dxf | Format::Svg => {
+        Format::Obj
+        | Format::Gltf
+        | Format::Stl
+        | Format::Ply
+        | Format::Dxf
+        | Format::Svg
+        | Format::GeoJson
+        | Format::Gpx => {
             let grid = options.samples.unwrap_or_else(suitable);
             // Points and their derivatives.
             samples::multiplications(problem, grid).saturating_mul(3)
@@ -104,16 +169,16 @@ pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> us
 pub fn check(format: Format, problem: &Problem) -> Result<(), ExportError> {
     check_shape(format, problem.v().is_some(), problem.dimension())?;
     let degrees = problem.directions().map(|it| it.basis.degree());
-    match degrees.max() {
-        Some(degree)
-            if degree > MOST_CAD_DEGREE && matches!(format, Format::Step | Format::Iges) =>
-        {
-            Err(ExportError::Degree {
-                format,
-                degree,
-                most: MOST_CAD_DEGREE,
-            })
-        }
+    check_degree(format, degrees.max().unwrap_or(0))
+}
+
+fn check_degree(format: Format, degree: usize) -> Result<(), ExportError> {
+    match format {
+        Format::Step | Format::Iges if degree > MOST_CAD_DEGREE => Err(ExportError::Degree {
+            format,
+            degree,
+            most: MOST_CAD_DEGREE,
+        }),
         _ => Ok(()),
     }
 }
@@ -124,7 +189,12 @@ pub fn check_shape(format: Format, surface: bool, dimension: usize) -> Result<()
         Format::Csv => Ok(()),
         _ if dimension < 2 => Err(ExportError::OneCoordinate { format }),
         _ if dimension > SPACE => Err(ExportError::ManyCoordinates { format, dimension }),
-        Format::Stl if !surface => Err(ExportError::NoTriangles { format }),
+        Format::Stl | Format::Ply if !surface => Err(ExportError::NoTriangles { format }),
+        Format::GeoJson | Format::Gpx if surface => Err(ExportError::NoLine {
+            format,
+            what: "files hold curves as lines of a map",
+            instead: "step, gltf or ply",
+        }),
         _ => Ok(()),
     }
 }

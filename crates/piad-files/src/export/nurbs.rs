@@ -4,6 +4,7 @@ use super::error::{ExportError, NetIndex};
 use piad_fit::data::Points;
 use piad_fit::engine::Problem;
 
+pub use super::assemble::{DirectionData, InvalidNurbs, assemble, products};
 pub use piad_fit::geometry::{KnotVector, Nurbs};
 
 /// The B-spline form of a fit, if its weights are positive and its control points finite.
@@ -13,6 +14,12 @@ pub use piad_fit::geometry::{KnotVector, Nurbs};
 /// The first control point of which that is not so.
 pub fn checked(problem: &Problem, control_points: &Points) -> Result<Nurbs, ExportError> {
     let nurbs = Nurbs::of(problem, control_points);
+    check(&nurbs)?;
+    Ok(nurbs)
+}
+
+/// Refuses weights that are not positive and control points that are not finite.
+pub(super) fn check(nurbs: &Nurbs) -> Result<(), ExportError> {
     let place = |index| NetIndex::new(index, nurbs.v.as_ref().map(KnotVector::count));
     if let Some(index) = nurbs.bad_weight() {
         return Err(ExportError::Weight {
@@ -28,7 +35,7 @@ pub fn checked(problem: &Problem, control_points: &Points) -> Result<Nurbs, Expo
             value: nurbs.points.lane(coordinate)[index],
         });
     }
-    Ok(nurbs)
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,31 +1,46 @@
 //! Wavefront OBJ with free-form geometry (Object Files, appendix B1 of the Advanced Visualizer
 //! manual): the exact B-spline, not a mesh.
 
-use super::fitted::{Fitted, GENERATOR};
+use super::document::Document;
+use super::fitted::GENERATOR;
 use super::nurbs::{KnotVector, Nurbs};
 use super::text::{Text, one_line};
 
 /// Numbers in a line, before it is continued on the next.
 const PER_LINE: usize = 12;
 
-/// The curve or surface as an OBJ file.
-pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Vec<u8> {
+/// The curves and surfaces as an OBJ file.
+pub(super) fn write(document: &Document<'_>) -> Vec<u8> {
     let mut text = Text::default();
     // A backslash at the end of a line would continue the comment.
-    let title = one_line(fitted.title());
-    let description = fitted.description();
+    let title = one_line(&document.title);
+    let description = &document.description;
     text.put(format_args!(
         "# {title} ({description}), written by {GENERATOR}\n"
     ));
-    vertices(&mut text, nurbs);
+    let mut first = 1;
+    for shape in &document.shapes {
+        if document.has_parts {
+            // A backslash at the end would continue the line.
+            let name = one_line(shape.title()).replace('\\', "_");
+            text.put(format_args!("o {name}\n"));
+        }
+        element(&mut text, shape.nurbs, first);
+        first += shape.nurbs.points.len();
+    }
+    text.into_bytes()
+}
+
+/// A curve or surface, whose first vertex has this number.
+fn element(text: &mut Text, nurbs: &Nurbs, first: usize) {
+    vertices(text, nurbs);
     let rational = if nurbs.weights.is_some() { "rat " } else { "" };
     text.put(format_args!("cstype {rational}bspline\n"));
     match &nurbs.v {
-        None => curve(&mut text, nurbs),
-        Some(v) => surface(&mut text, nurbs, v),
+        None => curve(text, nurbs, first),
+        Some(v) => surface(text, nurbs, v, first),
     }
     text.push("end\n");
-    text.into_bytes()
 }
 
 /// `v x y z w`, row by row: places, not multiplied by their weights.
@@ -42,20 +57,21 @@ fn vertices(text: &mut Text, nurbs: &Nurbs) {
     }
 }
 
-fn curve(text: &mut Text, nurbs: &Nurbs) {
+fn curve(text: &mut Text, nurbs: &Nurbs, first: usize) {
     text.put(format_args!("deg {}\ncurv", nurbs.u.degree));
     domain(text, &nurbs.u);
-    indices(text, 0..nurbs.rows());
+    indices(text, first..first + nurbs.rows());
     parm(text, 'u', &nurbs.u);
 }
 
 /// Control points run fastest in the u direction ("Surface vertex data", "Control points").
-fn surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector) {
+fn surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector, first: usize) {
     let (rows, columns) = (nurbs.rows(), nurbs.columns());
     text.put(format_args!("deg {} {}\nsurf", nurbs.u.degree, v.degree));
     domain(text, &nurbs.u);
     domain(text, v);
-    let order = (0..columns).flat_map(|column| (0..rows).map(move |row| row * columns + column));
+    let order =
+        (0..columns).flat_map(|column| (0..rows).map(move |row| first + row * columns + column));
     indices(text, order);
     parm(text, 'u', &nurbs.u);
     parm(text, 'v', v);
@@ -67,11 +83,11 @@ fn domain(text: &mut Text, direction: &KnotVector) {
     number(text, high);
 }
 
-/// Vertices are counted from 1.
+/// The numbers of vertices, which are counted from 1 over the whole file.
 fn indices(text: &mut Text, order: impl Iterator<Item = usize>) {
     for (i, index) in order.enumerate() {
         continue_line(text, i);
-        text.put(format_args!(" {}", index + 1));
+        text.put(format_args!(" {index}"));
     }
     text.push("\n");
 }

@@ -1,10 +1,12 @@
 //! What can be chosen about a file besides its format.
 
+use super::error::ExportError;
 use super::format::Format;
+use super::map::plane;
 use piad_fit::data::Grid;
 
 /// What can be chosen about a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// The number of samples in each direction, at least 2, for formats that sample; chosen to suit the
     /// curve or surface by default.
@@ -13,6 +15,42 @@ pub struct Options {
     pub dots: Dots,
     /// The unit of length that a file declares: millimetres by default, in formats that have one.
     pub unit: Option<Unit>,
+    /// What an SVG file shows.
+    pub style: Style,
+    /// The version of DXF.
+    pub version: Version,
+    /// Where on the earth the coordinates start, for formats with longitudes and latitudes.
+    pub origin: Option<Origin>,
+}
+
+/// What an SVG file shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Style {
+    /// A fit with its data, for people. Files of several parts have no data, so that they are always paths.
+    #[default]
+    Drawing,
+    /// Curves alone, as paths of cubic Bézier curves in the units of the data, for editors and plotters.
+    Path,
+}
+
+/// A version of DXF.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Version {
+    /// AutoCAD R12: polylines and polygon meshes, which all programs read.
+    #[default]
+    R12,
+    /// AutoCAD R2000: exact splines.
+    R2000,
+}
+
+/// A place on the earth, by the WGS 84 ellipsoid. The first two coordinates of points are metres to the east and to
+/// the north in the plane that touches the ellipsoid there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Origin {
+    /// In degrees, to the east.
+    pub longitude: f64,
+    /// In degrees, to the north.
+    pub latitude: f64,
 }
 
 /// What a coordinate of 1 is long. Coordinates themselves are those of the data in any unit.
@@ -50,9 +88,72 @@ impl Format {
         !matches!(self, Self::Step | Self::Iges | Self::Obj)
     }
 
+    /// Returns true if files of this format have a style to choose.
+    pub fn has_style(self) -> bool {
+        self == Self::Svg
+    }
+
+    /// Returns true if files of this format have a version to choose.
+    pub fn has_version(self) -> bool {
+        self == Self::Dxf
+    }
+
+    /// Returns true if files of this format hold longitudes and latitudes if there is an origin.
+    pub fn has_origin(self) -> bool {
+        matches!(self, Self::GeoJson | Self::Gpx)
+    }
+
     /// Whether files of this format declare a unit of length that can be chosen. That of glTF is always
     /// the metre.
     pub fn has_unit(self) -> bool {
         matches!(self, Self::Step | Self::Iges)
+    }
+}
+
+/// Checks that a format has the options that were chosen, for a curve or a surface.
+pub fn check_options(format: Format, surface: bool, options: &Options) -> Result<(), ExportError> {
+    let no_option = |option, has| ExportError::NoOption {
+        format,
+        option,
+        has,
+    };
+    if options.unit.is_some() && !format.has_unit() {
+        return Err(ExportError::NoUnit { format });
+    }
+    if options.style == Style::Path && !format.has_style() {
+        return Err(no_option("style", "svg"));
+    }
+    if options.style == Style::Path && surface {
+        return Err(ExportError::NoLine {
+            format,
+            what: "paths are curves",
+            instead: "a drawing",
+        });
+    }
+    if options.version != Version::R12 && !format.has_version() {
+        return Err(no_option("version", "dxf"));
+    }
+    if let Some(what) = exact(format, surface, options)
+        && options.samples.is_some()
+    {
+        return Err(ExportError::NoSamples { what });
+    }
+    if format == Format::Gpx && options.origin.is_none() {
+        return Err(ExportError::NoOrigin { format });
+    }
+    if let Some(origin) = options.origin.filter(|_| format.has_origin()) {
+        plane(origin)?;
+    }
+    Ok(())
+}
+
+/// Files that are exact because of an option, although their format has samples.
+fn exact(format: Format, surface: bool, options: &Options) -> Option<&'static str> {
+    match format {
+        Format::Dxf if options.version == Version::R2000 && !surface => {
+            Some("curves in dxf files of version r2000")
+        }
+        Format::Svg if options.style == Style::Path => Some("paths in svg files"),
+        _ => None,
     }
 }

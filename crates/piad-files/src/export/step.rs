@@ -6,7 +6,8 @@
 //! representation (readers load such a file, and show nothing); its place is in a geometrically
 //! bounded wireframe or surface representation (ISO 10303-510 and -507).
 
-use super::fitted::{Fitted, GENERATOR};
+use super::document::Document;
+use super::fitted::GENERATOR;
 use super::nurbs::{KnotVector, Nurbs};
 use super::options::Unit;
 use super::text::Text;
@@ -20,43 +21,151 @@ const ORIGIN: usize = 15;
 /// The number of the first control point.
 const FIRST_POINT: usize = 22;
 
-/// The curve or surface as a STEP file.
-pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Vec<u8> {
+/// The curves and surfaces as a STEP file: one product, whose shape they are.
+pub(super) fn write(document: &Document<'_>) -> Vec<u8> {
     let mut text = Text::default();
-    let name = string(fitted.title());
-    header(&mut text, &name, fitted);
+    let name = string(&document.title);
+    header(&mut text, &name, document);
     text.push("DATA;\n");
-    let unit = fitted.options.unit.unwrap_or_default();
-    product(&mut text, &name, nurbs.resolution(), unit);
-    let points = nurbs.points.len();
-    for index in 0..points {
-        text.put(format_args!("#{}=CARTESIAN_POINT('',", FIRST_POINT + index));
-        text.list(nurbs.place(index), real);
-        text.push(");\n");
+    let unit = document.options.unit.unwrap_or_default();
+    let resolutions = document.shapes.iter().map(|shape| shape.nurbs.resolution());
+    let resolution = resolutions.fold(f64::INFINITY, f64::min);
+    product(&mut text, &name, resolution, unit);
+    let mut next = FIRST_POINT;
+    let mut splines = Vec::with_capacity(document.shapes.len());
+    for shape in &document.shapes {
+        let spline = Spline {
+            nurbs: shape.nurbs,
+            name: string(shape.title()),
+            first: next,
+        };
+        splines.push(spline.write(&mut text));
+        next = spline.number() + 1;
     }
-    let spline = FIRST_POINT + points;
-    text.put(format_args!("#{spline}="));
-    match (&nurbs.v, &nurbs.weights) {
-        (None, None) => curve(&mut text, nurbs, &name),
-        (None, Some(weights)) => rational_curve(&mut text, nurbs, weights, &name),
-        (Some(v), None) => surface(&mut text, nurbs, v, &name),
-        (Some(v), Some(weights)) => rational_surface(&mut text, nurbs, v, weights, &name),
-    }
-    representation(&mut text, spline, nurbs.v.is_some());
+    let has_surface = document.shapes.iter().any(|it| it.nurbs.v.is_some());
+    representation(&mut text, &splines, next, has_surface);
     text.push("ENDSEC;\nEND-ISO-10303-21;\n");
     text.into_bytes()
 }
 
+/// A curve or surface with its control points.
+struct Spline<'a> {
+    nurbs: &'a Nurbs,
+    /// Its name, as a literal.
+    name: String,
+    /// The number of its first control point.
+    first: usize,
+}
+
+impl Spline<'_> {
+    /// The number of the curve or surface, behind its control points.
+    fn number(&self) -> usize {
+        self.first + self.nurbs.points.len()
+    }
+
+    /// Writes it and returns its number.
+    fn write(&self, text: &mut Text) -> usize {
+        for index in 0..self.nurbs.points.len() {
+            text.put(format_args!("#{}=CARTESIAN_POINT('',", self.first + index));
+            text.list(self.nurbs.place(index), real);
+            text.push(");\n");
+        }
+        let number = self.number();
+        text.put(format_args!("#{number}="));
+        match (&self.nurbs.v, &self.nurbs.weights) {
+            (None, None) => self.curve(text),
+            (None, Some(weights)) => self.rational_curve(text, weights),
+            (Some(v), None) => self.surface(text, v),
+            (Some(v), Some(weights)) => self.rational_surface(text, v, weights),
+        }
+        number
+    }
+
+    /// ISO 10303-42, `b_spline_curve_with_knots`.
+    fn curve(&self, text: &mut Text) {
+        text.put(format_args!("B_SPLINE_CURVE_WITH_KNOTS({},", self.name));
+        self.curve_attributes(text);
+        text.push(",");
+        knots(text, &[&self.nurbs.u]);
+        text.push(");\n");
+    }
+
+    /// A rational curve is a `b_spline_curve_with_knots` and a `rational_b_spline_curve` at once: a
+    /// complex instance, whose parts are in alphabetical order (ISO 10303-21, section 11.2.5.3).
+    fn rational_curve(&self, text: &mut Text, weights: &[f64]) {
+        text.push("(BOUNDED_CURVE()\nB_SPLINE_CURVE(");
+        self.curve_attributes(text);
+        text.push(")\nB_SPLINE_CURVE_WITH_KNOTS(");
+        knots(text, &[&self.nurbs.u]);
+        text.push(")\nCURVE()\nGEOMETRIC_REPRESENTATION_ITEM()\nRATIONAL_B_SPLINE_CURVE(");
+        text.list(weights.iter().copied(), real);
+        text.put(format_args!(")\nREPRESENTATION_ITEM({}));\n", self.name));
+    }
+
+    /// ISO 10303-42, `b_spline_surface_with_knots`.
+    fn surface(&self, text: &mut Text, v: &KnotVector) {
+        text.put(format_args!("B_SPLINE_SURFACE_WITH_KNOTS({},", self.name));
+        self.surface_attributes(text, v);
+        text.push(",");
+        knots(text, &[&self.nurbs.u, v]);
+        text.push(");\n");
+    }
+
+    fn rational_surface(&self, text: &mut Text, v: &KnotVector, weights: &[f64]) {
+        text.push("(BOUNDED_SURFACE()\nB_SPLINE_SURFACE(");
+        self.surface_attributes(text, v);
+        text.push(")\nB_SPLINE_SURFACE_WITH_KNOTS(");
+        knots(text, &[&self.nurbs.u, v]);
+        text.push(")\nGEOMETRIC_REPRESENTATION_ITEM()\nRATIONAL_B_SPLINE_SURFACE(");
+        text.list(weights.chunks_exact(v.count()), |text, row| {
+            text.list(row.iter().copied(), real);
+        });
+        text.put(format_args!(
+            ")\nREPRESENTATION_ITEM({})\nSURFACE());\n",
+            self.name
+        ));
+    }
+
+    /// Degree, control points, form, closed, self-intersecting (`.U.`: unknown).
+    fn curve_attributes(&self, text: &mut Text) {
+        text.put(format_args!("{},", self.nurbs.u.degree));
+        text.list(0..self.nurbs.rows(), |text, index| {
+            self.reference(text, index)
+        });
+        text.put(format_args!(
+            ",.UNSPECIFIED.,{},.U.",
+            logical(self.nurbs.u.closed)
+        ));
+    }
+
+    /// The rows of control points run in the u direction, like ours.
+    fn surface_attributes(&self, text: &mut Text, v: &KnotVector) {
+        text.put(format_args!("{},{},", self.nurbs.u.degree, v.degree));
+        text.list(0..self.nurbs.rows(), |text, row| {
+            let start = row * v.count();
+            text.list(start..start + v.count(), |text, index| {
+                self.reference(text, index)
+            });
+        });
+        let (u, v) = (logical(self.nurbs.u.closed), logical(v.closed));
+        text.put(format_args!(",.UNSPECIFIED.,{u},{v},.U."));
+    }
+
+    fn reference(&self, text: &mut Text, index: usize) {
+        text.put(format_args!("#{}", self.first + index));
+    }
+}
+
 /// The header section (ISO 10303-21, section 8).
-fn header(text: &mut Text, name: &str, fitted: &Fitted<'_>) {
-    let time = fitted.created.strftime("%Y-%m-%dT%H:%M:%S+00:00");
+fn header(text: &mut Text, name: &str, document: &Document<'_>) {
+    let time = document.created.strftime("%Y-%m-%dT%H:%M:%S+00:00");
     text.put(format_args!(
         "ISO-10303-21;\nHEADER;\n\
          FILE_DESCRIPTION(({}),'2;1');\n\
          FILE_NAME({name},'{time}',(''),(''),'{GENERATOR}','{GENERATOR}','');\n\
          FILE_SCHEMA(('AUTOMOTIVE_DESIGN {{ 1 0 10303 214 1 1 1 1 }}'));\n\
          ENDSEC;\n",
-        string(&fitted.description()),
+        string(&document.description),
     ));
 }
 
@@ -106,84 +215,22 @@ fn length_unit(unit: Unit) -> &'static str {
     }
 }
 
-/// The set around the curve or surface, and its tie to the product.
-fn representation(text: &mut Text, spline: usize, surface: bool) {
-    let (set, kind) = if surface {
+/// The set of the curves and surfaces, with this number, and its tie to the product.
+fn representation(text: &mut Text, splines: &[usize], set_number: usize, has_surface: bool) {
+    // A set of curves holds nothing else; the other one holds curves, too.
+    let (set, kind) = if has_surface {
         ("GEOMETRIC_SET", "SURFACE")
     } else {
         ("GEOMETRIC_CURVE_SET", "WIREFRAME")
     };
-    let (member, shape, tie) = (spline + 1, spline + 2, spline + 3);
+    text.put(format_args!("#{set_number}={set}('',"));
+    text.list(splines, |text, number| text.put(format_args!("#{number}")));
+    let (shape, tie) = (set_number + 1, set_number + 2);
     text.put(format_args!(
-        "#{member}={set}('',(#{spline}));\n\
-         #{shape}=GEOMETRICALLY_BOUNDED_{kind}_SHAPE_REPRESENTATION('',(#{ORIGIN},#{member}),#{CONTEXT});\n\
+        ");\n\
+         #{shape}=GEOMETRICALLY_BOUNDED_{kind}_SHAPE_REPRESENTATION('',(#{ORIGIN},#{set_number}),#{CONTEXT});\n\
          #{tie}=SHAPE_DEFINITION_REPRESENTATION(#{SHAPE},#{shape});\n"
     ));
-}
-
-/// ISO 10303-42, `b_spline_curve_with_knots`.
-fn curve(text: &mut Text, nurbs: &Nurbs, name: &str) {
-    text.put(format_args!("B_SPLINE_CURVE_WITH_KNOTS({name},"));
-    curve_attributes(text, nurbs);
-    text.push(",");
-    knots(text, &[&nurbs.u]);
-    text.push(");\n");
-}
-
-/// A rational curve is a `b_spline_curve_with_knots` and a `rational_b_spline_curve` at once: a
-/// complex instance, whose parts are in alphabetical order (ISO 10303-21, section 11.2.5.3).
-fn rational_curve(text: &mut Text, nurbs: &Nurbs, weights: &[f64], name: &str) {
-    text.push("(BOUNDED_CURVE()\nB_SPLINE_CURVE(");
-    curve_attributes(text, nurbs);
-    text.push(")\nB_SPLINE_CURVE_WITH_KNOTS(");
-    knots(text, &[&nurbs.u]);
-    text.push(")\nCURVE()\nGEOMETRIC_REPRESENTATION_ITEM()\nRATIONAL_B_SPLINE_CURVE(");
-    text.list(weights.iter().copied(), real);
-    text.put(format_args!(")\nREPRESENTATION_ITEM({name}));\n"));
-}
-
-/// ISO 10303-42, `b_spline_surface_with_knots`.
-fn surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector, name: &str) {
-    text.put(format_args!("B_SPLINE_SURFACE_WITH_KNOTS({name},"));
-    surface_attributes(text, nurbs, v);
-    text.push(",");
-    knots(text, &[&nurbs.u, v]);
-    text.push(");\n");
-}
-
-fn rational_surface(text: &mut Text, nurbs: &Nurbs, v: &KnotVector, weights: &[f64], name: &str) {
-    text.push("(BOUNDED_SURFACE()\nB_SPLINE_SURFACE(");
-    surface_attributes(text, nurbs, v);
-    text.push(")\nB_SPLINE_SURFACE_WITH_KNOTS(");
-    knots(text, &[&nurbs.u, v]);
-    text.push(")\nGEOMETRIC_REPRESENTATION_ITEM()\nRATIONAL_B_SPLINE_SURFACE(");
-    text.list(weights.chunks_exact(v.count()), |text, row| {
-        text.list(row.iter().copied(), real);
-    });
-    text.put(format_args!(
-        ")\nREPRESENTATION_ITEM({name})\nSURFACE());\n"
-    ));
-}
-
-/// Degree, control points, form, closed, self-intersecting (`.U.`: unknown).
-fn curve_attributes(text: &mut Text, nurbs: &Nurbs) {
-    text.put(format_args!("{},", nurbs.u.degree));
-    text.list(0..nurbs.rows(), reference);
-    text.put(format_args!(
-        ",.UNSPECIFIED.,{},.U.",
-        logical(nurbs.u.closed)
-    ));
-}
-
-/// The rows of control points run in the u direction, like ours.
-fn surface_attributes(text: &mut Text, nurbs: &Nurbs, v: &KnotVector) {
-    text.put(format_args!("{},{},", nurbs.u.degree, v.degree));
-    text.list(0..nurbs.rows(), |text, row| {
-        let start = row * v.count();
-        text.list(start..start + v.count(), reference);
-    });
-    let (u, v) = (logical(nurbs.u.closed), logical(v.closed));
-    text.put(format_args!(",.UNSPECIFIED.,{u},{v},.U."));
 }
 
 /// Multiplicities of all directions, then their knots, then the kind of knots.
@@ -198,10 +245,6 @@ fn knots(text: &mut Text, directions: &[&KnotVector]) {
         text.push(",");
     }
     text.push(".UNSPECIFIED.");
-}
-
-fn reference(text: &mut Text, index: usize) {
-    text.put(format_args!("#{}", FIRST_POINT + index));
 }
 
 fn real(text: &mut Text, x: f64) {

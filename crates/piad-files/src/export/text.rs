@@ -85,6 +85,36 @@ pub(super) fn one_line(name: &str) -> String {
         .collect()
 }
 
+/// A name as part of one line of ASCII, for formats without escapes, such as IGES (section 2.2.2): other characters
+/// become question marks.
+pub(super) fn ascii(name: &str) -> String {
+    name.chars()
+        .map(|c| match c {
+            ' '..='~' => c,
+            c if c.is_control() => ' ',
+            _ => '?',
+        })
+        .collect()
+}
+
+/// Text content of XML: markup as entities; control characters, which XML 1.0 does not allow
+/// (section 2.2), as spaces.
+pub(super) fn escape(value: &str) -> String {
+    let mut escaped = String::with_capacity(value.len());
+    for c in one_line(value).chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,5 +152,15 @@ mod tests {
     #[test]
     fn names_stay_on_their_line() {
         assert_eq!(one_line("a\r\nb\tç"), "a  b ç");
+        assert_eq!(ascii("Flügel\n'1'"), "Fl?gel '1'");
+    }
+
+    #[test]
+    fn markup_is_escaped() {
+        assert_eq!(
+            escape("<a href=\"x\">'&'\u{0}\n"),
+            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;  "
+        );
+        assert_eq!(escape("翼 ü"), "翼 ü");
     }
 }

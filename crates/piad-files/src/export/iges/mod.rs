@@ -1,56 +1,112 @@
-//! IGES 5.3: one rational B-spline curve (entity 126) or surface (entity 128).
+//! IGES 5.3: rational B-spline curves (entity 126) and surfaces (entity 128).
 
 mod sections;
 
+use super::document::{Document, Shape};
 use super::error::ExportError;
-use super::fitted::{Fitted, GENERATOR};
+use super::fitted::GENERATOR;
 use super::nurbs::{KnotVector, Nurbs};
 use super::options::Unit;
-use super::text::Text;
-use sections::{MOST_LINES, ParameterData, directory_entry, fixed_lines};
+use super::text::{Text, ascii};
+use sections::{DirectoryEntry, MOST_LINES, ParameterData, fixed_lines};
 
-/// The curve or surface as an IGES file.
-pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
-    let (entity, label) = match nurbs.v {
-        None => (126, "CURVE"),
-        Some(_) => (128, "SURFACE"),
-    };
-    let mut data = ParameterData::data();
-    data.integer(entity);
-    match &nurbs.v {
-        None => curve(&mut data, nurbs),
-        Some(v) => surface(&mut data, nurbs, v),
-    }
-    let (data, lines) = data.finish();
-    if lines > MOST_LINES {
-        return Err(ExportError::TooManyLines {
-            lines,
-            most: MOST_LINES,
-        });
-    }
-    let (global, global_lines) = global(nurbs, fitted).finish();
+/// Characters of the label of an entity.
+const LABEL: usize = 8;
+
+/// The curves and surfaces as an IGES file, an entity each.
+pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
+    let (mut directory, mut data) = (Text::default(), Text::default());
+    let mut lines = 0;
+    document.try_each(|shape| {
+        let number = directory_lines(&directory) + 1;
+        let (text, count) = parameters(shape.nurbs, number, lines);
+        entry(document, shape, number, [lines + 1, count]).write(&mut directory);
+        lines += count;
+        data.push(&text);
+        match lines {
+            0..=MOST_LINES => Ok(()),
+            _ => Err(ExportError::TooManyLines {
+                lines,
+                most: MOST_LINES,
+            }),
+        }
+    })?;
+    let (global, global_lines) = global(document).finish();
     let mut file = Text::default();
-    let start_lines = fixed_lines(&mut file, 'S', &start(fitted));
+    let start_lines = fixed_lines(&mut file, 'S', &start(document));
     file.push(&global);
-    directory_entry(&mut file, entity, lines, label);
-    file.push(&data);
+    file.push(directory.as_str());
+    file.push(data.as_str());
     // The numbers of lines of all sections, in fields of eight columns (section 2.2.4.6).
-    let counts = format!("S{start_lines:7}G{global_lines:7}D{:7}P{lines:7}", 2);
+    let counts = format!(
+        "S{start_lines:7}G{global_lines:7}D{:7}P{lines:7}",
+        directory_lines(&directory)
+    );
     fixed_lines(&mut file, 'T', &counts);
     Ok(file.into_bytes())
 }
 
+/// The number of lines of the directory, of 80 columns each.
+fn directory_lines(directory: &Text) -> usize {
+    directory.as_str().len() / 81
+}
+
+/// The parameter data of a curve or surface with this directory entry, after this number of lines, and how many
+/// lines they are.
+fn parameters(nurbs: &Nurbs, entry: usize, before: usize) -> (String, usize) {
+    let mut data = ParameterData::data(entry, before);
+    data.integer(entity(nurbs));
+    match &nurbs.v {
+        None => curve(&mut data, nurbs),
+        Some(v) => surface(&mut data, nurbs, v),
+    }
+    data.finish()
+}
+
+fn entity(nurbs: &Nurbs) -> usize {
+    match nurbs.v {
+        None => 126,
+        Some(_) => 128,
+    }
+}
+
+/// Parts are labelled with the first characters of their names, and numbered.
+fn entry(
+    document: &Document<'_>,
+    shape: &Shape<'_>,
+    number: usize,
+    [first_line, lines]: [usize; 2],
+) -> DirectoryEntry {
+    let kind = || match shape.nurbs.v {
+        None => "CURVE".to_owned(),
+        Some(_) => "SURFACE".to_owned(),
+    };
+    let name = shape.name.filter(|_| document.has_parts);
+    DirectoryEntry {
+        number,
+        entity: entity(shape.nurbs),
+        first_line,
+        lines,
+        label: name.map_or_else(kind, |name| ascii(name).chars().take(LABEL).collect()),
+        subscript: if document.has_parts {
+            number.div_ceil(2)
+        } else {
+            0
+        },
+    }
+}
+
 /// What the file is, for people.
-fn start(fitted: &Fitted<'_>) -> String {
-    let title = ascii(fitted.title());
-    format!("{title}: {}. Written by {GENERATOR}.", fitted.description())
+fn start(document: &Document<'_>) -> String {
+    let title = ascii(&document.title);
+    format!("{title}: {}. Written by {GENERATOR}.", document.description)
 }
 
 /// The global section (section 2.2.4.3): 26 parameters, the delimiters first. Fitted points have no
 /// unit; IGES needs one, and millimetres are the usual one.
-fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> ParameterData {
-    let title = ascii(fitted.title());
-    let time = fitted.created.strftime("%Y%m%d.%H%M%S").to_string();
+fn global(document: &Document<'_>) -> ParameterData {
+    let title = ascii(&document.title);
+    let time = document.created.strftime("%Y%m%d.%H%M%S").to_string();
     let mut global = ParameterData::global();
     global.text(",");
     global.text(";");
@@ -64,7 +120,7 @@ fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> ParameterData {
     global.text(&title);
     // Model space is as large as the model; units have a number and a name.
     global.real(1.0);
-    let (flag, unit) = match fitted.options.unit.unwrap_or_default() {
+    let (flag, unit) = match document.options.unit.unwrap_or_default() {
         Unit::Millimetre => (2, "MM"),
         Unit::Metre => (6, "M"),
         Unit::Inch => (1, "IN"),
@@ -75,8 +131,11 @@ fn global(nurbs: &Nurbs, fitted: &Fitted<'_>) -> ParameterData {
     global.integer(1);
     global.real(1.0);
     global.text(&time);
-    global.real(nurbs.resolution());
-    global.real(nurbs.points.magnitude());
+    let all = || document.shapes.iter().map(|shape| shape.nurbs);
+    let resolutions = all().map(Nurbs::resolution);
+    global.real(resolutions.fold(f64::INFINITY, f64::min));
+    let magnitudes = all().map(|nurbs| nurbs.points.magnitude());
+    global.real(magnitudes.fold(0.0, f64::max));
     global.text("");
     global.text("");
     // Version 5.3, no drafting standard; when the model was made; no application protocol.
@@ -160,17 +219,6 @@ fn plane(nurbs: &Nurbs) -> Option<[f64; 3]> {
     planar.then_some([0.0, 0.0, 1.0])
 }
 
-/// IGES is ASCII without escapes (section 2.2.2): other characters become question marks.
-fn ascii(name: &str) -> String {
-    name.chars()
-        .map(|c| match c {
-            ' '..='~' => c,
-            c if c.is_control() => ' ',
-            _ => '?',
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -193,10 +241,5 @@ mod tests {
         }
         nurbs.weights = None;
         assert_eq!(weight_factor(&nurbs), 1.0);
-    }
-
-    #[test]
-    fn names_are_ascii() {
-        assert_eq!(ascii("Flügel\n'1'"), "Fl?gel '1'");
     }
 }

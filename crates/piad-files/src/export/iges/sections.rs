@@ -12,42 +12,44 @@ const WIDTH: usize = 72;
 /// Columns of parameter data in a line; behind them it names its directory entry (section 2.2.4.5).
 const DATA_WIDTH: usize = 64;
 
-/// The directory entry of the only entity.
-const ENTRY: usize = 1;
-
 /// Parameters in free format, packed into lines.
 #[derive(Debug)]
 pub(super) struct ParameterData {
     file: Text,
     line: Text,
     token: Text,
+    /// The number of the last line that was written, from 1 in each section.
     lines: usize,
+    /// The number of the lines before the first parameter.
+    before: usize,
     section: Section,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Section {
     Global,
-    Data,
+    /// With the number of the directory entry.
+    Data(usize),
 }
 
 impl ParameterData {
     /// Parameters of the global section.
     pub(super) fn global() -> Self {
-        Self::new(Section::Global)
+        Self::new(Section::Global, 0)
     }
 
-    /// The parameters of the entity.
-    pub(super) fn data() -> Self {
-        Self::new(Section::Data)
+    /// The parameters of the entity with this directory entry, after this number of lines of the entities before it.
+    pub(super) fn data(entry: usize, before: usize) -> Self {
+        Self::new(Section::Data(entry), before)
     }
 
-    fn new(section: Section) -> Self {
+    fn new(section: Section, before: usize) -> Self {
         Self {
             file: Text::default(),
             line: Text::default(),
             token: Text::default(),
-            lines: 0,
+            lines: before,
+            before,
             section,
         }
     }
@@ -84,7 +86,7 @@ impl ParameterData {
     pub(super) fn finish(mut self) -> (String, usize) {
         self.end_token(';');
         self.end_line();
-        (self.file.into_string(), self.lines)
+        (self.file.into_string(), self.lines - self.before)
     }
 
     /// Ends the parameter before the one that follows.
@@ -95,7 +97,7 @@ impl ParameterData {
     }
 
     fn is_new(&self) -> bool {
-        self.lines == 0 && self.line.as_str().is_empty() && self.token.as_str().is_empty()
+        self.lines == self.before && self.line.as_str().is_empty() && self.token.as_str().is_empty()
     }
 
     /// Numbers stay on one line, with their delimiter; strings that are too long for a line are
@@ -104,7 +106,7 @@ impl ParameterData {
         self.token.put(format_args!("{delimiter}"));
         let width = match self.section {
             Section::Global => WIDTH,
-            Section::Data => DATA_WIDTH,
+            Section::Data(_) => DATA_WIDTH,
         };
         if self.line.as_str().len() + self.token.as_str().len() > width {
             self.end_line();
@@ -133,7 +135,9 @@ fn write_line(file: &mut Text, line: &mut Text, section: Section, number: usize)
     let content = line.as_str();
     match section {
         Section::Global => file.put(format_args!("{content:WIDTH$}G{number:7}\n")),
-        Section::Data => file.put(format_args!("{content:DATA_WIDTH$}{ENTRY:8}P{number:7}\n")),
+        Section::Data(entry) => {
+            file.put(format_args!("{content:DATA_WIDTH$}{entry:8}P{number:7}\n"));
+        }
     }
     line.clear();
 }
@@ -161,22 +165,49 @@ pub(super) fn fixed_lines(file: &mut Text, section: char, content: &str) -> usiz
     }
 }
 
-/// The directory entry of the only entity: twenty fields of eight columns in two lines (section
-/// 2.2.4.4). It is visible, independent geometry, drawn with solid lines, on level 0.
-pub(super) fn directory_entry(file: &mut Text, entity: usize, data_lines: usize, label: &str) {
-    let none = 0;
-    let (first, second) = (ENTRY, ENTRY + 1);
-    // Type, first line of data, structure, line font, level, view, transformation, label display.
-    file.put(format_args!(
-        "{entity:8}{first:8}{none:8}{font:8}{none:8}{none:8}{none:8}{none:8}{status}D{first:7}\n",
-        font = 1,
-        status = "00000000",
-    ));
-    // Type, line weight, colour, lines of data, form, two reserved fields, label, subscript.
-    file.put(format_args!(
-        "{entity:8}{none:8}{none:8}{data_lines:8}{none:8}{empty:8}{empty:8}{label:>8}{none:8}D{second:7}\n",
-        empty = "",
-    ));
+/// The directory entry of an entity.
+#[derive(Clone, Debug)]
+pub(super) struct DirectoryEntry {
+    /// Its number, that of its first line: entries have two.
+    pub(super) number: usize,
+    /// The type of the entity.
+    pub(super) entity: usize,
+    /// The number of its first line of parameter data.
+    pub(super) first_line: usize,
+    /// The number of these lines.
+    pub(super) lines: usize,
+    /// Up to eight characters.
+    pub(super) label: String,
+    /// A number behind the label.
+    pub(super) subscript: usize,
+}
+
+impl DirectoryEntry {
+    /// Writes twenty fields of eight columns in two lines (section 2.2.4.4). The entity is visible, independent
+    /// geometry, drawn with solid lines, on level 0.
+    pub(super) fn write(&self, file: &mut Text) {
+        let Self {
+            entity,
+            first_line,
+            lines,
+            label,
+            subscript,
+            ..
+        } = self;
+        let none = 0;
+        let (first, second) = (self.number, self.number + 1);
+        // Type, first line of data, structure, line font, level, view, transformation, label display.
+        file.put(format_args!(
+            "{entity:8}{first_line:8}{none:8}{font:8}{none:8}{none:8}{none:8}{none:8}{status}D{first:7}\n",
+            font = 1,
+            status = "00000000",
+        ));
+        // Type, line weight, colour, lines of data, form, two reserved fields, label, subscript.
+        file.put(format_args!(
+            "{entity:8}{none:8}{none:8}{lines:8}{none:8}{empty:8}{empty:8}{label:>8}{subscript:8}D{second:7}\n",
+            empty = "",
+        ));
+    }
 }
 
 #[cfg(test)]
@@ -185,7 +216,7 @@ mod tests {
 
     #[test]
     fn all_lines_have_80_columns() {
-        let mut data = ParameterData::data();
+        let mut data = ParameterData::data(1, 0);
         data.integer(126);
         for i in 0..100 {
             data.real(f64::from(i) / 7.0);
@@ -225,7 +256,15 @@ mod tests {
     #[test]
     fn directory_entries_have_fields_of_eight_columns() {
         let mut file = Text::default();
-        directory_entry(&mut file, 128, 1234, "SURFACE");
+        let entry = DirectoryEntry {
+            number: 1,
+            entity: 128,
+            first_line: 1,
+            lines: 1234,
+            label: "SURFACE".to_owned(),
+            subscript: 0,
+        };
+        entry.write(&mut file);
         let lines: Vec<&str> = file.as_str().lines().collect();
         assert!(lines.iter().all(|line| line.len() == 80));
         let field = |line: usize, i: usize| lines[line][8 * i..8 * i + 8].trim();

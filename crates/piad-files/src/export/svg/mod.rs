@@ -5,12 +5,14 @@
 //! if there are several steps, how the distance from the data has fallen. On pages that are dark, in
 //! browsers, drawings are dark, too.
 
+mod cubics;
 mod curve;
 mod heat;
 mod history;
 mod layout;
 mod measured;
 mod numbers;
+pub(in crate::export) mod path;
 mod scale;
 mod scene;
 mod style;
@@ -20,7 +22,7 @@ mod view;
 use super::error::ExportError;
 use super::fitted::Fitted;
 use super::nurbs::Nurbs;
-use super::text::{Text, one_line};
+use super::text::{Text, escape};
 use history::History;
 use layout::{DrawnData, shows_net};
 use measured::Measured;
@@ -170,36 +172,4 @@ fn extent(nurbs: &Nurbs) -> String {
         format!("[{}, {}]", rounded(low), rounded(high))
     });
     ranges.collect::<Vec<_>>().join(" × ")
-}
-
-/// Text content of XML: markup as entities; control characters, which XML 1.0 does not allow
-/// (section 2.2), as spaces.
-fn escape(value: &str) -> String {
-    let mut escaped = String::with_capacity(value.len());
-    for c in one_line(value).chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            '\u{fffe}' | '\u{ffff}' => escaped.push('\u{fffd}'),
-            _ => escaped.push(c),
-        }
-    }
-    escaped
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn markup_is_escaped() {
-        assert_eq!(
-            escape("<a href=\"x\">'&'\u{0}\n"),
-            "&lt;a href=&quot;x&quot;&gt;&#39;&amp;&#39;  "
-        );
-        assert_eq!(escape("翼 ü"), "翼 ü");
-    }
 }
