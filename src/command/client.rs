@@ -3,7 +3,7 @@
 use std::env;
 use std::error::Error;
 use std::io;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use axum::body::Body;
 use axum::http::{HeaderValue, Method, Request, Response, Uri, header};
@@ -14,6 +14,7 @@ use hyper_rustls::{HttpsConnector, HttpsConnectorBuilder};
 use hyper_util::client::legacy;
 use hyper_util::client::legacy::connect::HttpConnector;
 use hyper_util::rt::TokioExecutor;
+use parking_lot::Mutex;
 use rustls::CertificateError;
 use tower::ServiceExt;
 
@@ -42,6 +43,22 @@ pub(super) struct Client {
     door: Door,
     /// The path of the job that is followed, once it is known.
     pub job: OnceLock<String>,
+}
+
+/// The server that is asked now, whose job an interrupt cancels.
+#[derive(Default)]
+pub(super) struct Current(Mutex<Option<Arc<Client>>>);
+
+impl Current {
+    /// From now on this one is asked.
+    pub(super) fn set(&self, client: &Arc<Client>) {
+        *self.0.lock() = Some(Arc::clone(client));
+    }
+
+    /// That server, once there is one.
+    pub(super) fn get(&self) -> Option<Arc<Client>> {
+        self.0.lock().clone()
+    }
 }
 
 enum Door {

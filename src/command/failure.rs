@@ -1,6 +1,6 @@
 //! Why a command ends without what was asked for.
 
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use std::io;
 
 use crate::terminal::say;
@@ -45,6 +45,16 @@ impl Failure {
             Self::Usage(lines) => lines.iter().for_each(say),
             Self::Failed(line) => say(format_args!("piad: {line}")),
             Self::Closed => {}
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usage(lines) => f.write_str(&lines.join("; ")),
+            Self::Failed(line) => f.write_str(line),
+            Self::Closed => f.write_str("nobody reads the standard output any more"),
         }
     }
 }

@@ -82,12 +82,7 @@ pub(super) struct Output {
 
 /// The outputs that are asked for, if all of them can be written by what is known before the fit.
 pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> {
-    let given = arguments.format.as_deref();
-    let given = given.map(|name| {
-        let no_format = || Failure::usage(format!("--format {name}: {}", formats("there are")));
-        OutputFormat::named(name).ok_or_else(no_format)
-    });
-    let given = given.transpose()?;
+    let given = given_format(arguments)?;
     let mut outputs = Vec::new();
     for path in &arguments.output {
         outputs.push(output(path, given)?);
@@ -116,6 +111,38 @@ pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> 
         return Err(Failure::usage(format!("--units {units}: {detail}")));
     }
     Ok(outputs)
+}
+
+/// Returns true if the results go to a directory, each into a file named after its input.
+pub(super) fn is_directory(arguments: &FitArguments) -> bool {
+    let names_one = |path: &Path| path.is_dir() || path.to_string_lossy().ends_with(['/', '\\']);
+    arguments.output.iter().any(|path| names_one(path))
+}
+
+/// The output for an input in a directory: a file of the same name with the ending of its format.
+pub(super) fn in_directory(
+    directory: &Path,
+    input: &Path,
+    arguments: &FitArguments,
+) -> Result<Output, Failure> {
+    let stem = input.file_stem().unwrap_or(input.as_os_str());
+    let format = given_format(arguments)?.unwrap_or(OutputFormat::Json);
+    let mut name = stem.to_owned();
+    name.push(".");
+    name.push(format.ending());
+    Ok(Output {
+        place: Place::File(directory.join(name)),
+        format,
+    })
+}
+
+/// The format that `--format` names.
+fn given_format(arguments: &FitArguments) -> Result<Option<OutputFormat>, Failure> {
+    let given = arguments.format.as_deref().map(|name| {
+        let no_format = || Failure::usage(format!("--format {name}: {}", formats("there are")));
+        OutputFormat::named(name).ok_or_else(no_format)
+    });
+    given.transpose()
 }
 
 /// Checks that results for these points can be written in the formats of all outputs. The points are looked
@@ -170,7 +197,7 @@ fn formats(before: &str) -> String {
 }
 
 /// Checks that files can be where they are asked for, and that no two are in one place.
-fn check(outputs: &[Output]) -> Result<(), Failure> {
+pub(super) fn check(outputs: &[Output]) -> Result<(), Failure> {
     let mut places = HashSet::new();
     for Output { place, .. } in outputs {
         if !places.insert(place) {

@@ -47,6 +47,61 @@ impl Progress {
         Self::Bar(bar)
     }
 
+    /// The progress of so many fits.
+    pub(super) fn of_many(quiet: bool, count: usize) -> Self {
+        let progress = Self::new(quiet);
+        match progress {
+            Self::Silent => {}
+            Self::Bar(ref bar) => bar.set_length(count as u64),
+            Self::Lines { .. } => {
+                return Self::Lines {
+                    told: None,
+                    total: Some(count),
+                };
+            }
+        }
+        progress
+    }
+
+    /// The progress of fits of which nobody knows how many there are.
+    pub(super) fn of_parts(quiet: bool) -> Self {
+        let progress = Self::new(quiet);
+        if let Self::Bar(bar) = &progress {
+            let style = ProgressStyle::with_template("{pos} parts, {elapsed} so far, {wide_msg}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        }
+        progress
+    }
+
+    /// The next of many fits has come, which has this name.
+    pub(super) fn item(&mut self, index: usize, name: &str) {
+        match self {
+            Self::Silent => {}
+            Self::Bar(bar) => {
+                bar.set_message(name.to_owned());
+                bar.set_position(index as u64);
+            }
+            Self::Lines { total, .. } => {
+                let of = total.map_or_else(String::new, |total| format!(" of {total}"));
+                if self.is_due() {
+                    say(format_args!("{}{of}: {name}", index + 1));
+                }
+            }
+        }
+    }
+
+    /// Returns true if it is time for another line.
+    fn is_due(&mut self) -> bool {
+        let Self::Lines { told, .. } = self else {
+            return false;
+        };
+        let due = told.is_none_or(|told| told.elapsed() >= PAUSE);
+        if due {
+            *told = Some(Instant::now());
+        }
+        due
+    }
+
     /// The job has begun.
     pub(super) fn begin(&mut self, job: &JobEvent) {
         let most = job.stop.max_iterations;
@@ -69,12 +124,11 @@ impl Progress {
                 bar.set_message(distances(level));
                 bar.set_position(position);
             }
-            Self::Lines { told, total } => {
-                if told.is_some_and(|told| told.elapsed() < PAUSE) {
+            Self::Lines { total, .. } => {
+                let expected = level.predicted.or(*total);
+                if !self.is_due() {
                     return;
                 }
-                *told = Some(Instant::now());
-                let expected = level.predicted.or(*total);
                 let of = expected.map_or_else(String::new, |it| format!(" of about {it}"));
                 say(format_args!(
                     "iteration {}{of}: {}",

@@ -7,7 +7,7 @@ use super::failure::Failure;
 use super::input::{Content, Input};
 use super::options::Asked;
 use super::pointer;
-use crate::api::json::request::file::SIZE;
+use crate::api::json::request::file::{PART, SIZE};
 
 /// A problem object, as far as the command needs it.
 #[derive(Debug, Default, Deserialize)]
@@ -40,6 +40,12 @@ impl Refusal {
             refusal.detail = format!("the server answers {status}");
         }
         refusal
+    }
+
+    /// Returns true if a file has several parts, or not the one that is asked for.
+    pub(super) fn wants_part(&self) -> bool {
+        let is_part = |mistake: &Mistake| mistake.parameter.as_deref() == Some(PART);
+        self.errors.iter().any(is_part)
     }
 
     /// The refusal of a fit.

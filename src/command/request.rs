@@ -29,7 +29,9 @@ impl Request {
     /// The request for a fit of an input with these options.
     pub(super) fn new(input: &Input, asked: &Asked) -> Result<Self, Failure> {
         match (input.content, asked.reading.first()) {
-            (Content::Points, _) => Self::of_points(input, asked),
+            (Content::Points, _) => {
+                Self::of_points(input, asked, format!("/v1/jobs/stream?{PROGRESS}"))
+            }
             (Content::Job, Some((parameter, _))) => Err(Failure::usage(format!(
                 "{}: {} is a whole job, and no file of points",
                 asked.flag(parameter).unwrap_or(parameter),
@@ -56,9 +58,13 @@ impl Request {
         }
     }
 
+    /// The request for a fit of each part of a file.
+    pub(super) fn of_parts(input: &Input, asked: &Asked) -> Result<Self, Failure> {
+        Self::of_points(input, asked, "/v1/batch?view=control_points".to_owned())
+    }
+
     /// Points go as they are, and the other fields in the query.
-    fn of_points(input: &Input, asked: &Asked) -> Result<Self, Failure> {
-        let mut path = format!("/v1/jobs/stream?{PROGRESS}");
+    fn of_points(input: &Input, asked: &Asked, mut path: String) -> Result<Self, Failure> {
         let mut add = |name: &str, text: &str| {
             let text = utf8_percent_encode(text, NON_ALPHANUMERIC);
             path += &format!("&{}={text}", utf8_percent_encode(name, NON_ALPHANUMERIC));

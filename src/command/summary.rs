@@ -4,6 +4,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::events::{Distances, EndEvent, JobEvent};
+use super::table::Row;
 use crate::terminal::say;
 
 /// What a result says of its control points, if they are binary.
@@ -45,7 +46,7 @@ pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Sh
         ..
     } = job;
     let method = job.method["kind"].as_str().unwrap_or("");
-    let control_points = shape.map_or_else(|| each(&job.control_points), Shape::told);
+    let control_points = control_points(job, shape);
     say(format_args!(
         "{name}: {kind} of degree {} ({}), {points} points, {control_points} control points, method {method}",
         each(degree),
@@ -68,6 +69,24 @@ pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Sh
     } else if end.state != "converged" {
         say(format_args!("the tolerance was {:.3e}", job.stop.tolerance));
     }
+}
+
+/// The same in a line of a table.
+pub(super) fn row(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) -> Row {
+    let why = end.problem.as_ref().map(|it| &it.detail);
+    let detail = why.or(end.detail.as_ref());
+    Row {
+        name: name.to_owned(),
+        state: end.state.clone(),
+        error: end.error.clone(),
+        control_points: end.error.as_ref().map(|_| control_points(job, shape)),
+        detail: detail.filter(|_| end.state != "converged").cloned(),
+    }
+}
+
+/// How many control points there are, in each direction.
+fn control_points(job: &JobEvent, shape: Option<&Shape>) -> String {
+    shape.map_or_else(|| each(&job.control_points), Shape::told)
 }
 
 /// A file that was written.

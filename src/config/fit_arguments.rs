@@ -29,11 +29,13 @@ Examples:
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = MORE)]
 pub struct FitArguments {
-    /// File of points or of a job; - is the standard input.
-    #[arg(value_name = "INPUT", value_hint = ValueHint::FilePath)]
-    pub(crate) input: PathBuf,
+    /// File of points or of a job; - is the standard input. Of several, each is fitted by itself, into the directory
+    /// of -o.
+    #[arg(value_name = "INPUT", required = true, value_hint = ValueHint::FilePath)]
+    pub(crate) input: Vec<PathBuf>,
 
-    /// File to write, of the format of its ending; - is the standard output. May be given several times.
+    /// File to write, of the format of its ending; - is the standard output. May be given several times. A directory
+    /// gets a file for each input, named after it.
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Vec<PathBuf>,
 

@@ -41,6 +41,11 @@ impl Plane {
         [dot(offset, self.east), dot(offset, self.north)]
     }
 
+    /// Cosine of the angle between the plane and that at another place.
+    pub fn tilt(&self, longitude: f64, latitude: f64) -> f64 {
+        dot(self.up, Self::new(longitude, latitude).up)
+    }
+
     /// Longitude and latitude in degrees of the place on the ellipsoid that is straight above or below a point of the
     /// plane; `None` if there is none, farther from the origin than the radius of the earth.
     pub fn degrees(&self, [east, north]: [f64; 2]) -> Option<[f64; 2]> {

@@ -5,10 +5,10 @@ use jiff::civil::DateTime;
 use jiff::tz::TimeZone;
 
 use super::curves::{Curve, Curves};
+use super::degrees;
 use super::error::{FileError, FileErrors, MOST_ERRORS};
 use super::imported::Hints;
 use super::part::Parts;
-use super::wgs84;
 use super::xml::{self, Element, Node, Nodes};
 use crate::short::quoted;
 
@@ -202,11 +202,12 @@ impl Reader {
                 count - heights
             ));
         }
-        notices.splice(0..0, wgs84::to_metres(&mut self.curves));
+        notices.splice(0..0, degrees::to_metres(&mut self.curves));
         let dimension = if heights == count { 3 } else { 2 };
         let mut parts = self.curves.finish(dimension, notices)?;
         if parts.parts.iter().any(|part| part.times.is_some()) && !hints.times {
-            let notice = "The points have times, which are not used; parameters=time uses them.";
+            let notice =
+                "The points have times, which are not used; curve.parameters=time uses them.";
             parts.notices.push(notice.to_owned());
         }
         Ok(parts)
@@ -302,7 +303,7 @@ mod tests {
                 "Longitude and latitude are metres east and north of latitude 48, longitude 11.5.",
                 "1 waypoints are not read.",
                 "Part 2 of the file has fewer than 2 different points, and is left out.",
-                "The points have times, which are not used; parameters=time uses them.",
+                "The points have times, which are not used; curve.parameters=time uses them.",
             ]
         );
     }

@@ -17,7 +17,7 @@
 //! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
 //! - `esri_grid`: heights at equal steps;
 //! - `curves`: the curves of a file with several, until each is a part;
-//! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
+//! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `degrees`: longitude and latitude as metres in a plane;
 //! - `dxf`: drawings; `sampled`: points on their arcs and other curves;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -33,6 +33,7 @@ mod closed_outline;
 mod cloud;
 mod columns;
 mod curves;
+mod degrees;
 mod dxf;
 mod encoding;
 mod error;
@@ -58,7 +59,6 @@ mod sampled;
 mod stl;
 mod times;
 mod unread;
-mod wgs84;
 mod xml;
 
 use std::borrow::Cow;

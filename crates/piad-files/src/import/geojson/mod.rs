@@ -4,10 +4,10 @@ mod object;
 mod positions;
 
 use super::curves::{Curve, Curves};
+use super::degrees;
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::Parts;
-use super::wgs84;
 use crate::short::{quoted, without_mark};
 use object::{Geometry, Object, ObjectType, top_level_type};
 use positions::Positions;
@@ -125,7 +125,7 @@ impl Reader {
         }
         let mut notices = match planar(&self.curves, reference) {
             Some(notice) => vec![notice],
-            None => wgs84::to_metres(&mut self.curves),
+            None => degrees::to_metres(&mut self.curves),
         };
         let heights = self.least >= 3;
         if self.largest >= 3 && !heights {

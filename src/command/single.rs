@@ -1,0 +1,217 @@
+//! The fit of a file, from its points to its outputs.
+
+use std::env;
+use std::path::Path;
+use std::sync::Arc;
+
+use axum::body::Body;
+use http_body_util::BodyExt;
+
+use super::client::{Client, Current};
+use super::events::{EndEvent, Event, Events, JobEvent};
+use super::failure::Failure;
+use super::input::Input;
+use super::options::Asked;
+use super::outputs::{self, Output, Place};
+use super::point_kind::PointKind;
+use super::progress::Progress;
+use super::request::Request;
+use super::summary::{self, Shape};
+use super::table::Row;
+use super::{iterations, parts};
+use crate::access::tokens::BOOTSTRAP;
+use crate::config::fit_arguments::FitArguments;
+use crate::files;
+use crate::terminal::say;
+
+/// Fits and writes a file, or all parts of one with several.
+pub(super) async fn fit(
+    arguments: &FitArguments,
+    input: &Path,
+    outputs: &[Output],
+    current: &Current,
+    quiet: bool,
+) -> Result<Vec<Row>, Failure> {
+    let (owned, path, formats) = (arguments.clone(), input.to_owned(), outputs.to_vec());
+    let reading = tokio::task::spawn_blocking(move || prepare(&owned, &path, &formats)).await;
+    let prepared = reading.map_err(|reason| Failure::Failed(reason.to_string()))??;
+    if let Some(directory) = &arguments.iterations {
+        iterations::prepare(directory)?;
+    }
+    let client = Arc::new(client(arguments).await?);
+    current.set(&client);
+    let Prepared {
+        input,
+        asked,
+        request,
+    } = prepared;
+    let Request {
+        path,
+        media_type,
+        body,
+    } = request;
+    let events = match client.post(&path, media_type, body).await? {
+        Ok(events) => events,
+        Err(refusal) if refusal.wants_part() && arguments.part.is_none() => {
+            return parts::fit(&client, arguments, outputs, (&input, &asked), quiet).await;
+        }
+        Err(refusal) => return Err(refusal.of_fit(&input, &asked)),
+    };
+    let (job, end) = follow(&client, events, Progress::new(quiet)).await?;
+    let written = write(&client, arguments, outputs, &end).await;
+    let shape = match summary::is_automatic(&job) {
+        true => shape(&client).await?,
+        false => None,
+    };
+    if !quiet {
+        summary::tell(&input.name, &job, &end, shape.as_ref());
+        for (place, bytes) in &written.files {
+            summary::tell_written(place, *bytes);
+        }
+        if client.is_remote() {
+            let path = client.job.get().map_or("", String::as_str);
+            say(format_args!("job {}", client.shown(path)));
+        }
+    }
+    match written.failure {
+        Some(failure) => Err(failure),
+        None => Ok(vec![summary::row(&input.name, &job, &end, shape.as_ref())]),
+    }
+}
+
+/// What is posted, and what it was made of.
+struct Prepared {
+    input: Input,
+    asked: Asked,
+    request: Request,
+}
+
+/// Reads the input, and refuses what is known to be impossible before the fit.
+fn prepare(
+    arguments: &FitArguments,
+    input: &Path,
+    outputs: &[Output],
+) -> Result<Prepared, Failure> {
+    let input = Input::read(input, arguments.max_input.as_u64())?;
+    let asked = Asked::of(arguments, &input)?;
+    if arguments.server.is_none() {
+        asked.check_foot_points(&input)?;
+    }
+    let request = Request::new(&input, &asked)?;
+    outputs::check_formats(outputs, || PointKind::of(&input, &asked.hints()))?;
+    Ok(Prepared {
+        input,
+        asked,
+        request,
+    })
+}
+
+/// The server that fits.
+async fn client(arguments: &FitArguments) -> Result<Client, Failure> {
+    let Some(url) = &arguments.server else {
+        return Client::here(arguments.iterations.is_some()).await;
+    };
+    let token = arguments.token_file.as_ref().map(|path| {
+        let failed = |reason| Failure::usage(format!("{}: {reason}", path.display()));
+        files::read_settings(path).map_err(failed)
+    });
+    let variable = || env::var(BOOTSTRAP).ok().filter(|it| !it.is_empty());
+    let token = token.transpose()?.or_else(variable);
+    Client::there(url, token.as_deref().map(str::trim))
+}
+
+/// Follows a fit to its end.
+async fn follow(
+    client: &Client,
+    body: Body,
+    mut progress: Progress,
+) -> Result<(Box<JobEvent>, Box<EndEvent>), Failure> {
+    let mut events = Events::new(client, body);
+    let mut job = None;
+    loop {
+        match events.next().await? {
+            Event::Job(event) => {
+                progress.begin(&event);
+                job = Some(event);
+            }
+            Event::Iteration(level) => progress.step(&level),
+            Event::End(end) => {
+                progress.end();
+                let unsaid = || Failure::Failed("the fit has ended without a word".to_owned());
+                return Ok((job.ok_or_else(unsaid)?, end));
+            }
+        }
+    }
+}
+
+/// What was written, until something went wrong.
+struct Written {
+    files: Vec<(String, u64)>,
+    failure: Option<Failure>,
+}
+
+/// Writes all outputs of a fit that has a result; those that cannot be written keep no other back.
+async fn write(
+    client: &Client,
+    arguments: &FitArguments,
+    outputs: &[Output],
+    end: &EndEvent,
+) -> Written {
+    let mut written = Written {
+        files: Vec::new(),
+        failure: None,
+    };
+    if end.error.is_none() {
+        return written;
+    }
+    for output in outputs {
+        match write_one(client, arguments, output).await {
+            Ok(_) if output.place == Place::Standard => {}
+            Ok(bytes) => written.files.push((output.place.to_string(), bytes)),
+            Err(failure) => {
+                if let Some(before) = written.failure.replace(failure) {
+                    before.tell();
+                }
+            }
+        }
+    }
+    if let (Some(directory), Some(first)) = (&arguments.iterations, outputs.first()) {
+        let last = end.iterations;
+        let all = iterations::write_all(client, arguments, directory, first.format, last).await;
+        match all {
+            Ok((files, bytes)) => {
+                let name = format!("{files} iterations to {}", directory.display());
+                written.files.push((name, bytes));
+            }
+            Err(failure) => written.failure = Some(failure),
+        }
+    }
+    written
+}
+
+async fn write_one(
+    client: &Client,
+    arguments: &FitArguments,
+    output: &Output,
+) -> Result<u64, Failure> {
+    let suffix = output.format.suffix(arguments.units.as_deref());
+    let job = client.job.get().map_or("", String::as_str);
+    match client.get(&format!("{job}/result{suffix}"), "*/*").await? {
+        Ok(body) => outputs::write(&output.place, body).await,
+        Err(refusal) => Err(Failure::Failed(format!(
+            "{}: {}",
+            output.place, refusal.detail
+        ))),
+    }
+}
+
+/// The shape of the control points of a result.
+async fn shape(client: &Client) -> Result<Option<Shape>, Failure> {
+    let job = client.job.get().map_or("", String::as_str);
+    let path = format!("{job}/result?encoding=base64");
+    let Ok(body) = client.get(&path, "application/json").await? else {
+        return Ok(None);
+    };
+    let body = body.collect().await.map(|body| body.to_bytes());
+    Ok(serde_json::from_slice(&body.unwrap_or_default()).ok())
+}

@@ -1,0 +1,107 @@
+//! What is told in the end of many fits: a table with a line for each, and how many there were.
+
+use super::events::Distances;
+use super::failure::Failure;
+use crate::terminal::say;
+
+/// The most lines of a table.
+const MOST_ROWS: usize = 20;
+
+/// The widest name in a table; longer ones are cut.
+const WIDEST: usize = 40;
+
+/// A fit that has ended.
+#[derive(Debug)]
+pub(super) struct Row {
+    /// What was fitted.
+    pub name: String,
+    /// How it ended, such as `converged`.
+    pub state: String,
+    /// The distances from the data; none if there is no result.
+    pub error: Option<Distances>,
+    /// How many control points there are, in each direction.
+    pub control_points: Option<String>,
+    /// Why it has not converged.
+    pub detail: Option<String>,
+}
+
+impl Row {
+    /// What could not be fitted.
+    pub(super) fn failed(name: String, failure: &Failure) -> Self {
+        Self {
+            name,
+            state: "failed".to_owned(),
+            error: None,
+            control_points: None,
+            detail: Some(failure.to_string()),
+        }
+    }
+
+    /// Returns true if the fit is what was asked for.
+    pub(super) fn is_good(&self) -> bool {
+        self.state == "converged"
+    }
+
+    fn error(&self) -> String {
+        let max = self.error.as_ref().and_then(|error| error.max);
+        max.map_or_else(|| "-".to_owned(), |max| format!("{max:.3e}"))
+    }
+
+    fn control_points(&self) -> &str {
+        self.control_points.as_deref().unwrap_or("-")
+    }
+
+    fn shown_name(&self) -> String {
+        match self.name.chars().count() > WIDEST {
+            true => self.name.chars().take(WIDEST - 1).chain(['…']).collect(),
+            false => self.name.clone(),
+        }
+    }
+}
+
+/// Tells what came of fits, or if it is to be quiet only what did not converge.
+pub(super) fn tell_all(what: &str, rows: &[Row], quiet: bool) {
+    match quiet {
+        true => tell_bad(rows),
+        false => tell(what, rows),
+    }
+}
+
+/// Tells what came of fits: those that are not good come first, with the reason.
+fn tell(what: &str, rows: &[Row]) {
+    let (good, bad): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| row.is_good());
+    let shown: Vec<&Row> = bad.iter().chain(&good).take(MOST_ROWS).copied().collect();
+    let width = |text: fn(&Row) -> usize| shown.iter().map(|row| text(row)).max().unwrap_or(0);
+    let names = width(|row| row.shown_name().chars().count());
+    let counts = width(|row| row.control_points().chars().count());
+    for row in &shown {
+        let why = row.detail.as_ref().map(|why| format!(": {why}"));
+        say(format_args!(
+            "{:names$}  {:>counts$} control points, error at most {}, {}{}",
+            row.shown_name(),
+            row.control_points(),
+            row.error(),
+            row.state,
+            why.unwrap_or_default()
+        ));
+    }
+    if shown.len() < rows.len() {
+        say(format_args!("… and {} more", rows.len() - shown.len()));
+    }
+    say(format_args!(
+        "{what}: {} converged, {} did not",
+        good.len(),
+        bad.len()
+    ));
+}
+
+/// Names those that are not good, about which `--quiet` is not silent.
+fn tell_bad(rows: &[Row]) {
+    for row in rows.iter().filter(|row| !row.is_good()) {
+        let why = row
+            .detail
+            .as_deref()
+            .unwrap_or("the tolerance is not reached");
+        say(format_args!("{}: {}: {why}", row.name, row.state));
+    }
+}
