@@ -6,9 +6,14 @@
 //! - `number_format`: what separates columns, and decimals;
 //! - `format`: what the file is;
 //! - `part`: what each reader gives, the parts of a file;
-//! - `layout`: which columns are coordinates, and what is a title, a remark or a damaged point;
+//! - `columns`: which columns of a table are what, as a user says it; `choice`: as their names (`names`) and what
+//!   they hold (`sample`) say it; `column_notice`: what is said of it;
+//! - `head`: the first row of a table; `layout`: what is read of each line, and what is a title, a remark or a damaged point; `text_column`: tables
+//!   without numbers;
 //! - `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
 //!   large files, by all threads;
+//! - `table`: the numbers of these lines become coordinates and times (`timestamps`), and degrees metres (`wgs84`);
+//!   `gaps`: what is missing;
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
@@ -19,20 +24,30 @@
 
 mod airfoil;
 mod array;
+mod choice;
 mod closed_outline;
+mod column_notice;
 mod columns;
 mod error;
 mod fast_path;
 mod format;
+mod gaps;
 mod grid_detection;
+mod head;
 mod imported;
 mod layout;
 mod lines;
+mod names;
 mod number_format;
 mod off;
 mod part;
 mod repeated;
+mod sample;
+mod table;
+mod text_column;
 mod times;
+mod timestamps;
+mod wgs84;
 
 use std::borrow::Cow;
 
@@ -81,7 +96,12 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     // Where all of it is UTF-8, which is found out much faster than where it is not.
     let text = str::from_utf8(file).map(Cow::Borrowed);
     let text = text.unwrap_or_else(|_| String::from_utf8_lossy(file));
-    match Format::of(&text) {
+    let format = Format::of(&text);
+    if hints.columns.is_some() && format != Format::Table {
+        let detail = "columns are chosen in a table, and this file is none";
+        return Err(FileError::of_file(detail).into());
+    }
+    match format {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Off => Ok(off::read(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
