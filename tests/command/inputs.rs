@@ -93,8 +93,8 @@ const ODD: [(&[u8], i32, &str); 23] = [
     ),
     (
         b"x,y\n0,0\n1,nan\n3,1\n",
-        2,
-        ":3: column 2: \"nan\" is no number",
+        0,
+        "The point in line 3 has no coordinates and is left out.",
     ),
     (
         b"0,0\n1,1e999\n3,1\n",

@@ -47,7 +47,7 @@ pub(super) fn around(mut table: Part) -> Part {
 /// The numbers of points of the upper and the lower side, if the file begins with them.
 fn sides(table: &Part) -> Option<(usize, usize)> {
     let points = &table.points;
-    if points.dimension() != 2 || table.breaks.first() != Some(&1) {
+    if points.dimension() != 2 || table.breaks.first() != Some(&1) || table.times.is_some() {
         return None;
     }
     let count = |c: usize| {

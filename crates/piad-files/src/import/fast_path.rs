@@ -4,6 +4,8 @@
 use rayon::prelude::*;
 
 use super::layout::Layout;
+use super::lines::is_blank;
+use piad_fit::data::MAX_DIMENSION;
 
 /// Texts shorter than this are not worth it.
 const LEAST: usize = 64 * 1024;
@@ -13,6 +15,9 @@ const PIECE: usize = 256 * 1024;
 
 /// How many pieces each thread reads, before they are put where they stay.
 const PIECES: usize = 4;
+
+/// The most numbers of a line that are read: coordinates, and a time.
+const MOST_LANES: usize = MAX_DIMENSION + 1;
 
 /// The points of some lines.
 #[derive(Debug, Default)]
@@ -28,7 +33,7 @@ pub(super) struct Piece {
 }
 
 /// Reads the points of a text, piece by piece, and puts each where it belongs. `None` if the text is short or a
-/// line is anything but a point in plain numbers, or blank.
+/// line is anything but a point in plain numbers and gaps, or blank.
 pub(super) fn points(
     text: &str,
     end: char,
@@ -69,21 +74,21 @@ fn pieces(mut text: &str, end: char) -> Vec<&str> {
 }
 
 fn read(text: &str, end: char, layout: &Layout) -> Option<Piece> {
-    let dimension = layout.dimension();
+    let dimension = layout.lanes();
     let lines = count_lines(text, end);
     let mut piece = Piece {
         lanes: (0..dimension).map(|_| Vec::with_capacity(lines)).collect(),
         lines: Vec::with_capacity(lines),
         ..Piece::default()
     };
-    let mut point = [0.0; 3];
+    let mut point = [0.0; MOST_LANES];
     let point = point.get_mut(..dimension)?;
     for line in text.split(end) {
-        let line = line.trim_ascii();
-        if line.is_empty() {
+        let line = layout.trimmed(line);
+        if is_blank(line) {
             piece.breaks.push(piece.lines.len());
         } else {
-            layout.plain_point(line.as_bytes(), point)?;
+            layout.plain_point(line, point)?;
             for (lane, x) in piece.lanes.iter_mut().zip(&*point) {
                 lane.push(*x);
             }

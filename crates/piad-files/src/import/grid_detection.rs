@@ -107,7 +107,7 @@ fn asked_for(part: &Part, size: Grid) -> Result<Grid, FileError> {
 }
 
 /// The grid that a file shows, if it is one.
-fn shown(part: &mut Part) -> Option<Grid> {
+pub(super) fn shown(part: &mut Part) -> Option<Grid> {
     if part.points.dimension() != 3 {
         return None;
     }

@@ -1,14 +1,17 @@
 //! What stands where in the lines of a file, and which lines are words instead of points.
 
+use super::choice::Choice;
 use super::error::FileError;
-use super::number_format::Notation;
+use super::head::{Chosen, Head};
+use super::imported::Hints;
+use super::number_format::{Notation, column_end, is_gap};
+use super::sample::{Content, Sample, has_width};
+use super::timestamps;
 use crate::short::quoted;
+use jiff::Timestamp;
 
 /// The most columns of a file, most of which are not read.
 pub(super) const MOST_COLUMNS: usize = 1000;
-
-/// The most coordinates of a point.
-const MOST_COORDINATES: usize = 3;
 
 /// Where in a line the coordinates stand.
 #[derive(Debug)]
@@ -16,36 +19,117 @@ pub(super) struct Layout {
     notation: Notation,
     /// The number of columns.
     pub(super) width: usize,
-    /// The columns of the coordinates.
-    coordinates: Vec<usize>,
-    /// The names of these, if there are any.
+    /// What is read of each column.
+    slots: Vec<Slot>,
+    /// How many numbers a line has that are read.
+    lanes: usize,
+    /// Whether the line above names the columns.
     pub(super) named: bool,
+    pub(super) choice: Choice,
+    /// These names.
+    pub(super) names: Option<Vec<String>>,
+    /// What each column holds.
+    pub(super) contents: Vec<Content>,
+}
+
+/// What is read of a column.
+#[derive(Clone, Copy, Debug)]
+enum Slot {
+    Nothing,
+    /// A number, and its place among those that are read. What is none is a gap of times that nobody wants.
+    Number {
+        place: usize,
+        optional: bool,
+    },
+    /// A time as seconds from this one.
+    Time {
+        place: usize,
+        start: Timestamp,
+        optional: bool,
+    },
 }
 
 impl Layout {
-    /// The layout of a file whose first line of numbers this is, after that line of words.
-    pub(super) fn new(notation: Notation, line: &str, words: Option<&str>) -> Self {
-        let width = notation.fields(line).count();
-        let named = words.and_then(|words| named_columns(words, notation, width));
+    /// The layout of a file whose first row this is; `None` if it is none.
+    ///
+    /// # Errors
+    ///
+    /// If the file does not have the columns that the hints choose.
+    pub(super) fn begin(head: Head<'_>, hints: &Hints) -> Result<Option<Self>, FileError> {
+        let plain = Notation::of(head.line);
+        let Some(notation) = head.notation(plain) else {
+            return Ok(None);
+        };
+        let sample = Sample::new(head.line, head.below, notation, head.wanted());
+        if plain.is_none() && sample.width < 2 {
+            return Ok(None);
+        }
+        if sample.width > MOST_COLUMNS {
+            let detail = format!("there are more than {MOST_COLUMNS} columns");
+            return Err(FileError::at(head.number, detail));
+        }
+        let names = head.names(notation, sample.width);
+        let chosen = head.chosen(names.as_ref(), &sample, hints, plain.is_some())?;
+        Ok(chosen.and_then(|chosen| {
+            let sure = chosen.sure;
+            let names = names.map(|it| it.names);
+            let layout = Self::new(chosen, names, &sample, hints);
+            let is_row = plain.is_some() || layout.is_first_row(&sample, sure);
+            is_row.then_some(layout)
+        }))
+    }
+
+    fn new(chosen: Chosen, names: Option<Vec<String>>, sample: &Sample<'_>, hints: &Hints) -> Self {
+        let Chosen { choice, named, .. } = chosen;
+        let mut slots = vec![Slot::Nothing; sample.width];
+        let columns = choice.counter.iter().chain(&choice.coordinates).copied();
+        let columns = columns.chain(choice.time.map(|time| time.column));
+        let mut lanes = 0;
+        for (place, column) in columns.enumerate() {
+            let time = choice.time.filter(|time| time.column == column);
+            let optional = time.is_some_and(|time| !time.is_parameter && !hints.times);
+            let start = sample.start(column);
+            let start = start.filter(|_| sample.content(column) == Content::Times);
+            if let Some(slot) = slots.get_mut(column) {
+                *slot = match start {
+                    Some(start) => Slot::Time {
+                        place,
+                        start,
+                        optional,
+                    },
+                    None => Slot::Number { place, optional },
+                };
+            }
+            lanes += 1;
+        }
         Self {
-            notation,
-            width,
-            named: named.is_some(),
-            coordinates: named.unwrap_or_else(|| (0..width.min(MOST_COORDINATES)).collect()),
+            notation: sample.notation,
+            width: sample.width,
+            slots,
+            lanes,
+            named,
+            choice,
+            names: names.filter(|_| named),
+            contents: (0..sample.width).map(|it| sample.content(it)).collect(),
         }
     }
 
-    /// What is said of columns that are not read.
-    pub(super) fn notice(&self) -> Option<String> {
-        if self.coordinates.len() == self.width {
-            return None;
-        }
-        let columns = self.coordinates.iter().map(|it| (it + 1).to_string());
-        Some(format!(
-            "Columns {} of {} are the coordinates; the others are not read.",
-            columns.collect::<Vec<_>>().join(", "),
-            self.width
-        ))
+    /// Returns true if the line of a sample with texts or gaps is its first row: the next one is alike, or it is
+    /// known which columns are read, and it has a number there.
+    fn is_first_row(&self, sample: &Sample<'_>, sure: bool) -> bool {
+        let is_point = |row: &&str| self.point(row).is_ok();
+        let [first, next] = [0, 1].map(|row| sample.rows.get(row));
+        let goes_on = sample.goes_on && next.is_some_and(is_point);
+        let is_point = first.is_some_and(is_point);
+        (is_point && (sure || goes_on)) || (sure && first.is_some_and(|row| self.has_number(row)))
+    }
+
+    /// Returns true if a column that is read has a number in a line.
+    fn has_number(&self, line: &str) -> bool {
+        let mut read = self.slots.iter().zip(self.notation.all_fields(line));
+        read.any(|(slot, field)| {
+            !matches!(slot, Slot::Nothing) && self.notation.number(field).is_some()
+        })
     }
 
     /// The numbers of a line.
@@ -56,23 +140,24 @@ impl Layout {
             .collect()
     }
 
-    /// The point of a line.
+    /// The numbers that are read of a line: coordinates and times. Those that are missing are not numbers.
     pub(super) fn point(&self, line: &str) -> Result<Vec<f64>, String> {
-        let mut point = vec![0.0; self.coordinates.len()];
+        let mut point = vec![0.0; self.lanes];
         let mut width = 0;
-        for (column, field) in self.notation.fields(line).enumerate() {
-            width += 1;
-            let place = self.coordinates.iter().position(|it| *it == column);
-            if let Some(coordinate) = place.and_then(|place| point.get_mut(place)) {
-                let number = self.notation.number(field);
-                let wrong = || format!("column {}: {} is no number", column + 1, quoted(field));
-                *coordinate = number.ok_or_else(wrong)?;
+        for field in self.notation.all_fields(line) {
+            if let Some(slot) = self.slots.get(width) {
+                let wrong = |what| format!("column {}: {} is {what}", width + 1, quoted(field));
+                let number = self.read(*slot, field).map_err(wrong)?;
+                if let Some(lane) = slot.place().and_then(|place| point.get_mut(place)) {
+                    *lane = number;
+                }
             }
+            width += 1;
         }
-        if width == self.width {
+        if has_width(self.notation, line, self.width) {
             return Ok(point);
         }
-        let columns = match width {
+        let columns = match width - usize::from(self.notation.ends_empty(line)) {
             1 => "1 column".to_owned(),
             width => format!("{width} columns"),
         };
@@ -82,55 +167,94 @@ impl Layout {
         ))
     }
 
-    /// How many coordinates points have.
-    pub(super) fn dimension(&self) -> usize {
-        self.coordinates.len()
-    }
-
-    /// Reads the point of a line without blanks around it that has as many columns as the first one and
-    /// whose coordinates are plain numbers; `None` for all others, which [`point`](Self::point) looks at.
-    pub(super) fn plain_point(&self, line: &[u8], point: &mut [f64]) -> Option<()> {
-        let mut rest = line;
-        for column in 0..self.width {
-            if column > 0 {
-                rest = self.next_column(rest)?;
-            }
-            let place = self.coordinates.iter().position(|it| *it == column);
-            let length = match place.and_then(|place| point.get_mut(place)) {
-                Some(coordinate) => {
-                    let (number, length) = plain_number(rest)?;
-                    *coordinate = number;
-                    length
-                }
-                None => self.skipped(rest),
-            };
-            rest = rest.get(length..)?;
-        }
-        rest.is_empty().then_some(())
-    }
-
-    /// What follows the separator that a text begins with, and the blanks around it.
-    fn next_column<'a>(&self, text: &'a [u8]) -> Option<&'a [u8]> {
-        let bare = text.trim_ascii_start();
-        match self.notation.separator {
-            None => (bare.len() < text.len()).then_some(bare),
-            Some(separator) => match bare.split_first()? {
-                (first, rest) if char::from(*first) == separator => Some(rest.trim_ascii_start()),
-                _ => None,
+    /// The number of a field; what it is else.
+    fn read(&self, slot: Slot, field: &str) -> Result<f64, &'static str> {
+        match slot {
+            Slot::Nothing => Ok(0.0),
+            Slot::Number { optional, .. } => match self.notation.number(field) {
+                Some(number) => Ok(number),
+                None if optional || is_gap(field) => Ok(f64::NAN),
+                None => Err("no number"),
+            },
+            Slot::Time {
+                start, optional, ..
+            } => match timestamps::timestamp(field) {
+                Some(time) => Ok(timestamps::seconds(start, time)),
+                None if optional || is_gap(field) => Ok(f64::NAN),
+                None => Err("no time"),
             },
         }
     }
 
-    /// The length of a column that is not read.
-    fn skipped(&self, text: &[u8]) -> usize {
-        let ends = |byte: &u8| match self.notation.separator {
-            None => byte.is_ascii_whitespace(),
-            Some(separator) => char::from(*byte) == separator,
-        };
-        text.iter().position(ends).unwrap_or(text.len())
+    /// How many numbers of each line are read.
+    pub(super) fn lanes(&self) -> usize {
+        self.lanes
     }
 
-    /// Whether a line above the points that is none can be a title. It is no point with a coordinate
+    /// A line without the blanks around it.
+    pub(super) fn trimmed<'a>(&self, line: &'a str) -> &'a str {
+        let line = self.trimmed_start(line);
+        let blanks = line.bytes().rev();
+        let blanks = blanks.take_while(|byte| self.notation.is_blank(*byte));
+        line.get(..line.len() - blanks.count()).unwrap_or(line)
+    }
+
+    fn trimmed_start<'a>(&self, text: &'a str) -> &'a str {
+        let blanks = text.bytes();
+        let blanks = blanks.take_while(|byte| self.notation.is_blank(*byte));
+        text.get(blanks.count()..).unwrap_or(text)
+    }
+
+    /// Returns true if tabs separate columns, so that one at an end of a line is no blank.
+    pub(super) fn has_tabs(&self) -> bool {
+        self.notation.separator == Some('\t')
+    }
+
+    /// Reads the numbers of a line without blanks around it that has as many columns as the first one and
+    /// plain numbers or gaps where they are read; `None` for all others, which [`point`](Self::point) looks at.
+    pub(super) fn plain_point(&self, line: &str, point: &mut [f64]) -> Option<()> {
+        let mut rest = line;
+        for (column, slot) in self.slots.iter().enumerate() {
+            if column > 0 {
+                rest = self.next_column(rest)?;
+            }
+            let length = match slot {
+                Slot::Nothing => column_end(rest, self.notation.separator),
+                Slot::Number { .. } | Slot::Time { .. } => {
+                    let (number, length) = self.plain_number(*slot, rest)?;
+                    *point.get_mut(slot.place()?)? = number;
+                    length
+                }
+            };
+            rest = rest.get(length..)?;
+        }
+        let is_end = rest.is_empty() || self.next_column(rest) == Some("");
+        is_end.then_some(())
+    }
+
+    /// The number of the column that a text begins with, and the length of the column.
+    fn plain_number(&self, slot: Slot, text: &str) -> Option<(f64, usize)> {
+        if let (Slot::Number { .. }, Some(found)) = (slot, plain_number(text.as_bytes())) {
+            return Some(found);
+        }
+        let length = column_end(text, self.notation.separator);
+        let field = text.get(..length)?.trim();
+        if matches!(slot, Slot::Number { .. }) && !is_gap(field) {
+            return None;
+        }
+        Some((self.read(slot, field).ok()?, length))
+    }
+
+    /// What follows the separator that a text begins with, and the blanks around it.
+    fn next_column<'a>(&self, text: &'a str) -> Option<&'a str> {
+        let bare = self.trimmed_start(text);
+        match self.notation.separator {
+            None => (bare.len() < text.len()).then_some(bare),
+            Some(separator) => Some(self.trimmed_start(bare.strip_prefix(separator)?)),
+        }
+    }
+
+    /// Returns true if a line above the points that is none can be a title. It is no point with a coordinate
     /// that is not understood: those begin with a number and have as many columns as the points.
     pub(super) fn is_title(&self, line: &str) -> bool {
         let mut fields = self.notation.fields(line);
@@ -138,12 +262,17 @@ impl Layout {
         self.notation.number(first).is_none() || fields.count() + 1 != self.width
     }
 
-    /// Whether a line begins with a word.
+    /// Returns true if a line begins with a word.
     pub(super) fn begins_with_word(line: &str) -> bool {
         line.starts_with(|c: char| c.is_alphabetic() || c == '(' || c == '"')
     }
 
-    /// Whether a line that is no point is one that was damaged, and no remark such as a date: it
+    /// Returns true if a line has as many columns as the points, of which the first is text.
+    pub(super) fn is_row_with_text(&self, line: &str) -> bool {
+        self.contents.first() == Some(&Content::Text) && has_width(self.notation, line, self.width)
+    }
+
+    /// Returns true if a line that is no point is one that was damaged, and no remark such as a date: it
     /// consists of what numbers consist of, or has a number and as many columns as the points, or
     /// begins with a whole point.
     pub(super) fn is_damaged(&self, line: &str) -> bool {
@@ -160,67 +289,12 @@ impl Layout {
     }
 }
 
-/// A column of text in the last of these lines, whose other columns are numbers, at the first line that has it.
-pub(super) fn text_column(lines: &[(usize, String)]) -> Option<FileError> {
-    let fields: Vec<Vec<Field<'_>>> = lines.iter().map(|(_, line)| Field::all(line)).collect();
-    let pairs: Vec<&[Vec<Field<'_>>]> = fields.windows(2).collect();
-    let column = Field::common_text(pairs.last()?)?;
-    let alike = pairs.iter().rev();
-    let alike = alike.take_while(|pair| Field::common_text(pair) == Some(column));
-    let first = pairs.len() - alike.count();
-    let (line, found) = (lines.get(first)?.0, fields.get(first)?);
-    let above = first.checked_sub(1).and_then(|above| fields.get(above));
-    let name = above.filter(|names| names.len() == found.len());
-    let name = name.and_then(|names| names.get(column));
-    let name = name.map_or_else(String::new, |name| format!(" ({})", quoted(name.text)));
-    let detail = format!(
-        "column {}{name} is text, {} here: points are columns of numbers, so remove it",
-        column + 1,
-        quoted(found.get(column)?.text)
-    );
-    Some(FileError::at(line, detail))
-}
-
-/// A field of a line that is no line of numbers.
-struct Field<'a> {
-    text: &'a str,
-    kind: FieldKind,
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum FieldKind {
-    Number,
-    Text,
-    Empty,
-}
-
-impl<'a> Field<'a> {
-    fn all(line: &'a str) -> Vec<Self> {
-        let notation = Notation::of_fields(line);
-        let field = |text| Self {
-            text,
-            kind: match notation.number(text) {
-                Some(_) => FieldKind::Number,
-                None if text.is_empty() => FieldKind::Empty,
-                None => FieldKind::Text,
-            },
-        };
-        notation
-            .fields(line)
-            .take(MOST_COLUMNS)
-            .map(field)
-            .collect()
-    }
-
-    /// The first column that is text in both of two lines, of which others are numbers in both.
-    fn common_text(lines: &[Vec<Self>]) -> Option<usize> {
-        let [first, next] = lines else { return None };
-        let both = |kind| {
-            let mut pairs = first.iter().zip(next);
-            pairs.position(|(first, next)| first.kind == kind && next.kind == kind)
-        };
-        both(FieldKind::Number).filter(|_| first.len() == next.len())?;
-        both(FieldKind::Text)
+impl Slot {
+    fn place(self) -> Option<usize> {
+        match self {
+            Self::Nothing => None,
+            Self::Number { place, .. } | Self::Time { place, .. } => Some(place),
+        }
     }
 }
 
@@ -229,24 +303,4 @@ fn plain_number(text: &[u8]) -> Option<(f64, usize)> {
     let is_begun = matches!(text, [b'0'..=b'9' | b'+' | b'-' | b'.', ..]);
     let read = is_begun.then(|| fast_float2::parse_partial::<f64, _>(text).ok());
     read.flatten().filter(|(number, _)| number.is_finite())
-}
-
-/// The columns that are called x, y and z, of so many; those of them that there are, if they begin
-/// with x.
-fn named_columns(words: &str, notation: Notation, width: usize) -> Option<Vec<usize>> {
-    let of_names = Notation::of_names(words);
-    let names = of_names.fields(words).take(MOST_COLUMNS + 1);
-    let names: Vec<String> = names.map(str::to_lowercase).collect();
-    if names.len() != width {
-        return None;
-    }
-    let found = ["x", "y", "z"].map(|name| names.iter().position(|it| it == name));
-    let found: Vec<usize> = found.into_iter().map_while(|column| column).collect();
-    if !found.is_empty() {
-        return Some(found);
-    }
-    // Other names, such as t and value, are those of the columns as they stand, if they are separated
-    // as the numbers are. Otherwise they are words, such as those of an airfoil.
-    let separated = of_names.separates_as(notation) && names.len() > 1;
-    separated.then(|| (0..width.min(MOST_COORDINATES)).collect())
 }

@@ -6,10 +6,15 @@ use rayon::prelude::*;
 use super::airfoil;
 use super::error::{FileError, FileErrors, MOST_ERRORS};
 use super::fast_path::{self, Piece};
+use super::head::Head;
 use super::imported::Hints;
-use super::layout::{Layout, MOST_COLUMNS, text_column};
+use super::layout::Layout;
+use super::names;
 use super::number_format::Notation;
 use super::part::{NO_POINTS, Part};
+use super::sample::Below;
+use super::table::{self, Table};
+use super::text_column::text_column;
 use crate::short::quoted;
 use piad_fit::data::Points;
 
@@ -21,6 +26,9 @@ const MOST_TITLES: usize = 3;
 
 /// What comments begin with.
 const COMMENTS: [&str; 4] = ["#", "//", "%", "!"];
+
+/// The most marks of comments that are looked at in a line: texts have few of them.
+const MOST_MARKS: usize = 100;
 
 /// What the lines of a text end with. Blanks at their ends are taken away, among them that of `\r\n`. Old
 /// Macintosh files end their lines with it alone.
@@ -34,7 +42,7 @@ pub(super) fn line_end(text: &str) -> char {
 /// Reads the lines of a file.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     let end = line_end(text);
-    let mut reader = Reader::new(hints.most, fast_path::count_lines(text, end));
+    let mut reader = Reader::new(hints, fast_path::count_lines(text, end));
     let mut rest = Some(text);
     for number in 1.. {
         let Some(text) = rest.filter(|text| !reader.takes_all(text, end, number)) else {
@@ -45,14 +53,24 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
             None => (text, None),
         };
         rest = below;
-        let bare = without_blanks(line);
-        let line = without_comment(bare);
-        if line.is_empty() {
+        if reader.layout.is_none() {
+            reader.no_data = table::no_data(line).or(reader.no_data);
+        }
+        let is_blank = line.trim_matches(blank_or_tab).is_empty();
+        let line = without_comment(line);
+        let line = match reader.layout.as_ref().is_none_or(Layout::has_tabs) {
+            true => line,
+            false => line.trim_matches('\t'),
+        };
+        let below = Below {
+            text: below.unwrap_or_default(),
+            end,
+        };
+        if is_blank {
+            reader.pause();
+        } else if line.trim().is_empty() {
             // A line that is a comment parts nothing.
-            if bare.is_empty() {
-                reader.pause();
-            }
-        } else if let Err(error) = reader.line(number, line) {
+        } else if let Err(error) = reader.line(number, line, below) {
             reader.errors.push(error);
             // Of a file without a line of numbers so far all further lines are wrong in the same way.
             if reader.layout.is_none() {
@@ -66,18 +84,40 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     reader.end()
 }
 
-fn without_blanks(line: &str) -> &str {
-    line.trim_matches(|c: char| c.is_whitespace() || c == '\0')
+/// What stands around lines.
+fn blank_or_tab(c: char) -> bool {
+    c.is_whitespace() || c == '\0'
 }
 
-/// A line without blanks around it, and without a comment.
+/// A line without a comment, and without blanks around it but for tabs, which may separate columns that are empty.
 pub(super) fn without_comment(line: &str) -> &str {
-    let line = without_blanks(line);
-    if COMMENTS.iter().any(|mark| line.starts_with(mark)) {
+    let is_blank = |c: char| blank_or_tab(c) && c != '\t';
+    let line = line.trim_matches(is_blank);
+    if line.trim().is_empty() || is_comment(line.trim_start()) {
         return "";
     }
-    line.split_once('#')
-        .map_or(line, |(line, _)| line.trim_end())
+    let marks = line.match_indices('#').map(|(index, _)| index);
+    let whole = line.matches('"').count() % 2 == 1;
+    // A mark between quotes is one of a text.
+    let is_outside = |index: &usize| {
+        let before = line.get(..*index).unwrap_or_default();
+        whole || before.matches('"').count() % 2 == 0
+    };
+    let comment = marks.take(MOST_MARKS).find(is_outside);
+    let line = comment.map_or(line, |index| line.get(..index).unwrap_or(line));
+    line.trim_end_matches(is_blank)
+}
+
+/// Returns true if there is nothing in a line but a comment.
+pub(super) fn is_blank(line: &str) -> bool {
+    // Most lines begin with a number, which is seen at once.
+    let is_number = matches!(line.as_bytes(), [b'0'..=b'9' | b'+' | b'-' | b'.', ..]);
+    !is_number && (line.trim().is_empty() || is_comment(line))
+}
+
+/// Returns true if a line begins with what comments begin with.
+fn is_comment(line: &str) -> bool {
+    COMMENTS.iter().any(|mark| line.starts_with(mark))
 }
 
 /// Whether the first line of numbers is the domain of a grid, as in files of MSES.
@@ -89,7 +129,8 @@ enum Domain {
     Passed,
 }
 
-struct Reader {
+struct Reader<'a> {
+    hints: &'a Hints,
     most: usize,
     /// As many points as there can be, by the lines of the file.
     possible: usize,
@@ -108,11 +149,16 @@ struct Reader {
     /// The first of these lines.
     remark: String,
     errors: Vec<FileError>,
+    /// What stands for numbers that are missing, if the lines above the points say it.
+    no_data: Option<f64>,
 }
 
-impl Reader {
-    fn new(most: usize, lines: usize) -> Self {
+impl<'a> Reader<'a> {
+    fn new(hints: &'a Hints, lines: usize) -> Self {
+        let most = hints.most;
         Self {
+            hints,
+            no_data: None,
             most,
             possible: lines.min(most.saturating_add(1)),
             layout: None,
@@ -186,19 +232,16 @@ impl Reader {
         }
     }
 
-    fn line(&mut self, number: usize, line: &str) -> Result<(), FileError> {
+    fn line(&mut self, number: usize, line: &str, below: Below<'_>) -> Result<(), FileError> {
         let Some(layout) = &self.layout else {
-            return match Notation::of(line) {
-                None => self.words(number, line),
-                Some(notation) => {
-                    self.begin(number, line, notation)?;
-                    self.line(number, line)
-                }
+            return match self.begins(number, line, below)? {
+                false => self.words(number, line),
+                true => self.line(number, line, below),
             };
         };
         match layout.point(line) {
             Ok(point) => self.point(number, &point),
-            Err(_) if self.pass_over_domain(line) => self.line(number, line),
+            Err(_) if self.pass_over_domain(line) => self.line(number, line, below),
             Err(detail) => {
                 let error = FileError::at(number, detail);
                 if self.remarks.is_empty() && !self.is_remark(line) {
@@ -215,27 +258,32 @@ impl Reader {
         }
     }
 
-    /// The first line of numbers.
-    fn begin(&mut self, number: usize, line: &str, notation: Notation) -> Result<(), FileError> {
-        let words = self.titles.last().map(|(_, words)| words.as_str());
-        let layout = Layout::new(notation, line, words);
-        if layout.width > MOST_COLUMNS {
-            let detail = format!("there are more than {MOST_COLUMNS} columns");
-            return Err(FileError::at(number, detail));
-        }
+    /// Returns true if the points begin with this line.
+    fn begins(&mut self, number: usize, line: &str, below: Below<'_>) -> Result<bool, FileError> {
+        let words = self.titles.last();
+        let head = Head {
+            number,
+            line,
+            below,
+            words: words.map(|(number, words)| (*number, words.as_str())),
+        };
+        let Some(layout) = Layout::begin(head, self.hints)? else {
+            return Ok(false);
+        };
         let titles = self.titles.len() - usize::from(layout.named);
         let titles = self.titles.iter().take(titles);
         let broken = titles.filter(|(_, title)| !layout.is_title(title));
-        let broken = broken.filter_map(|(number, title)| {
-            let detail = layout.point(title).err()?;
-            Some(FileError::at(*number, detail))
+        let broken = broken.map(|(number, title)| {
+            let detail = layout.point(title).err();
+            let above = || format!("{} is above the first line of numbers", quoted(title));
+            FileError::at(*number, detail.unwrap_or_else(above))
         });
         self.errors.extend(broken);
         if !self.titles.is_empty() && airfoil::is_domain(&layout.numbers(line)) {
             self.domain = Domain::Possible(line.to_owned());
         }
         self.layout = Some(layout);
-        Ok(())
+        Ok(true)
     }
 
     fn point(&mut self, number: usize, point: &[f64]) -> Result<(), FileError> {
@@ -279,7 +327,7 @@ impl Reader {
         true
     }
 
-    /// Whether a line that is no point begins the remarks below the points. Tables with names of
+    /// Returns true if a line that is no point begins the remarks below the points. Tables with names of
     /// columns have none; other files have them after a blank line, or below a title.
     fn is_remark(&self, line: &str) -> bool {
         let Some(layout) = self.layout.as_ref().filter(|layout| !layout.named) else {
@@ -287,7 +335,7 @@ impl Reader {
         };
         let count = self.lines.len();
         let after_blank = self.breaks.last() == Some(&count);
-        let is_word = Layout::begins_with_word(line);
+        let is_word = Layout::begins_with_word(line) && !layout.is_row_with_text(line);
         match after_blank {
             true => is_word || !layout.is_damaged(line),
             false => is_word && !self.titles.is_empty() && count > 0,
@@ -296,7 +344,10 @@ impl Reader {
 
     /// A line before the numbers: these name the file or its columns.
     fn words(&mut self, number: usize, line: &str) -> Result<(), FileError> {
-        if line.starts_with(['{', '[']) {
+        if self.are_units(line) {
+            return Ok(());
+        }
+        if line.trim_start().starts_with(['{', '[']) {
             let detail = "this is JSON, which is sent as application/json";
             return Err(FileError::at(number, detail));
         }
@@ -314,6 +365,14 @@ impl Reader {
         Err(text_column(&self.titles).unwrap_or_else(unknown))
     }
 
+    /// Returns true if a line has the units of the names in the line above it.
+    fn are_units(&self, line: &str) -> bool {
+        let above = self.titles.last().map(|(_, words)| words.as_str());
+        let count = |line: &str| Notation::of_names(line).fields(line).count();
+        let same = above.is_some_and(|above| count(above) == count(line));
+        same && count(line) > 1 && names::are_units(Notation::of_names(line).fields(line))
+    }
+
     fn end(self) -> Result<Part, FileErrors> {
         if !self.errors.is_empty() {
             return Err(FileErrors(self.errors));
@@ -325,7 +384,6 @@ impl Reader {
                 .into());
         };
         let mut notices = self.notices;
-        notices.extend(layout.notice());
         let titles = self.titles.len() - usize::from(layout.named);
         if titles > 1 {
             notices.push(format!(
@@ -341,11 +399,16 @@ impl Reader {
         let mut breaks = self.breaks;
         breaks.retain(|index| *index < points.len());
         let name = self.titles.into_iter().take(titles).next();
-        Ok(Part {
-            breaks,
-            name: name.map(|(_, name)| name.replace('\t', " ")),
-            notices,
-            ..Part::new(points, self.lines)?
-        })
+        let table = Table {
+            layout,
+            no_data: self.no_data,
+            part: Part {
+                breaks,
+                name: name.map(|(_, name)| name.trim().replace('\t', " ")),
+                notices,
+                ..Part::new(points, self.lines)?
+            },
+        };
+        table.part(self.hints)
     }
 }

@@ -9,9 +9,14 @@
 //! - `number_format`: what separates columns, and decimals;
 //! - `format`: what the file is;
 //! - `part`: what each reader gives, the parts of a file;
-//! - `layout`: which columns are coordinates, and what is a title, a remark or a damaged point;
+//! - `columns`: which columns of a table are what, as a user says it; `choice`: as their names (`names`) and what
+//!   they hold (`sample`) say it; `column_notice`: what is said of it;
+//! - `head`: the first row of a table; `layout`: what is read of each line, and what is a title, a remark or a damaged point; `text_column`: tables
+//!   without numbers;
 //! - `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
 //!   large files, by all threads;
+//! - `table`: the numbers of these lines become coordinates and times (`timestamps`), and degrees metres;
+//!   `gaps`: what is missing;
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `off`, `ply`, `stl`, `obj`: the vertices of meshes, and the polylines of OBJ;
 //! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
@@ -29,8 +34,10 @@ mod airfoil;
 mod array;
 mod binary;
 mod byte_lines;
+mod choice;
 mod closed_outline;
 mod cloud;
+mod column_notice;
 mod columns;
 mod curves;
 mod degrees;
@@ -40,13 +47,16 @@ mod error;
 mod esri_grid;
 mod fast_path;
 mod format;
+mod gaps;
 mod geojson;
 mod gpx;
 mod grid_detection;
+mod head;
 mod imported;
 mod las;
 mod layout;
 mod lines;
+mod names;
 mod number_format;
 mod obj;
 mod off;
@@ -55,9 +65,13 @@ mod pcd;
 mod ply;
 mod pts;
 mod repeated;
+mod sample;
 mod sampled;
 mod stl;
+mod table;
+mod text_column;
 mod times;
+mod timestamps;
 mod unread;
 mod xml;
 
@@ -107,6 +121,7 @@ pub fn read_parts(file: &[u8], hints: &Hints) -> Result<Vec<Imported>, FileError
 fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let file = encoding::as_utf8(file)?;
     if let Some(format) = ByteFormat::of(&file) {
+        check_no_columns(hints)?;
         return Ok(match format {
             ByteFormat::Las => las::read(&file, hints)?.into(),
             ByteFormat::Pcd => pcd::read(&file, hints)?.into(),
@@ -120,7 +135,11 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let text = str::from_utf8(text)
         .map(Cow::Borrowed)
         .unwrap_or_else(|_| String::from_utf8_lossy(text));
-    match Format::of(&text) {
+    let format = Format::of(&text);
+    if format != Format::Table {
+        check_no_columns(hints)?;
+    }
+    match format {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Dxf => dxf::read(&text, hints),
         Format::GeoJson => geojson::read(&text, hints),
@@ -131,6 +150,15 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         Format::Pts => Ok(pts::read(&text, hints)?.into()),
         Format::EsriGrid => Ok(esri_grid::read(&text, hints)?.into()),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
+    }
+}
+
+/// Refuses columns where there is no table.
+fn check_no_columns(hints: &Hints) -> Result<(), FileError> {
+    let detail = "columns are chosen in a table, and this file is none";
+    match hints.columns {
+        None => Ok(()),
+        Some(_) => Err(FileError::of_hint(COLUMNS, detail)),
     }
 }
 
@@ -147,6 +175,9 @@ fn tables(mut table: Part, hints: &Hints) -> Result<Parts, FileErrors> {
     ));
     Ok(Parts { parts, notices })
 }
+
+/// The hint that chooses columns.
+const COLUMNS: &str = "columns";
 
 /// The hint that chooses a part.
 const PART: &str = "part";

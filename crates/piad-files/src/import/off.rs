@@ -1,5 +1,6 @@
 //! Meshes in OFF files: the vertices are points; the line of counts above them and the faces below are not.
 
+use super::columns::Columns;
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::lines::{self, line_end, without_comment};
@@ -7,6 +8,9 @@ use super::part::{Order, Part};
 
 /// What such files begin with; letters before `OFF` name what follows the coordinates of a vertex.
 const KEYWORDS: [&str; 5] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF"];
+
+/// How many coordinates vertices have.
+const DIMENSION: usize = 3;
 
 /// The lines of the vertices of a mesh.
 struct Vertices<'a> {
@@ -29,7 +33,12 @@ pub(super) fn is_off(text: &str) -> bool {
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     let vertices = vertices(text).unwrap_or_else(|| Err(FileError::of_file("this is no OFF file")));
     let vertices = vertices?;
-    let part = lines::read(vertices.text, hints);
+    // The first column is x, also where it counts.
+    let hints = Hints {
+        columns: Some(Columns::first(DIMENSION)),
+        ..hints.clone()
+    };
+    let part = lines::read(vertices.text, &hints);
     let mut part = part.map_err(|errors| errors.moved_down(vertices.above))?;
     part.move_down(vertices.above);
     part.notices.insert(0, vertices.notice);
