@@ -13,6 +13,8 @@ pub(super) enum Format {
     Gpx,
     /// The vertices of a mesh in OFF.
     Off,
+    /// Outlines.
+    Svg,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
     Table,
 }
@@ -25,6 +27,7 @@ impl Format {
             () if super::dxf::is_dxf(text) => Self::Dxf,
             () if super::geojson::is_geojson(text.as_bytes()) => Self::GeoJson,
             () if super::gpx::is_gpx(text) => Self::Gpx,
+            () if super::svg::is_svg(text) => Self::Svg,
             () if super::off::is_off(text) => Self::Off,
             () => Self::Table,
         }

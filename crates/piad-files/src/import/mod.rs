@@ -12,7 +12,7 @@
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `curves`: the curves of a file with several, until each is a part;
 //! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
-//! - `dxf`: drawings; `sampled`: points on their arcs and other curves;
+//! - `dxf`, `svg`: drawings; `sampled`: points on their arcs and other curves;
 //! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -40,6 +40,7 @@ mod off;
 mod part;
 mod repeated;
 mod sampled;
+mod svg;
 mod times;
 mod wgs84;
 mod xml;
@@ -98,6 +99,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         Format::GeoJson => geojson::read(&text, hints),
         Format::Gpx => gpx::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
+        Format::Svg => svg::read(&text, hints),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
 }

@@ -93,7 +93,8 @@ fn pieces(control: &[Point; 4]) -> usize {
     let tolerance = TOLERANCE * edges.map(length).iter().sum::<f64>();
     // The second derivative is at most six times the largest bend; a chord is off by an eighth of it.
     let pieces = (0.75 * bend / tolerance).sqrt().ceil();
-    (pieces as usize).clamp(FEWEST, MOST)
+    // An even number, so that the middle of the curve is a point.
+    (pieces as usize).clamp(FEWEST, MOST).next_multiple_of(2)
 }
 
 /// How many pieces there are between two knots of a spline.
