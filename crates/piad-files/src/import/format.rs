@@ -7,6 +7,8 @@ pub(super) enum Format {
     Array,
     /// Drawings.
     Dxf,
+    /// Paths of tools.
+    GCode,
     /// Lines, polygons and points of maps.
     GeoJson,
     /// Tracks, routes and waypoints.
@@ -28,6 +30,7 @@ impl Format {
             () if super::geojson::is_geojson(text.as_bytes()) => Self::GeoJson,
             () if super::gpx::is_gpx(text) => Self::Gpx,
             () if super::svg::is_svg(text) => Self::Svg,
+            () if super::gcode::is_gcode(text) => Self::GCode,
             () if super::off::is_off(text) => Self::Off,
             () => Self::Table,
         }

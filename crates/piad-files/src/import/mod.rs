@@ -12,7 +12,7 @@
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `curves`: the curves of a file with several, until each is a part;
 //! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `wgs84`: longitude and latitude as metres in a plane;
-//! - `dxf`, `svg`: drawings; `sampled`: points on their arcs and other curves;
+//! - `dxf`, `svg`: drawings; `gcode`: paths of tools; `sampled`: points on their arcs and other curves;
 //! - `off`: the vertices of meshes (OFF);
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -29,6 +29,7 @@ mod dxf;
 mod error;
 mod fast_path;
 mod format;
+mod gcode;
 mod geojson;
 mod gpx;
 mod grid_detection;
@@ -96,6 +97,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     match Format::of(&text) {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Dxf => dxf::read(&text, hints),
+        Format::GCode => gcode::read(&text, hints),
         Format::GeoJson => geojson::read(&text, hints),
         Format::Gpx => gpx::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
