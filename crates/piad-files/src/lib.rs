@@ -1,6 +1,7 @@
 //! Files of points in, files of geometry out.
 //!
-//! - [`import`]: CSV, tables with blanks, point clouds, airfoils, JSON arrays and vertices of meshes become points;
+//! - [`import`]: CSV, tables with blanks, point clouds, airfoils, JSON arrays, vertices of meshes, tracks (GPX), maps
+//!   (GeoJSON), drawings (DXF, SVG) and paths of tools (G-code) become points;
 //!   [`json`]: points in JSON;
 //! - [`export`]: a fitted curve or surface becomes STEP, IGES, OBJ, glTF, STL, DXF, SVG or CSV.
 //!

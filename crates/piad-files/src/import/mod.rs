@@ -1,4 +1,5 @@
-//! Files of points: CSV, tables with blanks, point clouds (XYZ), airfoils (`.dat`) and JSON arrays.
+//! Files of points: CSV, tables with blanks, point clouds (XYZ), airfoils (`.dat`), JSON arrays, tracks, maps, drawings
+//! and paths of tools.
 //!
 //! [`read`] gives one part of a file, and [`read_parts`] all of them. They know nothing of HTTP or of jobs: files become points, and what is
 //! wrong with it is reported at its line. What it is, is seen from what is in it:
