@@ -1,7 +1,7 @@
 //! Files of points in, files of geometry out.
 //!
-//! - [`import`]: CSV, tables with blanks, point clouds, grids of heights, airfoils, JSON arrays and vertices of meshes
-//!   become points;
+//! - [`import`]: CSV, tables with blanks, point clouds, grids of heights, airfoils, JSON arrays, vertices of meshes,
+//!   tracks (GPX), maps (GeoJSON), drawings (DXF, SVG) and paths of tools (G-code) become points;
 //!   [`json`]: points in JSON;
 //! - [`export`]: a fitted curve or surface becomes STEP, IGES, OBJ, glTF, STL, PLY, DXF, SVG, GeoJSON, GPX or CSV.
 //! - [`wgs84`]: longitudes and latitudes as metres in a plane, and back.

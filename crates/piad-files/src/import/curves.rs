@@ -65,12 +65,10 @@ impl Curve {
 
     /// Returns true if there are two points that are not equal.
     fn has_two(&self, dimension: usize) -> bool {
-        let of = |point: &Point| point.iter().take(dimension).copied().collect::<Vec<_>>();
-        let Some(first) = self.points.first() else {
-            return false;
-        };
-        let first = of(first);
-        self.points.iter().any(|point| of(point) != first)
+        let first = self.points.first().and_then(|it| it.get(..dimension));
+        self.points
+            .iter()
+            .any(|point| point.get(..dimension) != first)
     }
 
     /// Returns true if the last point is the first one again, but for rounding.

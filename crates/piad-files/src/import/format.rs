@@ -34,6 +34,8 @@ pub(super) enum Format {
     Array,
     /// Drawings.
     Dxf,
+    /// Paths of tools.
+    GCode,
     /// Lines, polygons and points of maps.
     GeoJson,
     /// Tracks, routes and waypoints.
@@ -48,6 +50,8 @@ pub(super) enum Format {
     Pts,
     /// An ASCII grid of ESRI.
     EsriGrid,
+    /// Outlines.
+    Svg,
     /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
     Table,
 }
@@ -60,6 +64,8 @@ impl Format {
             () if super::dxf::is_dxf(text) => Self::Dxf,
             () if super::geojson::is_geojson(text.as_bytes()) => Self::GeoJson,
             () if super::gpx::is_gpx(text) => Self::Gpx,
+            () if super::svg::is_svg(text) => Self::Svg,
+            () if super::gcode::is_gcode(text) => Self::GCode,
             () if super::off::is_off(text) => Self::Off,
             () if super::stl::is_text(text) => Self::Stl,
             () if super::obj::is_obj(text) => Self::Obj,

@@ -1,5 +1,5 @@
 //! Files of points: CSV, tables with blanks, point clouds (XYZ, PTS, PCD, LAS), meshes (PLY, STL, OBJ, OFF), grids of
-//! heights (ESRI), airfoils (`.dat`) and JSON arrays.
+//! heights (ESRI), airfoils (`.dat`), JSON arrays, tracks, maps, drawings and paths of tools.
 //!
 //! [`read`] gives one part of a file, and [`read_parts`] all of them. They know nothing of HTTP or of jobs: files become points, and what is
 //! wrong with it is reported at its line. What it is, is seen from what is in it:
@@ -23,7 +23,7 @@
 //! - `esri_grid`: heights at equal steps;
 //! - `curves`: the curves of a file with several, until each is a part;
 //! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `degrees`: longitude and latitude as metres in a plane;
-//! - `dxf`: drawings; `sampled`: points on their arcs and other curves;
+//! - `dxf`, `svg`: drawings; `gcode`: paths of tools; `sampled`: points on their arcs and other curves;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
 //! - `closed_outline`: an outline that comes back to its first point is closed;
@@ -48,6 +48,7 @@ mod esri_grid;
 mod fast_path;
 mod format;
 mod gaps;
+mod gcode;
 mod geojson;
 mod gpx;
 mod grid_detection;
@@ -68,6 +69,7 @@ mod repeated;
 mod sample;
 mod sampled;
 mod stl;
+mod svg;
 mod table;
 mod text_column;
 mod times;
@@ -142,6 +144,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     match format {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Dxf => dxf::read(&text, hints),
+        Format::GCode => gcode::read(&text, hints),
         Format::GeoJson => geojson::read(&text, hints),
         Format::Gpx => gpx::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
@@ -149,6 +152,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         Format::Obj => obj::read(&text, hints),
         Format::Pts => Ok(pts::read(&text, hints)?.into()),
         Format::EsriGrid => Ok(esri_grid::read(&text, hints)?.into()),
+        Format::Svg => svg::read(&text, hints),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
     }
 }

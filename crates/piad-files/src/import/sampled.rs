@@ -49,7 +49,9 @@ impl Arc {
     /// The parts of the arc where its points are, without its start.
     pub(super) fn parts(&self) -> impl Iterator<Item = f64> + use<> {
         // As many as a full turn has where the sweep is no number.
-        let pieces = (self.sweep.abs().min(2.0 * PI) / LARGEST_ANGLE).ceil();
+        let pieces = self.sweep.abs().min(2.0 * PI) / LARGEST_ANGLE;
+        // Rounding makes no piece more.
+        let pieces = (pieces - 1e-9).ceil();
         let pieces = (pieces as usize).max(FEWEST_OF_ARC);
         (1..=pieces).map(move |i| i as f64 / pieces as f64)
     }
@@ -93,7 +95,8 @@ fn pieces(control: &[Point; 4]) -> usize {
     let tolerance = TOLERANCE * edges.map(length).iter().sum::<f64>();
     // The second derivative is at most six times the largest bend; a chord is off by an eighth of it.
     let pieces = (0.75 * bend / tolerance).sqrt().ceil();
-    (pieces as usize).clamp(FEWEST, MOST)
+    // An even number, so that the middle of the curve is a point.
+    (pieces as usize).clamp(FEWEST, MOST).next_multiple_of(2)
 }
 
 /// How many pieces there are between two knots of a spline.

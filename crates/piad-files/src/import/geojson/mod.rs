@@ -24,8 +24,8 @@ pub fn is_geojson(bytes: &[u8]) -> bool {
 /// Each line and each ring of a polygon is a part; all points together are one.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let file: Object = serde_json::from_str(text).map_err(|error| {
-        let told = error.to_string();
-        let detail = told.split(" at line ").next().unwrap_or(&told);
+        let message = error.to_string();
+        let detail = message.split(" at line ").next().unwrap_or(&message);
         FileError::at(error.line().max(1), format!("this is no GeoJSON: {detail}"))
     })?;
     let mut reader = Reader {
