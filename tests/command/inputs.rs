@@ -75,7 +75,11 @@ const ODD: [(&[u8], i32, &str); 23] = [
         0,
         "2 rows of 3: x and y form a lattice",
     ),
-    (b"0 0 0\n0 1 1\n\n1 0 0\n", 0, "differ in length"),
+    (
+        b"0 0 0\n0 1 1\n\n1 0 0\n",
+        2,
+        ":4: this part has one point, and a curve has at least 2",
+    ),
     (
         b"x,y\n0,0\n1,2\n1,2\n3,1\n",
         0,

@@ -255,7 +255,7 @@ export interface paths {
         put?: never;
         /**
          * Read a file of points
-         * @description The points of a file as a job has them, and what was found out about it: CSV with any separator, tables with blanks, point clouds (XYZ), airfoils (`.dat`), vertices of meshes (OFF), JSON arrays of points, of rows of points or of rows of heights. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
+         * @description The points of a file as a job has them, and what was found out about it: tables (CSV, XYZ, airfoils), JSON arrays of points, of rows of points or of rows of heights, GPX, GeoJSON, DXF, SVG, G-code, PLY, STL, OBJ, OFF, PCD, LAS and ESRI grids. Of a file with several curves `part` chooses one. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
          */
         post: operations["readPoints"];
         delete?: never;
@@ -319,7 +319,7 @@ export interface paths {
         put?: never;
         /**
          * Fit a curve or a surface
-         * @description Makes a job. It runs whether anybody looks or not. An Accept header that asks for events has the answer of `/v1/jobs/stream`, with its parameters. The body may also be a file of points (`text/csv`, `text/plain`), as `/v1/points` reads them; then the other fields stand in the query, by their paths.
+         * @description Makes a job. It runs whether anybody looks or not. An Accept header that asks for events has the answer of `/v1/jobs/stream`, with its parameters. The body may also be a file of points, as `/v1/points` reads them; then the other fields stand in the query, by their paths.
          */
         post: operations["createJob"];
         delete?: never;
@@ -3586,6 +3586,8 @@ export interface components {
             points: components["schemas"]["Points"];
             /** @description The curve is closed: the file had the first point at its end again, which is not among these. */
             closed?: boolean;
+            /** @description The parameters of the points: their times, where these were asked for. */
+            parameters?: number[];
         };
         /**
          * @description The points of a surface.
@@ -4370,7 +4372,22 @@ export interface components {
          * @description The name of the file.
          * @example app.js
          */
+        asset: string;
+        /**
+         * @description Which part of a file with several is read: its number, from 1, or its name.
+         * @example 1
+         */
         part: string;
+        /**
+         * @description Which columns of a table are what, by numbers from 1 or by names: `x=2,y=3`, or `t,q1:q7`, whose times are the parameters of a curve with seven coordinates. Without it the names of the columns say it.
+         * @example x=2,y=3
+         */
+        columns: string;
+        /**
+         * @description The parameters of the points of a curve: `time` reads them from the times of the file.
+         * @example time
+         */
+        "curve.parameters": "time";
         /**
          * @description How many rows and columns of a surface the points of the file are.
          * @example 40x60
@@ -4708,7 +4725,10 @@ export type ParameterK = components['parameters']['k'];
 export type ParameterFormat = components['parameters']['format'];
 export type ParameterSlug = components['parameters']['slug'];
 export type ParameterFile = components['parameters']['file'];
+export type ParameterAsset = components['parameters']['asset'];
 export type ParameterPart = components['parameters']['part'];
+export type ParameterColumns = components['parameters']['columns'];
+export type ParameterCurveParameters = components['parameters']['curve.parameters'];
 export type ParameterSurfaceSize = components['parameters']['surface.size'];
 export type ParameterCurveOrder = components['parameters']['curve.order'];
 export type ParameterState = components['parameters']['state'];
@@ -4777,7 +4797,7 @@ export interface operations {
                  * @description The name of the file.
                  * @example app.js
                  */
-                part: components["parameters"]["part"];
+                part: components["parameters"]["asset"];
             };
             cookie?: never;
         };
@@ -5107,6 +5127,16 @@ export interface operations {
         parameters: {
             query?: {
                 /**
+                 * @description Which part of a file with several is read: its number, from 1, or its name.
+                 * @example 1
+                 */
+                part?: components["parameters"]["part"];
+                /**
+                 * @description Which columns of a table are what, by numbers from 1 or by names: `x=2,y=3`, or `t,q1:q7`, whose times are the parameters of a curve with seven coordinates. Without it the names of the columns say it.
+                 * @example x=2,y=3
+                 */
+                columns?: components["parameters"]["columns"];
+                /**
                  * @description How many rows and columns of a surface the points of the file are.
                  * @example 40x60
                  */
@@ -5116,12 +5146,17 @@ export interface operations {
                  * @example given
                  */
                 "curve.order"?: components["parameters"]["curve.order"];
+                /**
+                 * @description The parameters of the points of a curve: `time` reads them from the times of the file.
+                 * @example time
+                 */
+                "curve.parameters"?: components["parameters"]["curve.parameters"];
             };
             header?: never;
             path?: never;
             cookie?: never;
         };
-        /** @description Lines of numbers, in UTF-8. */
+        /** @description A file of points. What is in it says what it is; the media type says no more than that it is one. */
         requestBody: {
             content: {
                 /**
@@ -5138,6 +5173,13 @@ export interface operations {
                  *     0.9,0.0208
                  */
                 "text/plain": string;
+                "application/octet-stream": string;
+                "application/geo+json": Record<string, never>;
+                "application/gpx+xml": string;
+                "image/svg+xml": string;
+                "image/vnd.dxf": string;
+                "model/obj": string;
+                "model/stl": string;
             };
         };
         responses: {

@@ -3,7 +3,7 @@
 use super::error::ExportError;
 use super::format::Format;
 use super::nurbs::Nurbs;
-use super::options::{Options, Origin};
+use super::options::Options;
 use super::sampling::{along_curve, finite};
 use crate::wgs84::Plane;
 
@@ -19,7 +19,7 @@ pub(super) fn line(
     let sites = along_curve(nurbs, options, MOST_ALONG_CURVE)?;
     let mut points = finite(&nurbs.evaluate(&sites, &[]), None)?;
     if let Some(origin) = options.origin {
-        in_degrees(&mut points, plane(origin)?, format)?;
+        in_degrees(&mut points, origin.plane()?, format)?;
     }
     if nurbs.u.closed
         && let Some(&first) = points.first()
@@ -28,21 +28,6 @@ pub(super) fn line(
         *last = first;
     }
     Ok(points)
-}
-
-/// The plane of an origin, if that is a place on the earth.
-pub(super) fn plane(origin: Origin) -> Result<Plane, ExportError> {
-    let Origin {
-        longitude,
-        latitude,
-    } = origin;
-    match (-360.0..=360.0).contains(&longitude) && (-90.0..=90.0).contains(&latitude) {
-        true => Ok(Plane::new(longitude, latitude)),
-        false => Err(ExportError::Origin {
-            longitude,
-            latitude,
-        }),
-    }
 }
 
 fn in_degrees(points: &mut [[f64; 3]], plane: Plane, format: Format) -> Result<(), ExportError> {

@@ -2,7 +2,7 @@
 
 use super::error::ExportError;
 use super::format::Format;
-use super::map::plane;
+use crate::wgs84::Plane;
 use piad_fit::data::Grid;
 
 /// What can be chosen about a file.
@@ -51,6 +51,23 @@ pub struct Origin {
     pub longitude: f64,
     /// In degrees, to the north.
     pub latitude: f64,
+}
+
+impl Origin {
+    /// The plane, if this is a place on the earth.
+    pub(super) fn plane(self) -> Result<Plane, ExportError> {
+        let Self {
+            longitude,
+            latitude,
+        } = self;
+        match (-360.0..=360.0).contains(&longitude) && (-90.0..=90.0).contains(&latitude) {
+            true => Ok(Plane::new(longitude, latitude)),
+            false => Err(ExportError::Origin {
+                longitude,
+                latitude,
+            }),
+        }
+    }
 }
 
 /// What a coordinate of 1 is long. Coordinates themselves are those of the data in any unit.
@@ -142,7 +159,7 @@ pub fn check_options(format: Format, surface: bool, options: &Options) -> Result
         return Err(ExportError::NoOrigin { format });
     }
     if let Some(origin) = options.origin.filter(|_| format.has_origin()) {
-        plane(origin)?;
+        origin.plane()?;
     }
     Ok(())
 }

@@ -2,10 +2,12 @@
 
 mod resolve;
 
-use super::layout::MOST_COLUMNS;
 use super::names::{Meaning, meaning};
 use crate::short::quoted;
 use piad_fit::data::MAX_DIMENSION;
+
+/// The most columns of a file, most of which are not read.
+pub(super) const MOST_COLUMNS: usize = 1000;
 
 pub(super) use resolve::Names;
 

@@ -1,10 +1,10 @@
 //! The first row of a table, and which columns of it are read.
 
 use super::choice::{self, Choice, Named};
+use super::columns::MOST_COLUMNS;
 use super::columns::Names;
 use super::error::FileError;
 use super::imported::Hints;
-use super::layout::MOST_COLUMNS;
 use super::names::Meaning;
 use super::number_format::Notation;
 use super::sample::{Below, Sample, has_width};

@@ -10,8 +10,7 @@ use super::timestamps;
 use crate::short::quoted;
 use jiff::Timestamp;
 
-/// The most columns of a file, most of which are not read.
-pub(super) const MOST_COLUMNS: usize = 1000;
+use super::columns::MOST_COLUMNS;
 
 /// Where in a line the coordinates stand.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Columns of text in a file without two columns of numbers.
 
+use super::columns::MOST_COLUMNS;
 use super::error::FileError;
-use super::layout::MOST_COLUMNS;
 use super::number_format::Notation;
 use crate::short::quoted;
 

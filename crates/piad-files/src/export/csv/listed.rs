@@ -2,10 +2,15 @@
 
 use std::ops::Range;
 
-use super::{Options, grid};
 use crate::export::error::{ExportError, NetIndex};
 use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::options::Options;
+use piad_fit::data::Grid;
 use piad_fit::engine::nurbs::{SpanParameter, steps_between};
+
+/// The number of samples of a curve, and of each direction of a surface, by default.
+const CURVE: usize = 200;
+const SURFACE: usize = 40;
 
 /// The coordinates that are evaluated at a time.
 const TOGETHER: usize = 3;
@@ -104,4 +109,18 @@ fn equal_steps(knots: &KnotVector, count: usize) -> Vec<SpanParameter> {
         knots.site_at((1.0 - part) * low + part * high)
     };
     (0..=steps).map(at).collect()
+}
+
+/// The number of samples.
+pub(super) fn grid(options: &Options, surface: bool) -> Grid {
+    options.samples.unwrap_or(match surface {
+        false => Grid {
+            rows: CURVE,
+            columns: 1,
+        },
+        true => Grid {
+            rows: SURFACE,
+            columns: SURFACE,
+        },
+    })
 }

@@ -12,13 +12,8 @@ use super::format::Format;
 use super::nurbs::Nurbs;
 use super::options::Options;
 use super::text::{Text, one_line};
-use listed::Listed;
-use piad_fit::data::Grid;
+use listed::{Listed, grid};
 use piad_fit::engine::samples::Samples;
-
-/// The number of samples of a curve, and of each direction of a surface, by default.
-const CURVE: usize = 200;
-const SURFACE: usize = 40;
 
 /// The names of coordinates.
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
@@ -100,20 +95,6 @@ impl Table {
         }
         text.into_bytes()
     }
-}
-
-/// The number of samples.
-pub(super) fn grid(options: &Options, surface: bool) -> Grid {
-    options.samples.unwrap_or(match surface {
-        false => Grid {
-            rows: CURVE,
-            columns: 1,
-        },
-        true => Grid {
-            rows: SURFACE,
-            columns: SURFACE,
-        },
-    })
 }
 
 fn names(surface: bool, dimension: usize) -> String {
