@@ -138,6 +138,32 @@ pub enum ExportError {
         /// The files.
         what: &'static str,
     },
+    /// A spacing that is no distance.
+    #[error("the spacing is {spacing}, and it is a distance between samples, more than 0")]
+    Spacing {
+        /// The spacing.
+        spacing: f64,
+    },
+    /// Both give the number of samples.
+    #[error("spacing and samples both choose the number of samples: give one of them")]
+    SpacingAndSamples,
+    /// Surfaces have rows and columns of samples.
+    #[error(
+        "samples at equal distances are those of curves: choose the number of samples of a surface in each direction"
+    )]
+    NoSpacing,
+    /// A spacing that is small for the curve.
+    #[error(
+        "the curve is {length} long, and with a spacing of {spacing} it would have more than {most} samples: choose a larger one"
+    )]
+    TooManySamples {
+        /// The spacing.
+        spacing: f64,
+        /// The length of the curve.
+        length: f64,
+        /// The most samples.
+        most: usize,
+    },
     /// More samples than a mesh of the format has.
     #[error(
         "polygon meshes of {format} files have at most {most} samples in each direction: ask for fewer, or export gltf or stl"

@@ -8,7 +8,7 @@
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly; `assemble`: that of plain data;
 //! - `mesh`: its triangles, for `gltf`, `stl` and `ply`;
-//! - `sampling`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
+//! - `sampling` and `arc_length`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
 //! - `deviation`: how far it is from each data point, for `svg`;
 //! - `csv`: samples as numbers;
 //! - `text`: numbers and names as text.
@@ -18,6 +18,7 @@
 //! values of a function (one coordinate) and points of more than three coordinates have no place in space, and weights must be positive.
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
 
+mod arc_length;
 mod assemble;
 pub mod csv;
 #[cfg(test)]
@@ -78,6 +79,7 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
     }
     check(format, fitted.problem)?;
     let nurbs = nurbs::checked(fitted.problem, fitted.control_points)?;
+    check_spline_degree(format, &nurbs, &fitted.options)?;
     if format == Format::Svg && fitted.options.style == Style::Drawing {
         return svg::write(&nurbs, fitted);
     }
@@ -93,6 +95,21 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
 /// # Errors
 ///
 /// If there is no part, or the first part that the format cannot hold, with its number and name.
+///
+/// ```
+/// use jiff::Timestamp;
+/// use piad_files::export::nurbs::{DirectionData, assemble};
+/// use piad_files::export::{Format, Header, Options, Part, write_parts};
+/// use piad_fit::data::Points;
+///
+/// // The numbers of a result in JSON: a Bézier curve of degree 2 has no knots.
+/// let u = DirectionData { degree: 2, knots: None, closed: false };
+/// let points = Points::from_flat(2, &[0.0, 0.0, 1.0, 2.0, 2.0, 0.0]);
+/// let parts = [Part { name: Some("arch"), nurbs: assemble(u, None, points, None)? }];
+/// let header = Header::new(Timestamp::now(), Options::default());
+/// assert!(write_parts(Format::Dxf, &parts, &header)?.ends_with(b"EOF\n"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_parts(
     format: Format,
     parts: &[Part<'_>],
@@ -116,6 +133,7 @@ fn check_shape_of(format: Format, nurbs: &Nurbs, options: &Options) -> Result<()
     check_shape(format, surface, nurbs.points.dimension())?;
     let across = nurbs.v.as_ref().map_or(0, |v| v.degree);
     check_degree(format, nurbs.u.degree.max(across))?;
+    check_spline_degree(format, nurbs, options)?;
     nurbs::check(nurbs)
 }
 
@@ -135,9 +153,17 @@ fn write_document(format: Format, document: &Document<'_>) -> Result<Vec<u8>, Ex
     }
 }
 
-/// About how many multiplications it takes to sample a level for a format; 0 for those that are exact, and for tables,
-/// which are sampled while they are sent.
+/// How many times the work of samples at equal steps those at equal distances are: the quadrature has five nodes, and
+/// it takes about three steps to find each parameter.
+const LENGTH_COST: usize = 20;
+
+/// About how many samples a spacing gives, whose number is not known before the length of the curve is.
+const SPACED: usize = 1 << 14;
+
+/// About how many multiplications it takes to sample a level for a format; 0 for those that are exact, and for tables
+/// at equal steps, which are sampled while they are sent.
 pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> usize {
+    let by_length = options.is_by_length();
     let suitable = || match problem.v() {
         None => Grid {
             rows: (4 * problem.u().basis.functions()).max(MOST_ALONG_SURFACE),
@@ -149,8 +175,10 @@ pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> us
         },
     };
     match format {
-        Format::Step | Format::Iges | Format::Csv => 0,
-        Format::Obj
+        Format::Step | Format::Iges => 0,
+        Format::Csv if !by_length => 0,
+        Format::Csv
+        | Format::Obj
         | Format::Gltf
         | Format::Stl
         | Format::Ply
@@ -158,9 +186,13 @@ pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> us
         | Format::Svg
         | Format::GeoJson
         | Format::Gpx => {
-            let grid = options.samples.unwrap_or_else(suitable);
+            let mut grid = options.samples.unwrap_or_else(suitable);
+            if options.spacing.is_some() {
+                grid.rows = grid.rows.max(SPACED);
+            }
             // Points and their derivatives.
-            samples::multiplications(problem, grid).saturating_mul(3)
+            let times = if by_length { 3 * LENGTH_COST } else { 3 };
+            samples::multiplications(problem, grid).saturating_mul(times)
         }
     }
 }
@@ -179,6 +211,25 @@ fn check_degree(format: Format, degree: usize) -> Result<(), ExportError> {
             degree,
             most: MOST_CAD_DEGREE,
         }),
+        _ => Ok(()),
+    }
+}
+
+/// Splines in DXF files have the degrees that CAD systems have.
+fn check_spline_degree(
+    format: Format,
+    nurbs: &Nurbs,
+    options: &Options,
+) -> Result<(), ExportError> {
+    let is_spline = format == Format::Dxf && options.version == Version::R2000;
+    match nurbs.u.degree {
+        degree if is_spline && nurbs.v.is_none() && degree > MOST_CAD_DEGREE => {
+            Err(ExportError::Degree {
+                format,
+                degree,
+                most: MOST_CAD_DEGREE,
+            })
+        }
         _ => Ok(()),
     }
 }

@@ -21,6 +21,18 @@ pub struct Options {
     pub version: Version,
     /// Where on the earth the coordinates start, for formats with longitudes and latitudes.
     pub origin: Option<Origin>,
+    /// The distance between samples along a curve, in units of the data, instead of their number: they are at most this
+    /// far apart, all equally far, and the first and the last one are the ends.
+    pub spacing: Option<f64>,
+    /// True if samples of a curve are at equal distances along it, instead of at equal steps of the parameter.
+    pub by_length: bool,
+}
+
+impl Options {
+    /// Returns true if samples are at equal distances along a curve.
+    pub(super) fn is_by_length(&self) -> bool {
+        self.by_length || self.spacing.is_some()
+    }
 }
 
 /// What an SVG file shows.
@@ -120,6 +132,14 @@ impl Format {
         matches!(self, Self::GeoJson | Self::Gpx)
     }
 
+    /// Returns true if files of this format have samples of curves, which can be at equal distances.
+    pub fn has_spacing(self) -> bool {
+        matches!(
+            self,
+            Self::Gltf | Self::Dxf | Self::GeoJson | Self::Gpx | Self::Csv
+        )
+    }
+
     /// Whether files of this format declare a unit of length that can be chosen. That of glTF is always
     /// the metre.
     pub fn has_unit(self) -> bool {
@@ -151,10 +171,11 @@ pub fn check_options(format: Format, surface: bool, options: &Options) -> Result
         return Err(no_option("version", "dxf"));
     }
     if let Some(what) = exact(format, surface, options)
-        && options.samples.is_some()
+        && (options.samples.is_some() || options.is_by_length())
     {
         return Err(ExportError::NoSamples { what });
     }
+    check_spacing(format, surface, options)?;
     if format == Format::Gpx && options.origin.is_none() {
         return Err(ExportError::NoOrigin { format });
     }
@@ -162,6 +183,30 @@ pub fn check_options(format: Format, surface: bool, options: &Options) -> Result
         origin.plane()?;
     }
     Ok(())
+}
+
+/// Checks samples at equal distances.
+fn check_spacing(format: Format, surface: bool, options: &Options) -> Result<(), ExportError> {
+    if !options.is_by_length() {
+        return Ok(());
+    }
+    if !format.has_spacing() {
+        return Err(ExportError::NoOption {
+            format,
+            option: "spacing of samples",
+            has: "gltf, dxf, geojson, gpx and csv",
+        });
+    }
+    if surface {
+        return Err(ExportError::NoSpacing);
+    }
+    match options.spacing {
+        Some(spacing) if !(spacing > 0.0 && spacing.is_finite()) => {
+            Err(ExportError::Spacing { spacing })
+        }
+        Some(_) if options.samples.is_some() => Err(ExportError::SpacingAndSamples),
+        _ => Ok(()),
+    }
 }
 
 /// Files that are exact because of an option, although their format has samples.

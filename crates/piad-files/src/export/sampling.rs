@@ -1,12 +1,19 @@
 //! Samples along curves, for all formats that have them.
 
+use super::arc_length::ArcLength;
 use super::error::{ExportError, NetIndex};
 use super::nurbs::Nurbs;
 use super::options::Options;
 use piad_fit::engine::nurbs::{Jet, SpanParameter, steps_between};
 
+/// The most samples at equal distances.
+pub(super) const MOST_SPACED: usize = 1_000_000;
+
+/// The part of a step that is rounding: a length of ten spacings has ten steps.
+const ROUNDING: f64 = 1e-9;
+
 /// The sites of samples along a curve, from one end to the other: as many as are requested, or as suit it, with at
-/// most this number of steps.
+/// most this number of steps. They are at equal steps in each knot span, or at equal distances along the curve.
 pub(super) fn along_curve(
     nurbs: &Nurbs,
     options: &Options,
@@ -14,7 +21,36 @@ pub(super) fn along_curve(
 ) -> Result<Vec<SpanParameter>, ExportError> {
     let samples = options.samples.map(|grid| grid.rows);
     let steps = samples.map_or_else(|| nurbs.u.steps(most), steps_between);
-    Ok(nurbs.u.sites(steps))
+    match options.is_by_length() {
+        false => Ok(nurbs.u.sites(steps)),
+        true => by_length(nurbs, options, steps),
+    }
+}
+
+/// Sites at equal distances: as far apart as was chosen, or a little less so that they end at the end of the curve, or
+/// with this number of steps.
+pub(super) fn by_length(
+    nurbs: &Nurbs,
+    options: &Options,
+    steps: usize,
+) -> Result<Vec<SpanParameter>, ExportError> {
+    let mut lengths = ArcLength::new(nurbs);
+    let total = lengths.total();
+    if !total.is_finite() {
+        return Err(ExportError::Extent);
+    }
+    let Some(spacing) = options.spacing else {
+        return Ok(lengths.sites(steps));
+    };
+    let steps = (total / spacing - ROUNDING).ceil().max(1.0);
+    if steps >= MOST_SPACED as f64 {
+        return Err(ExportError::TooManySamples {
+            spacing,
+            length: total,
+            most: MOST_SPACED,
+        });
+    }
+    Ok(lengths.sites(steps as usize))
 }
 
 /// The points of samples. Those that are not finite are refused: sums can overflow although the control points do

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::layout::Layout;
-use super::lines::is_blank;
+use super::line::is_comment;
 use piad_fit::data::MAX_DIMENSION;
 
 /// Texts shorter than this are not worth it.
@@ -85,9 +85,11 @@ fn read(text: &str, end: char, layout: &Layout) -> Option<Piece> {
     let point = point.get_mut(..dimension)?;
     for line in text.split(end) {
         let line = layout.trimmed(line);
-        if is_blank(line) {
+        // Most lines begin with a number, which is seen at once.
+        let is_number = matches!(line.as_bytes(), [b'0'..=b'9' | b'+' | b'-' | b'.', ..]);
+        if !is_number && line.trim().is_empty() {
             piece.breaks.push(piece.lines.len());
-        } else {
+        } else if is_number || !is_comment(line) {
             layout.plain_point(line, point)?;
             for (lane, x) in piece.lanes.iter_mut().zip(&*point) {
                 lane.push(*x);

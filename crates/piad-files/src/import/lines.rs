@@ -9,6 +9,7 @@ use super::fast_path::{self, Piece};
 use super::head::Head;
 use super::imported::Hints;
 use super::layout::Layout;
+use super::line::{blank_or_tab, line_end, without_comment};
 use super::names;
 use super::number_format::Notation;
 use super::part::{NO_POINTS, Part};
@@ -23,21 +24,6 @@ const LONG: usize = 1024;
 
 /// The most lines of words above the points. More of them are the head of a format of its own.
 const MOST_TITLES: usize = 3;
-
-/// What comments begin with.
-const COMMENTS: [&str; 4] = ["#", "//", "%", "!"];
-
-/// The most marks of comments that are looked at in a line: texts have few of them.
-const MOST_MARKS: usize = 100;
-
-/// What the lines of a text end with. Blanks at their ends are taken away, among them that of `\r\n`. Old
-/// Macintosh files end their lines with it alone.
-pub(super) fn line_end(text: &str) -> char {
-    match text.contains('\n') {
-        true => '\n',
-        false => '\r',
-    }
-}
 
 /// Reads the lines of a file.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
@@ -82,42 +68,6 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
         }
     }
     reader.end()
-}
-
-/// What stands around lines.
-fn blank_or_tab(c: char) -> bool {
-    c.is_whitespace() || c == '\0'
-}
-
-/// A line without a comment, and without blanks around it but for tabs, which may separate columns that are empty.
-pub(super) fn without_comment(line: &str) -> &str {
-    let is_blank = |c: char| blank_or_tab(c) && c != '\t';
-    let line = line.trim_matches(is_blank);
-    if line.trim().is_empty() || is_comment(line.trim_start()) {
-        return "";
-    }
-    let marks = line.match_indices('#').map(|(index, _)| index);
-    let whole = line.matches('"').count() % 2 == 1;
-    // A mark between quotes is one of a text.
-    let is_outside = |index: &usize| {
-        let before = line.get(..*index).unwrap_or_default();
-        whole || before.matches('"').count() % 2 == 0
-    };
-    let comment = marks.take(MOST_MARKS).find(is_outside);
-    let line = comment.map_or(line, |index| line.get(..index).unwrap_or(line));
-    line.trim_end_matches(is_blank)
-}
-
-/// Returns true if there is nothing in a line but a comment.
-pub(super) fn is_blank(line: &str) -> bool {
-    // Most lines begin with a number, which is seen at once.
-    let is_number = matches!(line.as_bytes(), [b'0'..=b'9' | b'+' | b'-' | b'.', ..]);
-    !is_number && (line.trim().is_empty() || is_comment(line))
-}
-
-/// Returns true if a line begins with what comments begin with.
-fn is_comment(line: &str) -> bool {
-    COMMENTS.iter().any(|mark| line.starts_with(mark))
 }
 
 /// Whether the first line of numbers is the domain of a grid, as in files of MSES.

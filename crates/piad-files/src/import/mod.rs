@@ -13,7 +13,7 @@
 //!   they hold (`sample`) say it; `column_notice`: what is said of it;
 //! - `head`: the first row of a table; `layout`: what is read of each line, and what is a title, a remark or a damaged point; `text_column`: tables
 //!   without numbers;
-//! - `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
+//! - `line`: the comment and the blanks of a line; `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
 //!   large files, by all threads;
 //! - `table`: the numbers of these lines become coordinates and times (`timestamps`), and degrees metres;
 //!   `gaps`: what is missing;
@@ -56,6 +56,7 @@ mod head;
 mod imported;
 mod las;
 mod layout;
+mod line;
 mod lines;
 mod names;
 mod number_format;

@@ -3,7 +3,8 @@
 use super::columns::Columns;
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
-use super::lines::{self, line_end, without_comment};
+use super::line::{line_end, without_comment};
+use super::lines;
 use super::part::{Order, Part};
 
 /// What such files begin with; letters before `OFF` name what follows the coordinates of a vertex.

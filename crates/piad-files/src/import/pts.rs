@@ -3,7 +3,8 @@
 use super::cloud::too_few;
 use super::error::FileErrors;
 use super::imported::Hints;
-use super::lines::{self, line_end, without_comment};
+use super::line::{line_end, without_comment};
+use super::lines;
 use super::number_format::Notation;
 use super::part::{Order, Part};
 

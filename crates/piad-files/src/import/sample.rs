@@ -1,6 +1,6 @@
 //! What the columns of a table are, by its first rows.
 
-use super::lines::without_comment;
+use super::line::without_comment;
 use super::number_format::{Notation, is_gap};
 use super::timestamps;
 use jiff::Timestamp;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::export::error::{ExportError, NetIndex};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::options::Options;
+use crate::export::sampling::by_length;
 use piad_fit::data::Grid;
 use piad_fit::engine::nurbs::{SpanParameter, steps_between};
 
@@ -27,9 +28,13 @@ pub(super) struct Listed {
 }
 
 impl Listed {
-    /// Samples at equal steps of the parameters.
+    /// Samples at equal steps of the parameters, or of the length.
     pub(super) fn new(nurbs: &Nurbs, options: &Options) -> Result<Self, ExportError> {
         let counts = grid(options, nurbs.v.is_some());
+        if options.is_by_length() {
+            let u = by_length(nurbs, options, steps_between(counts.rows))?;
+            return Self::at(nurbs, &u, &[]);
+        }
         let u = equal_steps(&nurbs.u, counts.rows);
         let v = nurbs.v.as_ref().map(|v| equal_steps(v, counts.columns));
         Self::at(nurbs, &u, &v.unwrap_or_default())

@@ -9,8 +9,8 @@ use super::document::Document;
 use super::error::{ExportError, NetIndex};
 use super::fitted::Fitted;
 use super::format::Format;
-use super::nurbs::Nurbs;
-use super::options::Options;
+use super::nurbs::{Nurbs, checked};
+use super::options::{Options, check_options};
 use super::text::{Text, one_line};
 use listed::{Listed, grid};
 use piad_fit::engine::samples::Samples;
@@ -22,7 +22,7 @@ const COORDINATES: [&str; 3] = ["x", "y", "z"];
 const CHUNK: usize = 256;
 
 /// A table that is written in parts: a line with names (`t,x,y` of a curve, `t,x1,x2,…` of one with more than three
-/// coordinates, `u,v,x,y,z` of a surface), then one for each sample, at equal steps of the parameters; on surfaces row by row.
+/// coordinates, `u,v,x,y,z` of a surface), then one for each sample, at equal steps of the parameters or, if that is chosen, of the length; on surfaces row by row.
 #[derive(Debug)]
 pub struct Table {
     source: Source,
@@ -39,7 +39,19 @@ enum Source {
 
 impl Table {
     /// The table of a level.
+    ///
+    /// # Errors
+    ///
+    /// If there is a sample that is not finite, or for samples at equal distances what [`check_options`] refuses, or a
+    /// weight that is not positive.
+    ///
+    /// [`check_options`]: super::check_options
     pub fn new(fitted: &Fitted<'_>) -> Result<Self, ExportError> {
+        if fitted.options.is_by_length() {
+            check_options(Format::Csv, fitted.problem.v().is_some(), &fitted.options)?;
+            let nurbs = checked(fitted.problem, fitted.control_points)?;
+            return Self::of_nurbs(&nurbs, &fitted.options);
+        }
         let surface = fitted.problem.v().is_some();
         let grid = grid(&fitted.options, surface);
         let setup = Arc::clone(fitted.problem.setup());

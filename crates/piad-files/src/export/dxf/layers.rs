@@ -1,6 +1,7 @@
 //! The layers of parts, which have their names.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use crate::export::document::Document;
 
@@ -65,9 +66,8 @@ impl Given {
             let suffix = format!("_{count}");
             let kept = rules.longest - suffix.len();
             let name: String = stem.chars().take(kept).chain(suffix.chars()).collect();
-            let key = name.to_lowercase();
-            if !self.0.contains_key(&key) {
-                self.0.insert(key, 1);
+            if let Entry::Vacant(free) = self.0.entry(name.to_lowercase()) {
+                free.insert(1);
                 return name;
             }
         }

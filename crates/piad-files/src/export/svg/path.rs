@@ -26,10 +26,12 @@ pub(in crate::export) fn write(document: &Document<'_>) -> Result<Vec<u8>, Expor
         "\">\n<desc>{}</desc>\n",
         description(document, &curves)
     ));
-    let mut width = Text::default();
-    numbers(&mut width, &[frame.line]);
+    // Not as attributes of the paths: FontForge would import the outlines of their lines.
+    text.push("<style>path{stroke:#000;stroke-width:");
+    numbers(&mut text, &[frame.line]);
+    text.push("}</style>\n");
     for (shape, curve) in document.shapes.iter().zip(&curves) {
-        path(&mut text, shape, curve, width.as_str());
+        path(&mut text, shape, curve);
     }
     text.push("</svg>\n");
     Ok(text.into_bytes())
@@ -53,10 +55,8 @@ fn description(document: &Document<'_>, curves: &[Pieces]) -> String {
     )
 }
 
-fn path(text: &mut Text, shape: &Shape<'_>, curve: &Pieces, width: &str) {
-    text.push("<path fill=\"none\" stroke=\"#000\" stroke-width=\"");
-    text.push(width);
-    text.push("\" d=\"");
+fn path(text: &mut Text, shape: &Shape<'_>, curve: &Pieces) {
+    text.push("<path fill=\"none\" d=\"");
     if let Some(first) = curve.cubics.first() {
         text.push("M");
         numbers(text, &on_page(first[0]));

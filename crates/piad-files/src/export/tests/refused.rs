@@ -109,3 +109,56 @@ fn maps_need_a_place_on_the_earth() {
         assert!(matches!(surface, Err(ExportError::NoLine { .. })));
     }
 }
+
+#[test]
+fn spacings_are_checked() {
+    let spaced = |spacing: f64| Options {
+        spacing: Some(spacing),
+        ..Options::default()
+    };
+    let refused = |format, surface, options: &Options| {
+        let error = check_options(format, surface, options).unwrap_err();
+        error.to_string()
+    };
+    for spacing in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = refused(Format::Csv, false, &spaced(spacing));
+        assert_eq!(
+            error,
+            format!("the spacing is {spacing}, and it is a distance between samples, more than 0")
+        );
+    }
+    let surface = refused(Format::Csv, true, &spaced(1.0));
+    assert!(surface.contains("are those of curves"), "{surface}");
+    let step = refused(Format::Step, false, &spaced(1.0));
+    assert!(
+        step.starts_with("step files have no spacing of samples"),
+        "{step}"
+    );
+    let both = Options {
+        samples: Some(piad_fit::data::Grid {
+            rows: 5,
+            columns: 1,
+        }),
+        ..spaced(1.0)
+    };
+    assert!(refused(Format::Dxf, false, &both).starts_with("spacing and samples"));
+    let small = error(Format::Csv, &curves()[..2], spaced(1e-9));
+    assert!(
+        small.starts_with("part 1 (\"Höhe 5/7\"): the curve is 5.14"),
+        "{small}"
+    );
+    assert!(small.contains("more than 1000000 samples"), "{small}");
+}
+
+#[test]
+fn splines_have_degrees_of_cad_systems() {
+    let knots = [[0.0; 30], [1.0; 30]].concat();
+    let places: Vec<[f64; 2]> = (0..30).map(|i| [f64::from(i), 0.0]).collect();
+    let steep = [part("steep", of_points(line_of(29, &knots), &places))];
+    let r2000 = Options {
+        version: Version::R2000,
+        ..Options::default()
+    };
+    assert!(error(Format::Dxf, &steep, r2000).starts_with("the degree is 29"));
+    assert!(write_parts(Format::Dxf, &steep, &header(Options::default())).is_ok());
+}

@@ -197,3 +197,40 @@ fn maps_have_degrees() {
         }
     }
 }
+
+/// The arc is a circle, so that equal distances are equal angles, in all formats.
+#[test]
+fn samples_are_equally_far_apart() {
+    let parts = [part("arc", arc())];
+    let by_length = Options {
+        by_length: true,
+        ..samples(11, 1)
+    };
+    // 7.85 long: sixteen steps.
+    let spaced = Options {
+        spacing: Some(0.5),
+        ..Options::default()
+    };
+    for (options, count) in [(by_length, 11), (spaced, 17)] {
+        let csv = text("spaced", Format::Csv, &parts, options);
+        let rows: Vec<Vec<f64>> = csv
+            .lines()
+            .skip(1)
+            .map(|line| line.split(',').map(|x| x.parse().unwrap()).collect())
+            .collect();
+        assert_eq!(rows.len(), count);
+        assert_eq!(rows[0], [0.0, 5.0, 0.0, 1.5]);
+        assert_eq!(rows[count - 1][0], 1.0);
+        for (i, row) in rows.iter().enumerate() {
+            let angle = row[2].atan2(row[1]) / std::f64::consts::FRAC_PI_2;
+            assert!((angle - i as f64 / (count - 1) as f64).abs() < 1e-12);
+        }
+        let json = text("spaced", Format::GeoJson, &parts, options);
+        let json: Value = serde_json::from_str(&json).unwrap();
+        let line = &json["features"][0]["geometry"]["coordinates"];
+        assert_eq!(line.as_array().unwrap().len(), count);
+        assert_eq!(line[3][1].as_f64(), Some(rows[3][2]));
+        let dxf = text("spaced", Format::Dxf, &parts, options);
+        assert_eq!(dxf.matches("VERTEX").count(), count);
+    }
+}

@@ -1,7 +1,7 @@
 //! The lines of DXF: a group code and its value, two lines each.
 
 use crate::import::error::FileError;
-use crate::import::lines::line_end;
+use crate::import::line::line_end;
 use crate::short::quoted;
 
 /// A value and what it means.

@@ -1,7 +1,7 @@
 //! The words of a text with their lines, and the numbers among them.
 
 use super::super::byte_lines;
-use super::super::lines::line_end;
+use super::super::line::line_end;
 
 /// The words of a text with their lines.
 #[derive(Clone, Debug)]

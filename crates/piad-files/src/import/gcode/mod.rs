@@ -7,7 +7,7 @@ mod words;
 use super::curves::Curves;
 use super::error::{FileError, FileErrors, MOST_ERRORS};
 use super::imported::Hints;
-use super::lines::line_end;
+use super::line::line_end;
 use super::part::Parts;
 use machine::{Machine, Units, value};
 use words::{Word, words};

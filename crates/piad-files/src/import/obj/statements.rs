@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::super::lines::line_end;
+use super::super::line::line_end;
 
 /// What a statement is, by its first word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
