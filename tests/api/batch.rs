@@ -276,7 +276,7 @@ async fn what_is_no_batch_is_refused() {
         );
     }
     let batch = json!({"items": [curve(1)]});
-    let request = server.post("/v1/batch").header("content-type", "text/csv");
+    let request = server.post("/v1/batch").header("content-type", "text/html");
     let (status, _) = problem(request.body("1,2\n").send().await.unwrap()).await;
     assert_eq!(status, 415);
     let request = server.post("/v1/batch").header("accept", "model/step");

@@ -60,7 +60,8 @@ impl Layout {
             return Ok(None);
         };
         let sample = Sample::new(head.line, head.below, notation, head.wanted());
-        if plain.is_none() && sample.width < 2 {
+        // Words are no row, however many there are.
+        if plain.is_none() && !(2..=MOST_COLUMNS).contains(&sample.width) {
             return Ok(None);
         }
         if sample.width > MOST_COLUMNS {
