@@ -59,14 +59,18 @@ impl Layout {
         let Some(notation) = head.notation(plain) else {
             return Ok(None);
         };
-        let sample = Sample::new(head.line, head.below, notation, head.wanted());
         // Words are no row, however many there are.
-        if plain.is_none() && !(2..=MOST_COLUMNS).contains(&sample.width) {
+        let width = notation.fields(head.line).take(MOST_COLUMNS + 1).count();
+        if width > MOST_COLUMNS && plain.is_none() {
             return Ok(None);
         }
-        if sample.width > MOST_COLUMNS {
+        if width > MOST_COLUMNS {
             let detail = format!("there are more than {MOST_COLUMNS} columns");
             return Err(FileError::at(head.number, detail));
+        }
+        let sample = Sample::new(head.line, head.below, notation, head.wanted());
+        if plain.is_none() && sample.width < 2 {
+            return Ok(None);
         }
         let names = head.names(notation, sample.width);
         let chosen = head.chosen(names.as_ref(), &sample, hints, plain.is_some())?;
