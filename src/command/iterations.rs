@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::client::Client;
 use super::failure::Failure;
+use super::file_query::FileQuery;
 use super::outputs::{OutputFormat, Place, write};
 use crate::config::fit_arguments::FitArguments;
 
@@ -27,8 +28,8 @@ pub(super) fn prepare(directory: &Path) -> Result<(), Failure> {
 pub(super) async fn write_all(
     client: &Client,
     arguments: &FitArguments,
-    directory: &Path,
-    format: OutputFormat,
+    query: &FileQuery,
+    (directory, format): (&Path, OutputFormat),
     last: usize,
 ) -> Result<(usize, u64), Failure> {
     let every = arguments.every.map(|every| every as usize);
@@ -43,7 +44,7 @@ pub(super) async fn write_all(
     for k in &numbers {
         let name = format!("iteration-{k:0digits$}.{}", format.ending());
         let place = Place::File(directory.join(name));
-        let suffix = format.suffix(arguments.units.as_deref());
+        let suffix = format.suffix(query);
         let path = format!("{job}/iterations/{k}{suffix}");
         bytes += match client.get(&path, "*/*").await? {
             Ok(body) => write(&place, body).await?,

@@ -16,6 +16,7 @@
 mod client;
 mod events;
 mod failure;
+mod file_query;
 mod input;
 mod iterations;
 mod lines;

@@ -11,6 +11,7 @@ use http_body_util::BodyExt;
 use tempfile::NamedTempFile;
 
 use super::failure::Failure;
+use super::file_query::FileQuery;
 use super::point_kind::PointKind;
 use crate::config::fit_arguments::FitArguments;
 use piad_files::export::{Format, check_shape};
@@ -42,13 +43,10 @@ impl OutputFormat {
     }
 
     /// What follows the path of a result or an iteration.
-    pub(super) fn suffix(self, units: Option<&str>) -> String {
-        match (self, units) {
-            (Self::Json, _) => String::new(),
-            (Self::File(format), Some(units)) if format.has_unit() => {
-                format!("/{format}?units={units}")
-            }
-            (Self::File(format), _) => format!("/{format}"),
+    pub(super) fn suffix(self, query: &FileQuery) -> String {
+        match self {
+            Self::Json => String::new(),
+            Self::File(format) => format!("/{format}?{}", query.of(format)),
         }
     }
 }
@@ -102,15 +100,55 @@ pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> 
         outputs.insert(0, standard);
     }
     check(&outputs)?;
-    let has_unit =
-        |output: &Output| matches!(output.format, OutputFormat::File(format) if format.has_unit());
-    if let Some(units) = arguments.units.as_deref()
-        && !outputs.iter().any(has_unit)
-    {
-        let detail = "no output is STEP or IGES, which alone have a unit that can be chosen";
-        return Err(Failure::usage(format!("--units {units}: {detail}")));
-    }
+    check_choices(arguments, &outputs)?;
     Ok(outputs)
+}
+
+/// Whether files of a format have something that can be chosen.
+type Has = fn(Format) -> bool;
+
+/// Refuses what is chosen about files of which there is none.
+pub(super) fn check_choices(arguments: &FitArguments, outputs: &[Output]) -> Result<(), Failure> {
+    let choices: [(&str, &Option<String>, Has, &str); 6] = [
+        (
+            "--units",
+            &arguments.units,
+            Format::has_unit,
+            "STEP or IGES, which alone have a unit that can be chosen",
+        ),
+        ("--svg", &arguments.svg, Format::has_style, "SVG"),
+        ("--dxf", &arguments.dxf, Format::has_version, "DXF"),
+        (
+            "--samples",
+            &arguments.samples,
+            Format::has_samples,
+            "of a format with samples",
+        ),
+        (
+            "--spacing",
+            &arguments.spacing,
+            Format::has_spacing,
+            "of a format with samples along a curve",
+        ),
+        (
+            "--origin",
+            &arguments.origin,
+            Format::has_origin,
+            "GeoJSON or GPX",
+        ),
+    ];
+    for (flag, value, has, what) in choices {
+        let is_about =
+            |output: &Output| matches!(output.format, OutputFormat::File(format) if has(format));
+        if let Some(value) = value
+            && !outputs.iter().any(is_about)
+        {
+            return Err(Failure::usage(format!(
+                "{flag} {value}: no output is {what}"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Returns true if the results go to a directory, each into a file named after its input.
@@ -145,10 +183,11 @@ fn given_format(arguments: &FitArguments) -> Result<Option<OutputFormat>, Failur
     given.transpose()
 }
 
-/// Checks that results for these points can be written in the formats of all outputs. The points are looked
-/// at only if a format does not hold everything.
+/// Checks that results for these points can be written in the formats of all outputs, as it is chosen. The points are
+/// looked at only if a format does not hold everything.
 pub(super) fn check_formats(
     outputs: &[Output],
+    query: &mut FileQuery,
     points: impl FnOnce() -> Option<PointKind>,
 ) -> Result<(), Failure> {
     let files = outputs.iter().filter_map(|output| match output.format {
@@ -159,9 +198,12 @@ pub(super) fn check_formats(
     let Some(points) = files.peek().and_then(|_| points()) else {
         return Ok(());
     };
+    query.set_origin(points.origin);
     let refusals = files.filter_map(|(place, format)| {
-        let refused = check_shape(format, points.surface, points.dimension).err()?;
-        Some(format!("{place}: {refused}"))
+        let shape = check_shape(format, points.surface, points.dimension);
+        let refused = shape.map_err(|reason| reason.to_string());
+        let checked = refused.and_then(|()| query.options(format, points.surface).map(drop));
+        Some(format!("{place}: {}", checked.err()?))
     });
     let refusals: Vec<String> = refusals.collect();
     match refusals.is_empty() {

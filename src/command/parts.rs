@@ -9,6 +9,7 @@ use serde_json::value::RawValue;
 use super::client::Client;
 use super::events::{Distances, Why};
 use super::failure::Failure;
+use super::file_query::FileQuery;
 use super::input::Input;
 use super::lines::Lines;
 use super::options::Asked;
@@ -19,8 +20,7 @@ use super::request::Request;
 use super::summary;
 use super::table::{self, Row};
 use crate::config::fit_arguments::FitArguments;
-use crate::model::named::Named;
-use piad_files::export::{Header, Options, Part, Unit, write_parts};
+use piad_files::export::{Header, Part, write_parts};
 
 /// A line of the answer: a part, or the end.
 #[derive(Debug, Deserialize)]
@@ -48,33 +48,43 @@ struct Fits {
     geometries: Vec<(String, Geometry)>,
 }
 
-/// Fits and writes all parts of an input.
-pub(super) async fn fit(
-    client: &Client,
-    arguments: &FitArguments,
-    outputs: &[Output],
-    (input, asked): (&Input, &Asked),
-    quiet: bool,
-) -> Result<Vec<Row>, Failure> {
-    check(arguments)?;
-    let Request {
-        path,
-        media_type,
-        body,
-    } = Request::of_parts(input, asked)?;
-    let answer = client.post(&path, media_type, body).await?;
-    let answer = answer.map_err(|refusal| refusal.of_fit(input, asked))?;
-    let fits = follow(Lines::new(answer), &input.name, Progress::of_parts(quiet)).await?;
-    let what = format!("{}: {} parts", input.name, fits.rows.len());
-    table::tell_all(&what, &fits.rows, quiet);
-    for output in outputs {
-        let bytes = fits.write(output, arguments)?;
-        let count = outputs::write(&output.place, Body::from(bytes)).await?;
-        if !quiet && output.place != Place::Standard {
-            summary::tell_written(&output.place.to_string(), count);
+/// What is done with the parts of a file.
+pub(super) struct Parts<'a> {
+    pub(super) arguments: &'a FitArguments,
+    pub(super) outputs: &'a [Output],
+    pub(super) query: &'a FileQuery,
+    pub(super) quiet: bool,
+}
+
+impl Parts<'_> {
+    /// Fits and writes all parts of an input.
+    pub(super) async fn fit(
+        self,
+        client: &Client,
+        input: &Input,
+        asked: &Asked,
+    ) -> Result<Vec<Row>, Failure> {
+        check(self.arguments)?;
+        let Request {
+            path,
+            media_type,
+            body,
+        } = Request::of_parts(input, asked)?;
+        let answer = client.post(&path, media_type, body).await?;
+        let answer = answer.map_err(|refusal| refusal.of_fit(input, asked))?;
+        let progress = Progress::of_parts(self.quiet);
+        let fits = follow(Lines::new(answer), &input.name, progress).await?;
+        let what = format!("{}: {} parts", input.name, fits.rows.len());
+        table::tell_all(&what, &fits.rows, self.quiet);
+        for output in self.outputs {
+            let bytes = fits.write(output, self.query)?;
+            let count = outputs::write(&output.place, Body::from(bytes)).await?;
+            if !self.quiet && output.place != Place::Standard {
+                summary::tell_written(&output.place.to_string(), count);
+            }
         }
+        Ok(fits.rows)
     }
-    Ok(fits.rows)
 }
 
 /// Refuses what is about one curve.
@@ -141,7 +151,7 @@ impl Fits {
     }
 
     /// All parts that have a result, as one file.
-    fn write(&self, output: &Output, arguments: &FitArguments) -> Result<Vec<u8>, Failure> {
+    fn write(&self, output: &Output, query: &FileQuery) -> Result<Vec<u8>, Failure> {
         let OutputFormat::File(format) = output.format else {
             return Ok(format!("{{\"items\":[\n{}\n]}}\n", self.lines.join(",\n")).into_bytes());
         };
@@ -155,11 +165,10 @@ impl Fits {
                 nurbs: nurbs.map_err(|reason| failed(&format!("{name}: {reason}")))?,
             });
         }
-        let unit = arguments.units.as_deref().and_then(Unit::of_name);
-        let options = Options {
-            unit: unit.filter(|_| format.has_unit()),
-            ..Options::default()
-        };
+        let surface = parts.iter().any(|part| part.nurbs.v.is_some());
+        let options = query
+            .options(format, surface)
+            .map_err(|reason| failed(&reason))?;
         let header = Header::new(Timestamp::now(), options);
         write_parts(format, &parts, &header).map_err(|reason| failed(&reason))
     }

@@ -4,15 +4,18 @@ use serde_json::Value;
 
 use super::input::{Content, Input};
 use super::pointer;
+use piad_files::export::Origin;
 use piad_files::import::{self, Hints, Kind};
 
 /// What points are of, and how many coordinates they have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PointKind {
     /// True if they are points of a surface.
     pub surface: bool,
     /// The number of coordinates.
     pub dimension: usize,
+    /// Where the first two start, if they were longitudes and latitudes.
+    pub origin: Option<Origin>,
 }
 
 impl PointKind {
@@ -20,11 +23,14 @@ impl PointKind {
     pub(super) fn of(input: &Input, hints: &Hints) -> Option<Self> {
         match input.content {
             Content::Points => {
-                let read = import::read(&input.bytes, hints).ok()?;
+                // Of several parts the first one: each is written on its own or all are.
+                let read = import::read_parts(&input.bytes, hints).ok()?;
+                let read = read.into_iter().next()?;
                 let surface = hints.kind == Some(Kind::Surface);
                 Some(Self {
                     surface: surface || read.grid.is_some(),
                     dimension: read.points.dimension(),
+                    origin: read.origin,
                 })
             }
             Content::Job => Self::of_job(input.json()),
@@ -44,7 +50,11 @@ impl PointKind {
                 Value::Number(_) => 1,
                 _ => return None,
             };
-            Some(Self { surface, dimension })
+            Some(Self {
+                surface,
+                dimension,
+                origin: None,
+            })
         })
     }
 }

@@ -21,6 +21,7 @@ pub(super) async fn fit(
     let output = |input: &PathBuf| outputs::in_directory(directory, input, arguments);
     let outputs: Vec<Output> = inputs.iter().map(output).collect::<Result<_, _>>()?;
     outputs::check(&outputs)?;
+    outputs::check_choices(arguments, &outputs)?;
     let mut progress = Progress::of_many(arguments.quiet, inputs.len());
     let mut rows = Vec::new();
     for (index, (input, output)) in inputs.iter().zip(&outputs).enumerate() {

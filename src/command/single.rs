@@ -10,15 +10,17 @@ use http_body_util::BodyExt;
 use super::client::{Client, Current};
 use super::events::{EndEvent, Event, Events, JobEvent};
 use super::failure::Failure;
+use super::file_query::FileQuery;
 use super::input::Input;
+use super::iterations;
 use super::options::Asked;
 use super::outputs::{self, Output, Place};
+use super::parts::Parts;
 use super::point_kind::PointKind;
 use super::progress::Progress;
 use super::request::Request;
 use super::summary::{self, Shape};
 use super::table::Row;
-use super::{iterations, parts};
 use crate::access::tokens::BOOTSTRAP;
 use crate::config::fit_arguments::FitArguments;
 use crate::files;
@@ -44,6 +46,7 @@ pub(super) async fn fit(
         input,
         asked,
         request,
+        query,
     } = prepared;
     let Request {
         path,
@@ -53,12 +56,18 @@ pub(super) async fn fit(
     let events = match client.post(&path, media_type, body).await? {
         Ok(events) => events,
         Err(refusal) if refusal.wants_part() && arguments.part.is_none() => {
-            return parts::fit(&client, arguments, outputs, (&input, &asked), quiet).await;
+            let of_parts = Parts {
+                arguments,
+                outputs,
+                query: &query,
+                quiet,
+            };
+            return of_parts.fit(&client, &input, &asked).await;
         }
         Err(refusal) => return Err(refusal.of_fit(&input, &asked)),
     };
     let (job, end) = follow(&client, events, Progress::new(quiet)).await?;
-    let written = write(&client, arguments, outputs, &end).await;
+    let written = write(&client, arguments, &query, outputs, &end).await;
     let shape = match summary::is_automatic(&job) {
         true => shape(&client).await?,
         false => None,
@@ -84,6 +93,8 @@ struct Prepared {
     input: Input,
     asked: Asked,
     request: Request,
+    /// What is chosen about the outputs.
+    query: FileQuery,
 }
 
 /// Reads the input, and refuses what is known to be impossible before the fit.
@@ -98,11 +109,15 @@ fn prepare(
         asked.check_foot_points(&input)?;
     }
     let request = Request::new(&input, &asked)?;
-    outputs::check_formats(outputs, || PointKind::of(&input, &asked.hints()))?;
+    let mut query = FileQuery::new(arguments);
+    outputs::check_formats(outputs, &mut query, || {
+        PointKind::of(&input, &asked.hints())
+    })?;
     Ok(Prepared {
         input,
         asked,
         request,
+        query,
     })
 }
 
@@ -154,6 +169,7 @@ struct Written {
 async fn write(
     client: &Client,
     arguments: &FitArguments,
+    query: &FileQuery,
     outputs: &[Output],
     end: &EndEvent,
 ) -> Written {
@@ -165,7 +181,7 @@ async fn write(
         return written;
     }
     for output in outputs {
-        match write_one(client, arguments, output).await {
+        match write_one(client, query, output).await {
             Ok(_) if output.place == Place::Standard => {}
             Ok(bytes) => written.files.push((output.place.to_string(), bytes)),
             Err(failure) => {
@@ -177,7 +193,8 @@ async fn write(
     }
     if let (Some(directory), Some(first)) = (&arguments.iterations, outputs.first()) {
         let last = end.iterations;
-        let all = iterations::write_all(client, arguments, directory, first.format, last).await;
+        let all =
+            iterations::write_all(client, arguments, query, (directory, first.format), last).await;
         match all {
             Ok((files, bytes)) => {
                 let name = format!("{files} iterations to {}", directory.display());
@@ -189,12 +206,8 @@ async fn write(
     written
 }
 
-async fn write_one(
-    client: &Client,
-    arguments: &FitArguments,
-    output: &Output,
-) -> Result<u64, Failure> {
-    let suffix = output.format.suffix(arguments.units.as_deref());
+async fn write_one(client: &Client, query: &FileQuery, output: &Output) -> Result<u64, Failure> {
+    let suffix = output.format.suffix(query);
     let job = client.job.get().map_or("", String::as_str);
     match client.get(&format!("{job}/result{suffix}"), "*/*").await? {
         Ok(body) => outputs::write(&output.place, body).await,

@@ -8,13 +8,13 @@ use clap::{Args, ValueHint};
 
 use crate::model::named::Named;
 use crate::model::stream::Samples;
-use piad_files::export::Unit;
+use piad_files::export::{Style, Unit, Version};
 
 /// What is told below the flags.
 const MORE: &str = "\
 Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job as POST /v1/jobs takes it. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then.
 
-Output is written as the ending of its name says: .json, .step (.stp), .iges (.igs), .obj, .gltf (.glb), .stl, .dxf, .svg, .csv. Without -o the result goes to the standard output. Files appear when they are complete; those that are there are overwritten.
+Output is written as the ending of its name says: .json, .step (.stp), .iges (.igs), .obj, .gltf (.glb), .stl, .ply, .dxf, .svg, .geojson, .gpx, .csv. Without -o the result goes to the standard output. Files appear when they are complete; those that are there are overwritten.
 
 Exit status: 0 converged; 1 not converged (files are written all the same), or failed; 2 wrong usage or data, told with file and line; 130 interrupted.
 
@@ -39,8 +39,8 @@ pub struct FitArguments {
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Vec<PathBuf>,
 
-    /// Format of the output, whatever its name ends with: json, step, iges, obj, gltf, stl, dxf, svg or csv
-    /// [default: that of the ending; json on the standard output].
+    /// Format of the output, whatever its name ends with: json, step, iges, obj, gltf, stl, ply, dxf, svg,
+    /// geojson, gpx or csv [default: that of the ending; json on the standard output].
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<String>,
 
@@ -136,6 +136,28 @@ pub struct FitArguments {
     /// Unit of length that STEP and IGES files declare [default: mm].
     #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(Unit::names()))]
     pub(crate) units: Option<String>,
+
+    /// What SVG files show: drawing, of the fit with its data, or path, of the curve alone for editors and plotters
+    /// [default: drawing; path of several parts].
+    #[arg(long, value_name = "STYLE", conflicts_with = "plot", value_parser = PossibleValuesParser::new(Style::names()))]
+    pub(crate) svg: Option<String>,
+
+    /// Version of DXF files: r12 with polylines, which all programs read, or r2000 with exact splines [default: r12].
+    #[arg(long, value_name = "VERSION", value_parser = PossibleValuesParser::new(Version::names()))]
+    pub(crate) dxf: Option<String>,
+
+    /// Number of samples in files that have some, such as 200, or 40x60 of surfaces.
+    #[arg(long, value_name = "NUMBER")]
+    pub(crate) samples: Option<String>,
+
+    /// Largest distance between the samples of a curve, in units of the data: they are at equal distances then.
+    #[arg(long, value_name = "DISTANCE", conflicts_with = "samples")]
+    pub(crate) spacing: Option<String>,
+
+    /// Latitude and longitude of the place where the first two coordinates start, such as 48.1,11.5, for GeoJSON and GPX files
+    /// [default: that of an input with longitudes and latitudes].
+    #[arg(long, value_name = "PLACE", allow_negative_numbers = true)]
+    pub(crate) origin: Option<String>,
 
     /// Directory for a file of each iteration, in the format of the first output: iteration-00.step and so
     /// on, all numbers with as many digits as the last one. It is made if it is missing.

@@ -1,6 +1,6 @@
 //! The names of what can be chosen about files.
 
-use piad_files::export::{Dots, Unit};
+use piad_files::export::{Dots, Style, Unit, Version};
 
 use super::named::Named;
 
@@ -15,4 +15,13 @@ impl Named for Unit {
         (Self::Metre, "m"),
         (Self::Inch, "in"),
     ];
+}
+
+impl Named for Style {
+    const ALL: &'static [(Self, &'static str)] =
+        &[(Self::Drawing, "drawing"), (Self::Path, "path")];
+}
+
+impl Named for Version {
+    const ALL: &'static [(Self, &'static str)] = &[(Self::R12, "r12"), (Self::R2000, "r2000")];
 }

@@ -4357,7 +4357,7 @@ export interface components {
          * @description The file format.
          * @example svg
          */
-        format: "step" | "iges" | "obj" | "gltf" | "stl" | "dxf" | "svg" | "csv";
+        format: "step" | "iges" | "obj" | "gltf" | "stl" | "ply" | "dxf" | "svg" | "geojson" | "gpx" | "csv";
         /**
          * @description The last part of the `type` of a problem.
          * @example invalid-fit
@@ -4449,7 +4449,7 @@ export interface components {
          */
         view: components["schemas"]["View"];
         /**
-         * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.
+         * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
          * @example 200
          */
         samples: string;
@@ -4468,6 +4468,31 @@ export interface components {
          * @example off
          */
         dots: "auto" | "on" | "off";
+        /**
+         * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For gltf, dxf, geojson, gpx and csv files.
+         * @example 0.5
+         */
+        spacing: number;
+        /**
+         * @description With `length` the samples of a curve are at equal distances along it, rather than at equal steps of its parameter.
+         * @example length
+         */
+        by: "length";
+        /**
+         * @description What svg files show: a drawing of the fit with its data, or with `path` nothing but the curve, as cubic Bézier curves in the units of the data.
+         * @example path
+         */
+        style: "drawing" | "path";
+        /**
+         * @description The version of dxf files: `r12` has polylines, which all programs read; `r2000` the exact spline of a curve.
+         * @example r2000
+         */
+        version: "r12" | "r2000";
+        /**
+         * @description Latitude and longitude of the place where the first two coordinates start, which are metres to the east and to the north there: geojson and gpx files hold degrees then. gpx files need it.
+         * @example 48.1,11.5
+         */
+        origin: string;
         /**
          * @description The unit of length that step and iges files declare. Coordinates are those of the data in any unit.
          * @example m
@@ -4745,6 +4770,11 @@ export type ParameterSamples = components['parameters']['samples'];
 export type ParameterEncoding = components['parameters']['encoding'];
 export type ParameterDigits = components['parameters']['digits'];
 export type ParameterDots = components['parameters']['dots'];
+export type ParameterSpacing = components['parameters']['spacing'];
+export type ParameterBy = components['parameters']['by'];
+export type ParameterStyle = components['parameters']['style'];
+export type ParameterVersion = components['parameters']['version'];
+export type ParameterOrigin = components['parameters']['origin'];
 export type ParameterUnits = components['parameters']['units'];
 export type ParameterEvery = components['parameters']['every'];
 export type ParameterMilestones = components['parameters']['milestones'];
@@ -5591,7 +5621,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6086,7 +6116,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6277,7 +6307,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6436,7 +6466,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6593,10 +6623,20 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
+                /**
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For gltf, dxf, geojson, gpx and csv files.
+                 * @example 0.5
+                 */
+                spacing?: components["parameters"]["spacing"];
+                /**
+                 * @description With `length` the samples of a curve are at equal distances along it, rather than at equal steps of its parameter.
+                 * @example length
+                 */
+                by?: components["parameters"]["by"];
                 /**
                  * @description Whether svg files show data points as dots: by default where these do not hide each other.
                  * @example off
@@ -6607,6 +6647,21 @@ export interface operations {
                  * @example m
                  */
                 units?: components["parameters"]["units"];
+                /**
+                 * @description What svg files show: a drawing of the fit with its data, or with `path` nothing but the curve, as cubic Bézier curves in the units of the data.
+                 * @example path
+                 */
+                style?: components["parameters"]["style"];
+                /**
+                 * @description The version of dxf files: `r12` has polylines, which all programs read; `r2000` the exact spline of a curve.
+                 * @example r2000
+                 */
+                version?: components["parameters"]["version"];
+                /**
+                 * @description Latitude and longitude of the place where the first two coordinates start, which are metres to the east and to the north there: geojson and gpx files hold degrees then. gpx files need it.
+                 * @example 48.1,11.5
+                 */
+                origin?: components["parameters"]["origin"];
             };
             header?: {
                 /**
@@ -6650,8 +6705,11 @@ export interface operations {
                     "model/obj": string;
                     "model/gltf-binary": string;
                     "model/stl": string;
+                    "application/x-ply": string;
                     "image/vnd.dxf": string;
                     "image/svg+xml": string;
+                    "application/geo+json": string;
+                    "application/gpx+xml": string;
                     "text/csv": string;
                 };
             };
@@ -6696,10 +6754,20 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, dxf, svg and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
+                /**
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For gltf, dxf, geojson, gpx and csv files.
+                 * @example 0.5
+                 */
+                spacing?: components["parameters"]["spacing"];
+                /**
+                 * @description With `length` the samples of a curve are at equal distances along it, rather than at equal steps of its parameter.
+                 * @example length
+                 */
+                by?: components["parameters"]["by"];
                 /**
                  * @description Whether svg files show data points as dots: by default where these do not hide each other.
                  * @example off
@@ -6710,6 +6778,21 @@ export interface operations {
                  * @example m
                  */
                 units?: components["parameters"]["units"];
+                /**
+                 * @description What svg files show: a drawing of the fit with its data, or with `path` nothing but the curve, as cubic Bézier curves in the units of the data.
+                 * @example path
+                 */
+                style?: components["parameters"]["style"];
+                /**
+                 * @description The version of dxf files: `r12` has polylines, which all programs read; `r2000` the exact spline of a curve.
+                 * @example r2000
+                 */
+                version?: components["parameters"]["version"];
+                /**
+                 * @description Latitude and longitude of the place where the first two coordinates start, which are metres to the east and to the north there: geojson and gpx files hold degrees then. gpx files need it.
+                 * @example 48.1,11.5
+                 */
+                origin?: components["parameters"]["origin"];
             };
             header?: never;
             path: {
@@ -6741,8 +6824,11 @@ export interface operations {
                     "model/obj": string;
                     "model/gltf-binary": string;
                     "model/stl": string;
+                    "application/x-ply": string;
                     "image/vnd.dxf": string;
                     "image/svg+xml": string;
+                    "application/geo+json": string;
+                    "application/gpx+xml": string;
                     "text/csv": string;
                 };
             };

@@ -11,9 +11,20 @@ const FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// The square of the first eccentricity.
 const E2: f64 = FLATTENING * (2.0 - FLATTENING);
 
+/// A place on the earth, by the WGS 84 ellipsoid. The first two coordinates of points are metres to the east and to
+/// the north in the plane that touches the ellipsoid there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Origin {
+    /// In degrees, to the east.
+    pub longitude: f64,
+    /// In degrees, to the north.
+    pub latitude: f64,
+}
+
 /// The plane that touches the ellipsoid at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
+    place: Origin,
     /// In coordinates from the centre of the earth: x towards longitude 0, z towards the north pole.
     origin: [f64; 3],
     east: [f64; 3],
@@ -27,11 +38,20 @@ impl Plane {
         let (sin_l, cos_l) = longitude.to_radians().sin_cos();
         let (sin_b, cos_b) = latitude.to_radians().sin_cos();
         Self {
+            place: Origin {
+                longitude,
+                latitude,
+            },
             origin: from_centre(longitude, latitude),
             east: [-sin_l, cos_l, 0.0],
             north: [-sin_b * cos_l, -sin_b * sin_l, cos_b],
             up: [cos_b * cos_l, cos_b * sin_l, sin_b],
         }
+    }
+
+    /// Where it touches the ellipsoid.
+    pub fn place(&self) -> Origin {
+        self.place
     }
 
     /// Metres to the east and to the north of the origin, of a place in degrees.

@@ -36,6 +36,7 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
     drop(room);
     if let Representation::File(format) = representation {
         order.check_export(format)?;
+        query.file_options(format, order.is_surface())?;
     }
     let fit = order.begin(&app, None).await?;
     let job = CancelledWithItsRequest(Arc::clone(&fit.job));

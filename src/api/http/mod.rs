@@ -41,7 +41,7 @@ pub(crate) mod overload;
 mod page;
 pub(crate) mod path;
 mod points;
-mod query;
+pub(crate) mod query;
 mod rates;
 mod render;
 pub(in crate::api) mod request_id;

@@ -2,17 +2,21 @@
 
 use serde::Deserialize;
 
+use super::negotiate;
 use crate::api::problem::Problem;
 use crate::api::whole::plain_number;
 use crate::model::named::Named;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec, not_samples};
-use piad_files::export::{ExportError, Format, Options};
+use piad_files::export::{ExportError, Format, Options, Origin, check_options};
 use piad_files::short::quoted;
 
 /// The parameters of a single iteration or a result.
-pub(super) const OF_RESULTS: [&str; 6] = ["view", "samples", "encoding", "digits", "dots", "units"];
+pub(super) const OF_RESULTS: [&str; 11] = [
+    "view", "samples", "encoding", "digits", "dots", "units", "style", "version", "spacing", "by",
+    "origin",
+];
 
 /// The query of a single iteration or a result.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -24,6 +28,50 @@ pub(super) struct IterationQuery {
     digits: Option<String>,
     dots: Option<String>,
     units: Option<String>,
+    style: Option<String>,
+    version: Option<String>,
+    spacing: Option<String>,
+    by: Option<String>,
+    origin: Option<String>,
+}
+
+/// How samples are spread along a curve: at equal lengths.
+const BY_LENGTH: &str = "length";
+
+/// A distance between samples.
+fn spacing(text: &str) -> Result<f64, Problem> {
+    let wrong = || {
+        let detail = format!("{} is no distance, such as 0.5", quoted(text));
+        Problem::at_parameter("spacing", detail)
+    };
+    text.parse().map_err(|_| wrong())
+}
+
+/// Latitude and longitude, such as 48.1,11.5.
+fn origin(text: &str) -> Result<Origin, Problem> {
+    let numbers = text.split_once(',').map(|(latitude, longitude)| {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        Some((number(latitude)?, number(longitude)?))
+    });
+    let Some(Some((latitude, longitude))) = numbers else {
+        let detail = format!(
+            "{} is no latitude and longitude in degrees, such as 48.1,11.5",
+            quoted(text)
+        );
+        return Err(Problem::at_parameter("origin", detail));
+    };
+    Ok(Origin {
+        longitude,
+        latitude,
+    })
+}
+
+/// What a query says of a file of this format, for a curve or a surface.
+pub(crate) fn file_options(query: &str, format: Format, surface: bool) -> Result<Options, Problem> {
+    let uri = format!("/?{query}").parse();
+    let uri = uri.map_err(|_| Problem::at_parameter("origin", "it is no query"))?;
+    let query: IterationQuery = negotiate::query(&uri)?;
+    query.file_options(format, surface)
 }
 
 /// The query of a deviation.
@@ -92,7 +140,15 @@ pub(super) struct StreamQuery {
 impl IterationQuery {
     /// The choices of the query, checked for a curve or a surface.
     pub(super) fn spec(self, surface: bool) -> Result<StreamSpec, Problem> {
-        let files = [("dots", &self.dots), ("units", &self.units)];
+        let files = [
+            ("dots", &self.dots),
+            ("units", &self.units),
+            ("style", &self.style),
+            ("version", &self.version),
+            ("spacing", &self.spacing),
+            ("by", &self.by),
+            ("origin", &self.origin),
+        ];
         if let Some((name, _)) = files.iter().find(|(_, value)| value.is_some()) {
             let detail = "it is about files, not about JSON";
             return Err(Problem::at_parameter(*name, detail));
@@ -135,12 +191,25 @@ impl IterationQuery {
             let grid = Samples::of_text(text).and_then(|samples| samples.grid(surface));
             grid.ok_or_else(|| wrong(Choice::Samples, not_samples(text, surface)))
         };
-        Ok(Options {
+        let options = Options {
             samples: self.samples.as_ref().map(grid).transpose()?,
             dots: named("dots", &self.dots)?.unwrap_or_default(),
             unit: named("units", &self.units)?,
-            ..Options::default()
-        })
+            style: named("style", &self.style)?.unwrap_or_default(),
+            version: named("version", &self.version)?.unwrap_or_default(),
+            spacing: self.spacing.as_deref().map(spacing).transpose()?,
+            by_length: self.by.as_deref().is_some_and(|by| by == BY_LENGTH),
+            origin: self.origin.as_deref().map(origin).transpose()?,
+        };
+        if let Some(by) = self.by.as_deref().filter(|by| *by != BY_LENGTH) {
+            let detail = format!("{} is no choice; there is {BY_LENGTH}", quoted(by));
+            return Err(Problem::at_parameter("by", detail));
+        }
+        check_options(format, surface, &options).map_err(|error| {
+            let option = error.option().unwrap_or("format");
+            Problem::at_parameter(option, error.to_string())
+        })?;
+        Ok(options)
     }
 }
 

@@ -237,6 +237,23 @@ pub enum ExportError {
 }
 
 impl ExportError {
+    /// The option that it is about, if it is about one: `style`, `version`, `units`, `samples`, `spacing` or `origin`.
+    pub fn option(&self) -> Option<&'static str> {
+        match self {
+            Self::NoUnit { .. } => Some("units"),
+            Self::NoOption { option, .. } => Some(option),
+            Self::NoSamples { .. } => Some("samples"),
+            Self::Spacing { .. }
+            | Self::SpacingAndSamples
+            | Self::NoSpacing
+            | Self::TooManySamples { .. } => Some("spacing"),
+            Self::NoOrigin { .. } | Self::Origin { .. } | Self::OffTheEarth { .. } => {
+                Some("origin")
+            }
+            _ => None,
+        }
+    }
+
     /// The error of the part with this number, from 1.
     pub(super) fn in_part(self, number: usize, name: Option<&str>) -> Self {
         Self::InPart {

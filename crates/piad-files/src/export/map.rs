@@ -3,7 +3,7 @@
 use super::error::ExportError;
 use super::format::Format;
 use super::nurbs::Nurbs;
-use super::options::Options;
+use super::options::{Options, plane};
 use super::sampling::{along_curve, finite};
 use crate::wgs84::Plane;
 
@@ -19,7 +19,7 @@ pub(super) fn line(
     let sites = along_curve(nurbs, options, MOST_ALONG_CURVE)?;
     let mut points = finite(&nurbs.evaluate(&sites, &[]), None)?;
     if let Some(origin) = options.origin {
-        in_degrees(&mut points, origin.plane()?, format)?;
+        in_degrees(&mut points, plane(origin)?, format)?;
     }
     if nurbs.u.closed
         && let Some(&first) = points.first()

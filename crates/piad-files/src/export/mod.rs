@@ -52,12 +52,13 @@ mod vectors;
 /// The most coordinates of points in files of curves and surfaces.
 const SPACE: usize = 3;
 
+pub use crate::wgs84::Origin;
 pub use deviation::MOST_MEASURED;
 pub use error::ExportError;
 pub use fitted::Fitted;
 pub use format::{Format, UnknownFormat};
 pub use nurbs::Nurbs;
-pub use options::{Dots, Options, Origin, Style, Unit, Version, check_options};
+pub use options::{Dots, Options, Style, Unit, Version, check_options};
 pub use part::{Header, Part};
 
 use document::Document;

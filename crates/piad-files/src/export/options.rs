@@ -2,7 +2,7 @@
 
 use super::error::ExportError;
 use super::format::Format;
-use crate::wgs84::Plane;
+use crate::wgs84::{Origin, Plane};
 use piad_fit::data::Grid;
 
 /// What can be chosen about a file.
@@ -53,33 +53,6 @@ pub enum Version {
     R12,
     /// AutoCAD R2000: exact splines.
     R2000,
-}
-
-/// A place on the earth, by the WGS 84 ellipsoid. The first two coordinates of points are metres to the east and to
-/// the north in the plane that touches the ellipsoid there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Origin {
-    /// In degrees, to the east.
-    pub longitude: f64,
-    /// In degrees, to the north.
-    pub latitude: f64,
-}
-
-impl Origin {
-    /// The plane, if this is a place on the earth.
-    pub(super) fn plane(self) -> Result<Plane, ExportError> {
-        let Self {
-            longitude,
-            latitude,
-        } = self;
-        match (-360.0..=360.0).contains(&longitude) && (-90.0..=90.0).contains(&latitude) {
-            true => Ok(Plane::new(longitude, latitude)),
-            false => Err(ExportError::Origin {
-                longitude,
-                latitude,
-            }),
-        }
-    }
 }
 
 /// What a coordinate of 1 is long. Coordinates themselves are those of the data in any unit.
@@ -180,7 +153,7 @@ pub fn check_options(format: Format, surface: bool, options: &Options) -> Result
         return Err(ExportError::NoOrigin { format });
     }
     if let Some(origin) = options.origin.filter(|_| format.has_origin()) {
-        origin.plane()?;
+        plane(origin)?;
     }
     Ok(())
 }
@@ -193,7 +166,7 @@ fn check_spacing(format: Format, surface: bool, options: &Options) -> Result<(),
     if !format.has_spacing() {
         return Err(ExportError::NoOption {
             format,
-            option: "spacing of samples",
+            option: "spacing",
             has: "gltf, dxf, geojson, gpx and csv",
         });
     }
@@ -217,5 +190,20 @@ fn exact(format: Format, surface: bool, options: &Options) -> Option<&'static st
         }
         Format::Svg if options.style == Style::Path => Some("paths in svg files"),
         _ => None,
+    }
+}
+
+/// The plane of an origin, if that is a place on the earth.
+pub(super) fn plane(origin: Origin) -> Result<Plane, ExportError> {
+    let Origin {
+        longitude,
+        latitude,
+    } = origin;
+    match (-360.0..=360.0).contains(&longitude) && (-90.0..=90.0).contains(&latitude) {
+        true => Ok(Plane::new(longitude, latitude)),
+        false => Err(ExportError::Origin {
+            longitude,
+            latitude,
+        }),
     }
 }

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::error::{FileError, FileErrors};
 use super::part::{NO_POINTS, Order, Part, Parts, check_count};
+use crate::wgs84::Origin;
 use piad_fit::data::Points;
 
 /// The last point of a closed curve is the first one again if it is no further from it than this part of its size.
@@ -37,6 +38,8 @@ pub(super) struct Curves {
     curves: Vec<Curve>,
     count: usize,
     most: usize,
+    /// Where the first two coordinates start, once they are no longitudes and latitudes any more.
+    pub(super) origin: Option<Origin>,
 }
 
 impl Curve {
@@ -122,6 +125,7 @@ impl Curves {
             curves: Vec::new(),
             count: 0,
             most,
+            origin: None,
         }
     }
 
@@ -193,7 +197,10 @@ impl Curves {
             }
             curve.close();
             let name = curve.name.take().and_then(|name| names.of(&name));
-            parts.push(curve.part(dimension, name)?);
+            parts.push(Part {
+                origin: self.origin,
+                ..curve.part(dimension, name)?
+            });
         }
         if parts.is_empty() {
             return Err(FileError::of_file(NO_POINTS).into());

@@ -17,6 +17,7 @@ const RADIUS: f64 = 6371.0;
 pub(super) fn to_metres(curves: &mut Curves) -> Vec<String> {
     let places: Vec<[f64; 2]> = curves.points().map(|[x, y, _]| [*x, *y]).collect();
     let (plane, notices) = plane(&places);
+    curves.origin = plane.map(|plane| plane.place());
     if let Some(plane) = plane {
         for point in curves.points_mut() {
             let [x, y, z]: Point = *point;

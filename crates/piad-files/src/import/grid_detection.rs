@@ -51,6 +51,7 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
         closed,
         unordered,
         parameters,
+        origin: part.origin,
         lines: part.lines,
         name: part.name,
         notices: part.notices,

@@ -1,6 +1,7 @@
 //! What a file of points becomes, and what is known of it before.
 
 use super::columns::Columns;
+use crate::wgs84::Origin;
 use piad_fit::data::{Grid, Points};
 
 /// What is known of a file beside what is in it.
@@ -82,6 +83,8 @@ pub struct Imported {
     pub unordered: bool,
     /// The parameters of the points of a curve, increasing: their times, where these are asked for.
     pub parameters: Option<Vec<f64>>,
+    /// Where the first two coordinates start, if they were longitudes and latitudes.
+    pub origin: Option<Origin>,
     /// The line of each point, from 1; empty for files without lines.
     pub lines: Vec<u32>,
     /// What the part or the file calls itself.

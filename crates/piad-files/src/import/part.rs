@@ -1,6 +1,7 @@
 //! The points of a part of a file, before it is known whether they are those of a curve or of a surface.
 
 use super::error::FileError;
+use crate::wgs84::Origin;
 use piad_fit::data::{Grid, Points};
 
 /// What a reader gives: the parts of a file, each a curve, a surface or a cloud of its own.
@@ -28,6 +29,8 @@ pub(super) struct Part {
     pub(super) times: Option<Vec<f64>>,
     /// Whether the times are the parameters without being asked for.
     pub(super) times_are_parameters: bool,
+    /// Where the first two coordinates start, if they were longitudes and latitudes.
+    pub(super) origin: Option<Origin>,
     pub(super) name: Option<String>,
     pub(super) notices: Vec<String>,
 }
@@ -63,6 +66,7 @@ impl Part {
             missing: Vec::new(),
             times: None,
             times_are_parameters: false,
+            origin: None,
             name: None,
             notices: Vec::new(),
         })
@@ -125,6 +129,7 @@ impl Part {
                 times: self.times.as_deref().map(cut),
                 order: self.order,
                 times_are_parameters: self.times_are_parameters,
+                origin: self.origin,
                 ..Self::new(points, lines)?
             })
         };

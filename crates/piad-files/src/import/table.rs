@@ -140,6 +140,7 @@ fn in_metres(part: &mut Part, places: (usize, usize)) -> Result<(), FileErrors> 
     let Some(plane) = plane else {
         return Ok(());
     };
+    part.origin = Some(plane.place());
     for (index, [east, north]) in degrees.iter().enumerate() {
         // A place that is not known is not in the plane either.
         let [east, north] = match (east, north) {
