@@ -190,8 +190,11 @@ pub(super) fn check_formats(
     query: &mut FileQuery,
     points: impl FnOnce() -> Option<PointKind>,
 ) -> Result<(), Failure> {
+    let as_usual = query.of(Format::Csv).is_empty();
     let files = outputs.iter().filter_map(|output| match output.format {
-        OutputFormat::Json | OutputFormat::File(Format::Csv) => None,
+        OutputFormat::Json => None,
+        // Tables hold everything.
+        OutputFormat::File(Format::Csv) if as_usual => None,
         OutputFormat::File(format) => Some((&output.place, format)),
     });
     let mut files = files.peekable();

@@ -517,3 +517,60 @@ async fn downloads_are_named_after_the_job() {
         );
     }
 }
+
+#[tokio::test]
+async fn files_are_as_they_are_asked_for() {
+    let server = Server::start().await;
+    let curve = server
+        .fit(&json!({"curve": {"points": data::helix()}}))
+        .await;
+    let surface = server
+        .fit(&json!({"surface": {"points": data::peaks(9)}}))
+        .await;
+    let get = async |job: &Value, file: &str| {
+        let address = format!("{}/result/{file}", path(job));
+        server.get(&address).send().await.unwrap()
+    };
+    for (file, counted, count) in [
+        ("svg?style=path", "<path ", 1),
+        ("dxf?version=r2000", "\nSPLINE\n", 1),
+        ("dxf?version=r12&samples=50", "\nVERTEX\n", 50),
+        ("geojson?by=length&samples=20&origin=48.1,11.5", "],[", 19),
+        ("gpx?origin=48.1,11.5&samples=30", "<trkpt", 30),
+    ] {
+        let response = get(&curve, file).await;
+        let status = response.status();
+        let text = response.text().await.unwrap();
+        assert_eq!(status, 200, "{file}: {text}");
+        assert_eq!(text.matches(counted).count(), count, "{file}: {text}");
+    }
+    for (job, file, parameter) in [
+        (&curve, "gpx", "origin"),
+        (&curve, "gpx?origin=91,0", "origin"),
+        (&curve, "gpx?origin=north", "origin"),
+        (&curve, "csv?spacing=0", "spacing"),
+        (&curve, "csv?spacing=1e-9", "spacing"),
+        (&curve, "csv?spacing=few", "spacing"),
+        (&curve, "csv?by=angle", "by"),
+        (&curve, "step?spacing=1", "spacing"),
+        (&curve, "csv?style=path", "style"),
+        (&curve, "svg?style=plain", "style"),
+        (&curve, "svg?version=r2000", "version"),
+        (&surface, "csv?by=length", "spacing"),
+        (&curve, "?style=path", "style"),
+    ] {
+        let file = file.to_owned();
+        let address = match file.strip_prefix('?') {
+            Some(query) => format!("{}/result?{query}", path(job)),
+            None => format!("{}/result/{file}", path(job)),
+        };
+        let (status, told) = problem(server.get(&address).send().await.unwrap()).await;
+        assert!(status == 400 || status == 409, "{file}: {told:#}");
+        if status == 400 {
+            assert_eq!(
+                told["errors"][0]["parameter"], parameter,
+                "{file}: {told:#}"
+            );
+        }
+    }
+}

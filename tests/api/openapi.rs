@@ -236,15 +236,17 @@ async fn try_parameter(server: &Server, path: &str, parameter: &Value) {
             .join(","),
         other => other.to_string(),
     };
+    // Some are about files of one format.
+    let format = match name {
+        "dots" | "style" => "/svg",
+        "units" => "/step",
+        "version" => "/dxf",
+        "origin" => "/geojson",
+        _ => "/csv",
+    };
+    let path = &path.replace("/csv", format);
     let request = match parameter["in"].as_str().unwrap() {
         "header" => server.get(path).header(name, &text),
-        // Dots are for drawings.
-        "query" if name == "dots" => {
-            server.get(&format!("{}?dots={text}", path.replace("/csv", "/svg")))
-        }
-        "query" if name == "units" => {
-            server.get(&format!("{}?units={text}", path.replace("/csv", "/step")))
-        }
         // Samples are for those who ask for samples.
         "query" if name == "samples" && !path.ends_with("/csv") => {
             server.get(&format!("{path}?view=samples&samples={text}"))

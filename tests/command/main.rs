@@ -15,6 +15,7 @@ mod inputs;
 mod interrupted;
 mod kin;
 mod outputs;
+mod parts;
 mod refused;
 mod remote;
 mod secure;

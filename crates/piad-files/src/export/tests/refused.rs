@@ -131,7 +131,7 @@ fn spacings_are_checked() {
     assert!(surface.contains("are those of curves"), "{surface}");
     let step = refused(Format::Step, false, &spaced(1.0));
     assert!(
-        step.starts_with("step files have no spacing of samples"),
+        step.starts_with("step files have no spacing to choose"),
         "{step}"
     );
     let both = Options {

@@ -1,0 +1,118 @@
+//! Files with several parts, and several files at once.
+
+use serde_json::Value;
+
+use crate::support::{Folder, curve};
+
+/// Two curves with a blank line between them.
+const TWO: &str = "x,y\n0,0\n1,2\n2,1\n\n5,5\n6,7\n7,9\n8,6\n";
+
+#[test]
+fn all_parts_go_to_one_file() {
+    let folder = Folder::new();
+    folder.write("two.csv", TWO);
+    for (name, counted, count) in [
+        ("a.dxf", "POLYLINE", 2),
+        ("a.step", "=B_SPLINE_CURVE_WITH_KNOTS(", 2),
+        ("a.svg", "<path ", 2),
+        ("a.geojson", "\"LineString\"", 2),
+        ("a.obj", "\ncurv ", 2),
+        ("a.csv", "t,x,y", 1),
+    ] {
+        let told = folder.fit(&["two.csv", "-o", name]);
+        assert_eq!(told.status, 0, "{}", told.err);
+        assert!(told.err.contains("2 converged, 0 did not"), "{}", told.err);
+        let file = String::from_utf8_lossy(&folder.read(name)).into_owned();
+        assert_eq!(file.matches(counted).count(), count, "{name}: {file}");
+    }
+    let exact = folder.fit(&["two.csv", "-o", "b.dxf", "--dxf", "r2000", "-q"]);
+    assert_eq!((exact.status, &*exact.err), (0, ""));
+    let file = String::from_utf8_lossy(&folder.read("b.dxf")).into_owned();
+    assert_eq!(file.matches("\nSPLINE\n").count(), 2, "{file}");
+    let json: Value = folder.fit(&["two.csv"]).json();
+    let items = json["items"].as_array().unwrap();
+    assert_eq!(items.len(), 2);
+    assert_eq!(items[1]["curve"]["degree"], 3);
+    // One of them, as before.
+    let second = folder.result(&["two.csv", "--part", "2"]);
+    assert_eq!(
+        second["control_points"],
+        items[1]["curve"]["control_points"]
+    );
+}
+
+#[test]
+fn a_part_that_fails_keeps_no_other_back() {
+    let folder = Folder::new();
+    folder.write("two.csv", &TWO.replace("2,1\n", "1e17,0\n1e17,1\n"));
+    let told = folder.fit(&["two.csv", "-o", "two.svg"]);
+    assert_eq!(told.status, 1, "{}", told.err);
+    assert!(told.err.contains("1 converged, 1 did not"), "{}", told.err);
+    assert!(told.err.contains("part 1"), "{}", told.err);
+    let file = String::from_utf8_lossy(&folder.read("two.svg")).into_owned();
+    assert_eq!(file.matches("<path ").count(), 1);
+    // Also where nothing else is told.
+    let told = folder.fit(&["two.csv", "-q", "-o", "two.svg"]);
+    assert!(told.err.starts_with("part 1: failed"), "{}", told.err);
+}
+
+#[test]
+fn what_is_about_one_curve_is_refused_for_several() {
+    let folder = Folder::new();
+    folder.write("two.csv", TWO);
+    folder.write("curve.csv", &curve(10));
+    for (arguments, detail) in [
+        (
+            &["two.csv", "--plot", "p.svg"][..],
+            "--plot: the file has several parts",
+        ),
+        (
+            &["two.csv", "--part", "3"],
+            "--part: the file has parts 1 to 2",
+        ),
+        (&["two.csv", "-o", "a.gpx"], "origin"),
+        (&["curve.csv", "two.csv"], "name it with -o DIR/"),
+        (
+            &["curve.csv", "two.csv", "-o", "curve.csv"],
+            "this is a file",
+        ),
+        (&["curve.csv", "curve.csv", "-o", "out/"], "asked for twice"),
+        (
+            &["curve.csv", "-o", "a.step", "--svg", "path"],
+            "--svg path: no output is SVG",
+        ),
+        (
+            &["curve.csv", "-o", "a.csv", "--spacing", "0"],
+            "more than 0",
+        ),
+    ] {
+        let told = folder.fit(arguments);
+        assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
+        assert!(told.err.contains(detail), "{arguments:?}: {}", told.err);
+    }
+}
+
+#[test]
+fn many_files_go_to_a_directory() {
+    let folder = Folder::new();
+    let mut arguments: Vec<String> = Vec::new();
+    for i in 0..25 {
+        let name = format!("wing{i}.csv");
+        folder.write(&name, &curve(10 + i));
+        arguments.push(name);
+    }
+    folder.write("two.csv", TWO);
+    folder.write("bad.csv", "x,y\n0,0\n1,oops\n2,1\n");
+    arguments.extend(["two.csv", "bad.csv", "-o", "out/", "--format", "step"].map(str::to_owned));
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let told = folder.fit(&arguments);
+    assert_eq!(told.status, 1, "{}", told.err);
+    assert!(told.err.contains("bad.csv"), "{}", told.err);
+    assert!(
+        told.err.contains("27 files: 27 converged, 1 did not"),
+        "{}",
+        told.err
+    );
+    assert!(told.err.contains("… and 8 more"), "{}", told.err);
+    assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 26);
+}
