@@ -217,7 +217,12 @@ async fn what_succeeds_has_one_schema() {
         let schemas = contents.flat_map(|content| content.values());
         let types = schemas.map(|it| {
             let mut schema = it["schema"].clone();
-            schema.as_object_mut().unwrap().remove("description");
+            let fields = schema.as_object_mut().unwrap();
+            fields.remove("description");
+            // Files are bytes, whatever they hold: some are JSON.
+            if fields.get("format") == Some(&json!("binary")) {
+                fields.remove("type");
+            }
             schema.to_string()
         });
         let types: BTreeSet<String> = types.collect();

@@ -6708,7 +6708,7 @@ export interface operations {
                     "application/x-ply": string;
                     "image/vnd.dxf": string;
                     "image/svg+xml": string;
-                    "application/geo+json": string;
+                    "application/geo+json": Record<string, never> | string;
                     "application/gpx+xml": string;
                     "text/csv": string;
                 };
@@ -6827,7 +6827,7 @@ export interface operations {
                     "application/x-ply": string;
                     "image/vnd.dxf": string;
                     "image/svg+xml": string;
-                    "application/geo+json": string;
+                    "application/geo+json": Record<string, never> | string;
                     "application/gpx+xml": string;
                     "text/csv": string;
                 };
