@@ -203,7 +203,7 @@ $(VENV)/benches: benches/requirements.txt
 # Each decoder with bytes that nobody would send, for ten minutes; needs a nightly toolchain and
 # `cargo install cargo-fuzz`. What a target finds is in fuzz/artifacts.
 FUZZ_SECONDS := 600
-fuzz: $(patsubst %,fuzz-%,job edit message edit_message record made requests)
+fuzz: $(patsubst %,fuzz-%,job edit message edit_message record made file requests)
 
 # Requests that schemathesis makes up, others each time.
 fuzz-requests: $(VENV)/installed

@@ -15,7 +15,7 @@
 //! - `fuzzing`: what fuzz targets call, in `fuzz/decoders`.
 
 pub(crate) mod app;
-mod batch;
+pub(crate) mod batch;
 #[cfg(any(test, fuzzing))]
 #[path = "../../fuzz/decoders/mod.rs"]
 pub mod fuzzing;

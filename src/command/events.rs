@@ -11,6 +11,7 @@ use super::client::Client;
 use super::failure::Failure;
 use super::lines::Lines;
 use super::request::PROGRESS;
+use crate::api::batch::part_file::{Distances, Why};
 
 /// How often a broken stream is taken up again without an event in between.
 const ATTEMPTS: u32 = 6;
@@ -68,13 +69,6 @@ pub(super) struct IterationEvent {
     pub predicted: Option<usize>,
 }
 
-/// Distances from the data; none where they are infinite.
-#[derive(Clone, Debug, Deserialize)]
-pub(super) struct Distances {
-    pub max: Option<f64>,
-    pub rms: Option<f64>,
-}
-
 /// What is said in the end.
 #[derive(Debug, Deserialize)]
 pub(super) struct EndEvent {
@@ -86,12 +80,6 @@ pub(super) struct EndEvent {
     #[serde(default)]
     pub warnings: Vec<Warning>,
     pub problem: Option<Why>,
-}
-
-/// Why a job failed.
-#[derive(Debug, Deserialize)]
-pub(super) struct Why {
-    pub detail: String,
 }
 
 /// The events of a job, in order.

@@ -22,7 +22,6 @@ mod iterations;
 mod lines;
 mod options;
 mod outputs;
-mod part_geometry;
 mod parts;
 mod point_kind;
 mod pointer;

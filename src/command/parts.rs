@@ -1,42 +1,21 @@
 //! A file with several parts: a fit of each, all in one request, and one file with all of them.
 
 use axum::body::Body;
-use jiff::Timestamp;
-use serde::Deserialize;
-use serde_json::Value;
-use serde_json::value::RawValue;
 
 use super::client::Client;
-use super::events::{Distances, Why};
 use super::failure::Failure;
 use super::file_query::FileQuery;
 use super::input::Input;
 use super::lines::Lines;
 use super::options::Asked;
 use super::outputs::{self, Output, OutputFormat, Place};
-use super::part_geometry::Geometry;
 use super::progress::Progress;
 use super::request::Request;
 use super::summary;
 use super::table::{self, Row};
+use crate::api::batch::geometry::Geometry;
+use crate::api::batch::part_file::{BatchLine, PartFile};
 use crate::config::fit_arguments::FitArguments;
-use piad_files::export::{Header, Part, write_parts};
-
-/// A line of the answer: a part, or the end.
-#[derive(Debug, Deserialize)]
-struct Line<'a> {
-    index: Option<usize>,
-    name: Option<String>,
-    #[serde(default)]
-    state: String,
-    error: Option<Distances>,
-    #[serde(borrow)]
-    curve: Option<&'a RawValue>,
-    #[serde(borrow)]
-    surface: Option<&'a RawValue>,
-    problem: Option<Why>,
-    totals: Option<Value>,
-}
 
 /// What has come of all parts.
 #[derive(Debug, Default)]
@@ -44,8 +23,8 @@ struct Fits {
     /// The lines of the answer, as JSON.
     lines: Vec<Box<str>>,
     rows: Vec<Row>,
-    /// The geometry of each part that has one.
-    geometries: Vec<(String, Geometry)>,
+    /// The parts that have a result.
+    file: PartFile,
 }
 
 /// What is done with the parts of a file.
@@ -104,14 +83,17 @@ fn check(arguments: &FitArguments) -> Result<(), Failure> {
 /// Reads the answer to its end.
 async fn follow(mut lines: Lines, name: &str, mut progress: Progress) -> Result<Fits, Failure> {
     let mut fits = Fits::default();
+    let not_understood = |reason: serde_json::Error| {
+        Failure::Failed(format!(
+            "{name}: a line of the answer is not understood: {reason}"
+        ))
+    };
     let broken = |reason: String| Failure::Failed(format!("the answer broke off: {reason}"));
     loop {
         let line = lines.next().await.map_err(broken)?;
         let line = line.ok_or_else(|| broken("it ended too early".to_owned()))?;
         let text = String::from_utf8_lossy(&line);
-        let read: Line<'_> = serde_json::from_str(&text).map_err(|reason| {
-            Failure::Failed(format!("a line of the answer is not understood: {reason}"))
-        })?;
+        let read: BatchLine<'_> = serde_json::from_str(&text).map_err(not_understood)?;
         let Some(index) = read.index else {
             progress.end();
             return match (read.totals, read.problem) {
@@ -119,26 +101,16 @@ async fn follow(mut lines: Lines, name: &str, mut progress: Progress) -> Result<
                 _ => Ok(fits),
             };
         };
-        let part = read
-            .name
-            .clone()
-            .unwrap_or_else(|| format!("part {}", index + 1));
+        let part = read.title();
         progress.item(index, &part);
-        fits.add(read, part, name)?;
+        fits.add(read, part).map_err(not_understood)?;
         fits.lines.push(text.trim_end().into());
     }
 }
 
 impl Fits {
-    fn add(&mut self, line: Line<'_>, part: String, input: &str) -> Result<(), Failure> {
-        let geometry = line.curve.or(line.surface).map(|raw| {
-            Geometry::read(raw.get()).map_err(|reason| {
-                Failure::Failed(format!(
-                    "{input}: {part}: the result is not understood: {reason}"
-                ))
-            })
-        });
-        let geometry = geometry.transpose()?;
+    fn add(&mut self, line: BatchLine<'_>, part: String) -> serde_json::Result<()> {
+        let geometry = line.geometry()?;
         self.rows.push(Row {
             name: part.clone(),
             state: line.state,
@@ -146,7 +118,9 @@ impl Fits {
             control_points: geometry.as_ref().map(Geometry::counts),
             detail: line.problem.map(|why| why.detail),
         });
-        self.geometries.extend(geometry.map(|it| (part, it)));
+        if let Some(geometry) = geometry {
+            self.file.add(part, geometry);
+        }
         Ok(())
     }
 
@@ -155,21 +129,10 @@ impl Fits {
         let OutputFormat::File(format) = output.format else {
             return Ok(format!("{{\"items\":[\n{}\n]}}\n", self.lines.join(",\n")).into_bytes());
         };
-        let failed =
-            |reason: &dyn std::fmt::Display| Failure::Failed(format!("{}: {reason}", output.place));
-        let mut parts = Vec::with_capacity(self.geometries.len());
-        for (name, geometry) in &self.geometries {
-            let nurbs = geometry.nurbs();
-            parts.push(Part {
-                name: Some(name.as_str()),
-                nurbs: nurbs.map_err(|reason| failed(&format!("{name}: {reason}")))?,
-            });
-        }
-        let surface = parts.iter().any(|part| part.nurbs.v.is_some());
+        let failed = |reason: String| Failure::Failed(format!("{}: {reason}", output.place));
         let options = query
-            .options(format, surface)
-            .map_err(|reason| failed(&reason))?;
-        let header = Header::new(Timestamp::now(), options);
-        write_parts(format, &parts, &header).map_err(|reason| failed(&reason))
+            .options(format, self.file.has_surface())
+            .map_err(failed)?;
+        self.file.write(format, options).map_err(failed)
     }
 }

@@ -3,8 +3,9 @@
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::events::{Distances, EndEvent, JobEvent};
+use super::events::{EndEvent, JobEvent};
 use super::table::Row;
+use crate::api::batch::part_file::Distances;
 use crate::terminal::say;
 
 /// What a result says of its control points, if they are binary.

@@ -1,7 +1,7 @@
 //! What is told in the end of many fits: a table with a line for each, and how many there were.
 
-use super::events::Distances;
 use super::failure::Failure;
+use crate::api::batch::part_file::Distances;
 use crate::terminal::say;
 
 /// The most lines of a table.

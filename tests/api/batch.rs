@@ -279,7 +279,7 @@ async fn what_is_no_batch_is_refused() {
     let request = server.post("/v1/batch").header("content-type", "text/html");
     let (status, _) = problem(request.body("1,2\n").send().await.unwrap()).await;
     assert_eq!(status, 415);
-    let request = server.post("/v1/batch").header("accept", "model/step");
+    let request = server.post("/v1/batch").header("accept", "image/png");
     let (status, _) = problem(request.json(&batch).send().await.unwrap()).await;
     assert_eq!(status, 406);
     for (query, parameter) in [

@@ -445,3 +445,49 @@ async fn the_parts_of_a_file_are_a_batch() {
         assert_eq!(response.status(), status, "{query}");
     }
 }
+
+#[tokio::test]
+async fn a_batch_is_one_file_if_that_is_asked_for() {
+    let server = Server::start().await;
+    let ask = async |query: &str, format: &str, body: &str| {
+        let request = server.post(&format!("/v1/batch{query}"));
+        let request = request.header("content-type", "text/csv");
+        let request = request.header("accept", format).body(body.to_owned());
+        request.send().await.unwrap()
+    };
+    for (query, format, counted) in [
+        ("", "image/vnd.dxf", "\nPOLYLINE\n"),
+        ("?version=r2000", "image/vnd.dxf", "\nSPLINE\n"),
+        ("", "model/step", "B_SPLINE_CURVE_WITH_KNOTS("),
+        ("?style=path&curve.degree=2", "image/svg+xml", "<path "),
+        ("?spacing=0.1", "application/geo+json", "\"LineString\""),
+    ] {
+        let response = ask(query, format, TWO).await;
+        assert_eq!(response.status(), 200, "{format}");
+        assert_eq!(response.headers()["content-type"], format);
+        let text = response.text().await.unwrap();
+        assert_eq!(text.matches(counted).count(), 2, "{text}");
+    }
+    let near = TWO.replace("2,1\n", "1e17,0\n1e17,1\n");
+    for (query, format, body, status, detail) in [
+        ("", "model/step", near.as_str(), 422, "part 1"),
+        ("", "model/stl", TWO, 409, "stl"),
+        ("", "application/gpx+xml", TWO, 400, "origin"),
+        ("?style=path", "model/step", TWO, 400, "style"),
+        ("", "image/png", TWO, 406, ""),
+    ] {
+        let (found, told) = problem(ask(query, format, body).await).await;
+        assert_eq!(found, status, "{format}: {told:#}");
+        let told = told["detail"].as_str().unwrap();
+        assert!(told.contains(detail), "{told}");
+    }
+    // The items of a batch in JSON likewise.
+    let curve = json!({"name": "wing", "curve": {"points": [[0, 0], [1, 2], [3, 3], [5, 2]]}});
+    let request = server.post("/v1/batch").header("accept", "image/vnd.dxf");
+    let response = request
+        .json(&json!({"items": [curve]}))
+        .send()
+        .await
+        .unwrap();
+    assert!(response.text().await.unwrap().contains("\n  8\nwing\n"));
+}

@@ -14,6 +14,7 @@ mod image;
 mod inputs;
 mod interrupted;
 mod kin;
+mod odd_files;
 mod outputs;
 mod parts;
 mod refused;

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -41,3 +43,23 @@ def test_mistakes_have_lines(client: piad.Client) -> None:
     with pytest.raises(piad.ApiError) as refused:
         client.read_points(CLOUD, size="many")
     assert [error.parameter for error in refused.value.problem.errors] == ["surface.size"]
+
+
+def test_one_of_several_curves_is_read(client: piad.Client, tmp_path: Path) -> None:
+    file = tmp_path / "two.csv"
+    file.write_text("id,x,y\n7,0,0\n8,1,2\n9,2,1\n\n1,5,5\n2,6,7\n3,7,9\n4,8,6\n")
+    with pytest.raises(piad.ApiError) as refused:
+        client.read_points(file)
+    assert [error.parameter for error in refused.value.problem.errors] == ["part"]
+    second = client.read_points(file, part=2)
+    assert second.points.tolist() == [[5, 5], [6, 7], [7, 9], [8, 6]]
+    assert any("(id) is not read" in notice for notice in second.notices)
+    swapped = client.read_points(file, part=1, columns="y,x")
+    assert swapped.points.tolist() == [[0, 0], [2, 1], [1, 2]]
+
+
+def test_files_are_fitted(client: piad.Client) -> None:
+    timed = b"time,j1,j2,j3\n0,0,1,2\n1,1,2,1\n3,2,1,0\n4,3,0,4\n"
+    result = client.fit_file(timed, tolerance=1e-9)
+    assert result.state == "converged"
+    assert result.parameters[0].tolist() == [0, 1, 3, 4]

@@ -295,7 +295,7 @@ export interface paths {
         put?: never;
         /**
          * Fit many curves and surfaces, a line for each
-         * @description Many fits in one request, computed while it arrives and kept nowhere: a line for each item, in the order of the items, as soon as it and those before it have ended; then the totals. Items are jobs; what `defaults` says holds for all of them that do not say it themselves: objects are merged field by field, but for those with another `kind`, and `null` takes a default away. In JSON, `defaults` stands before `items`; as `application/x-ndjson` the body has an item a line, and `{"defaults": …}` as the first one. An item that is no fit that can be computed, or does not converge, has a problem in its line and ends nothing; its pointers begin with `/items/3` or `/defaults`. A body that breaks off or is no JSON ends the batch: the last line is then `{"problem": …}`, and there are no totals. What is wrong before the first item is answered as usual. Limits hold for each item, that of the size of bodies too. Read the answer while you send: a body is read only a little ahead of what is read of its answer. A client that goes away ends its fits.
+         * @description Many fits in one request, computed while it arrives and kept nowhere: a line for each item, in the order of the items, as soon as it and those before it have ended; then the totals. Items are jobs; what `defaults` says holds for all of them that do not say it themselves: objects are merged field by field, but for those with another `kind`, and `null` takes a default away. In JSON, `defaults` stands before `items`; as `application/x-ndjson` the body has an item a line, and `{"defaults": …}` as the first one. An item that is no fit that can be computed, or does not converge, has a problem in its line and ends nothing; its pointers begin with `/items/3` or `/defaults`. A body that breaks off or is no JSON ends the batch: the last line is then `{"problem": …}`, and there are no totals. What is wrong before the first item is answered as usual. Limits hold for each item, that of the size of bodies too. Read the answer while you send: a body is read only a little ahead of what is read of its answer. A client that goes away ends its fits. The body may also be a file of points, of which each part is an item; then what items have in common stands in the query. With an `Accept` header of a file format (such as `image/vnd.dxf`) the answer is one file with all curves and surfaces, if all of them have converged.
          */
         post: operations["fitBatch"];
         delete?: never;
@@ -5407,6 +5407,7 @@ export interface operations {
             403: components["responses"]["forbidden"];
             406: components["responses"]["not-acceptable"];
             408: components["responses"]["body-timeout"];
+            409: components["responses"]["no-export"];
             413: components["responses"]["body-too-large"];
             /**
              * @description - `/problems/unsupported-media-type`: Jobs are sent as application/json or application/x-protobuf.
@@ -5421,7 +5422,19 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            422: components["responses"]["invalid-fit"];
+            /**
+             * @description - `/problems/invalid-fit`: The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why.
+             *     - `/problems/not-converged`: POST /v1/fit answers with fits that converge; detail tells how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result can be had whatever its state.
+             */
+            422: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /**
              * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
              *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.

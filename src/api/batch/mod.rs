@@ -10,17 +10,19 @@
 //! - [`defaults`]: what items have in common;
 //! - [`item`]: a job of a batch, read and checked; [`group`]: some of them, one after another on a thread of the pool;
 //!   [`task`]: the memory that a group takes, and what it waits for;
-//! - [`answer`]: lines, as they are framed; [`sending`]: the bytes of an answer; [`settings`]: what holds for all of a batch.
+//! - [`answer`]: lines, as they are framed; [`sending`]: the bytes of an answer; [`part_file`]: all of it as one file, of each [`geometry`]; [`settings`]: what holds for all of a batch.
 
 pub(in crate::api) mod answer;
 mod arrival;
 mod defaults;
 mod document;
 pub(in crate::api) mod driver;
+pub(crate) mod geometry;
 mod group;
 mod item;
 mod lines;
 mod messages;
+pub(crate) mod part_file;
 pub(in crate::api) mod pieces;
 pub(in crate::api) mod sending;
 pub(in crate::api) mod settings;

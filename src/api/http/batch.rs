@@ -6,19 +6,22 @@ use axum::http::HeaderMap;
 use axum::response::Response;
 use futures_util::stream;
 
+use super::answer::whole;
 use super::points::{Fields, PartJobs};
 use super::query::{IterationQuery, OF_RESULTS};
 use super::request_id::REQUEST_ID;
 use super::{body, coding, events, negotiate};
 use crate::api::app::App;
 use crate::api::batch::driver::Batch;
+use crate::api::batch::part_file::{BatchLine, PartFile};
 use crate::api::batch::pieces::BodyForm;
 use crate::api::batch::sending::Sending;
 use crate::api::batch::settings::{Forms, Settings};
 use crate::api::language::{Framing, NDJSON, SSE};
-use crate::api::problem::Problem;
+use crate::api::problem::{Kind, Problem};
 use crate::model::stream::form::Digits;
 use crate::model::stream::options;
+use piad_files::export::Format;
 
 /// Fits many curves and surfaces: the items of a batch, or the parts of a file.
 pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Response, Problem> {
@@ -28,14 +31,21 @@ pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Re
         Some((query, fields)) => (query, Some(fields)),
     };
     let headers = request.headers();
-    let framing = framing(headers)?;
+    let wanted = wanted(headers)?;
+    let (framing, forms) = match wanted {
+        Wanted::Lines(framing) => (framing, forms(&query)?),
+        Wanted::File(format) => {
+            query.file_options(format, false)?;
+            (Framing::Ndjson, forms(&IterationQuery::default())?)
+        }
+    };
     let form = match fields {
         None => body::of_batch(headers)?,
         Some(_) => BodyForm::Lines,
     };
     let request_id = headers.get(REQUEST_ID).and_then(|id| id.to_str().ok());
     let request_id = request_id.map(str::to_owned);
-    let settings = Settings::new(&app, form, framing, forms(&query)?, request_id);
+    let settings = Settings::new(&app, form, framing, forms, request_id);
     let batch = match fields {
         None => {
             let coding = coding::of_body(headers)?;
@@ -46,16 +56,87 @@ pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Re
             Batch::begin(settings, jobs.into_body(), None).await?
         }
     };
-    let lines = stream::unfold(Sending::begin(batch), |mut sending| async move {
+    let sending = Sending::begin(batch);
+    if let Wanted::File(format) = wanted {
+        return one_file(&app, sending, format, &query).await;
+    }
+    let lines = stream::unfold(sending, |mut sending| async move {
         let bytes = sending.next().await?;
         Some((bytes, sending))
     });
     Ok(events::unstored(framing, Body::from_stream(lines)))
 }
 
-/// How lines are framed; one a line by default.
-fn framing(headers: &HeaderMap) -> Result<Framing, Problem> {
-    negotiate::choose(headers, &[(NDJSON, Framing::Ndjson), (SSE, Framing::Sse)])
+/// What is answered.
+#[derive(Clone, Copy)]
+enum Wanted {
+    /// Lines that are framed like this.
+    Lines(Framing),
+    /// A file with all curves and surfaces.
+    File(Format),
+}
+
+/// What the Accept header likes best; lines of JSON without one.
+fn wanted(headers: &HeaderMap) -> Result<Wanted, Problem> {
+    let lines = [
+        (NDJSON, Wanted::Lines(Framing::Ndjson)),
+        (SSE, Wanted::Lines(Framing::Sse)),
+    ];
+    let files = Format::ALL.map(|format| (format.media_type(), Wanted::File(format)));
+    negotiate::choose(headers, &[lines.as_slice(), files.as_slice()].concat())
+}
+
+/// All curves and surfaces as one file, if all of them have converged.
+async fn one_file(
+    app: &App,
+    mut sending: Sending,
+    format: Format,
+    query: &IterationQuery,
+) -> Result<Response, Problem> {
+    let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
+    let mut file = PartFile::default();
+    let (mut rest, mut taken) = (Vec::new(), 0);
+    while let Some(bytes) = sending.next().await {
+        rest.extend_from_slice(&bytes?);
+        while let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
+            let line: Vec<u8> = rest.drain(..=end).collect();
+            taken += line.len();
+            if taken > limit {
+                let detail = format!(
+                    "the results are too large for one file here: as lines they take more than {limit} bytes; ask for lines"
+                );
+                return Err(Problem::new(Kind::NoExport, detail));
+            }
+            add(&mut file, &line)?;
+        }
+    }
+    let options = query.file_options(format, file.has_surface())?;
+    let failed = |reason| Problem::new(Kind::NoExport, reason);
+    Ok(whole(
+        file.write(format, options).map_err(failed)?,
+        format.media_type(),
+    ))
+}
+
+/// Adds what a line has.
+fn add(file: &mut PartFile, line: &[u8]) -> Result<(), Problem> {
+    let unreadable = |reason: serde_json::Error| Problem::new(Kind::Internal, reason.to_string());
+    let line: BatchLine<'_> = serde_json::from_slice(line).map_err(unreadable)?;
+    if let Some(why) = &line.problem {
+        let detail = match line.index {
+            None => why.detail.clone(),
+            Some(_) => format!(
+                "{}: {}; lines of JSON have the others",
+                line.title(),
+                why.detail
+            ),
+        };
+        return Err(Problem::new(Kind::NotConverged, detail));
+    }
+    if let Some(geometry) = line.geometry().map_err(unreadable)? {
+        file.add(line.title(), geometry);
+    }
+    Ok(())
 }
 
 /// How curves and surfaces are shown. What makes sense for neither is refused before anything is read.

@@ -77,7 +77,7 @@ function placeOf(text: string, words: string): { line: number | null; column: nu
 
 async function byServer(text: string, bytes: Blob | undefined, signal: AbortSignal): Promise<Reading> {
   const headers = { "Content-Type": bytes === undefined ? "text/plain; charset=utf-8" : "application/octet-stream", Accept: "application/json, application/problem+json" };
-  const response = await ask(new URL("v1/points", document.baseURI), { method: "POST", headers, body: bytes ?? text, signal });
+  const response = await ask(new URL("v1/points", document.baseURI), { method: "POST", headers, body: (await bytes?.arrayBuffer()) ?? text, signal });
   const body = (await response.json().catch(() => null)) as Json;
   if (response.ok && isFields(body)) {
     const { notices, ...request } = body;

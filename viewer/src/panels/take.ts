@@ -14,8 +14,12 @@ import { Field, type Slot, fieldOf } from "./field.js";
 import type { Json } from "./pointer.js";
 
 const FILE = "/v1/jobs/{id}/iterations/{k}/{format}";
-/** Formats that have nothing for curves. */
-const OF_SURFACES: ReadonlySet<string> = new Set(["stl"]);
+/** Formats that have nothing for curves, or nothing for surfaces. */
+const OF_SURFACES: ReadonlySet<string> = new Set(["stl", "ply"]);
+const OF_CURVES: ReadonlySet<string> = new Set(["geojson", "gpx"]);
+
+/** Names that are not written in capitals. */
+const TITLES: Readonly<Record<string, string>> = { gltf: "glTF", geojson: "GeoJSON" };
 
 export const take: Panel = (root, app) => {
   const which = el("select", { id: "take-job" });
@@ -48,7 +52,7 @@ export const take: Panel = (root, app) => {
     if (what.textContent !== text) what.textContent = text;
     files.toggleAttribute("inert", fit === undefined || k < 0);
     const isCurve = (fit?.head?.kind ?? fit?.job?.status.kind) === "curve";
-    for (const button of files.querySelectorAll<HTMLElement>("[data-format]")) button.parentElement!.hidden = isCurve && OF_SURFACES.has(button.dataset["format"] ?? "");
+    for (const button of files.querySelectorAll<HTMLElement>("[data-format]")) button.parentElement!.hidden = (isCurve ? OF_SURFACES : OF_CURVES).has(button.dataset["format"] ?? "");
     link.value = new URL(linkTo(app.view.value), location.href).href;
   };
   which.addEventListener("change", update);
@@ -80,7 +84,7 @@ function formats(app: App, description: Description, chosen: () => Fit | undefin
   const about = new Map(description.media(FILE));
   const able: readonly string[] = description.capabilities.formats.result;
   const rows = able.flatMap((type) => {
-    const name = names.find((part) => type.split("/")[1]?.includes(part));
+    const name = names.find((part) => type.split("/")[1]?.replace("+", "").includes(part));
     return name === undefined ? [] : [button(name, about.get(type) ?? type, () => void get(name))];
   });
   const asked: Record<string, Json | undefined> = {};
@@ -124,7 +128,7 @@ function option(description: Description, { name, schema, description: help = ""
 }
 
 function title(name: string): string {
-  return name === "gltf" ? "glTF" : name.toUpperCase();
+  return TITLES[name] ?? name.toUpperCase();
 }
 
 /** A file of the server, with its name; what it refuses is thrown. */

@@ -6,6 +6,8 @@ import inspect
 import sys
 import warnings
 from collections.abc import AsyncGenerator, Coroutine, Mapping, Sequence
+from os import PathLike
+from pathlib import Path
 from typing import Any, NamedTuple, Optional, Union
 
 from . import _request
@@ -219,14 +221,55 @@ class Service:
             more = answer["next"].partition("?")[2]
             answer = await self._transport.json("GET", f"/v1/jobs?{more}")
 
-    async def read_points(self, text: Union[str, bytes], *, size: Optional[str] = None) -> FilePoints:
-        """The points in the text of a file (CSV, XYZ, airfoils), as `create` and `fit` take them, and
-        what was found out about it. `size`, such as `"40x60"`, is the number of rows and columns of a
-        surface. Nothing is fitted. What is wrong with a file is told at its lines (`ApiError`).
+    async def read_points(
+        self,
+        file: Union[str, bytes, PathLike[str]],
+        *,
+        part: Union[int, str, None] = None,
+        columns: Optional[str] = None,
+        size: Optional[str] = None,
+        order: Optional[str] = None,
+        times: bool = False,
+    ) -> FilePoints:
+        """The points of a file, as `create` and `fit` take them, and what was found out about it.
+
+        `file` is its path (`pathlib.Path`), its bytes or its text. Of a file with several curves `part` chooses one,
+        by its number from 1 or its name; `columns`, such as `"x=2,y=3"`, says what the columns of a table are; `size`,
+        such as `"40x60"`, is the number of rows and columns of a surface; with `order="given"` the order of points
+        is not looked at; with `times` the times of the points are their parameters. Nothing is fitted. What is wrong
+        with a file is told at its lines (`ApiError`).
         """
-        parameters = _request.given({"surface.size": size})
+        parameters = _request.given(
+            {
+                "part": None if part is None else str(part),
+                "columns": columns,
+                "surface.size": size,
+                "curve.order": order,
+                "curve.parameters": "time" if times else None,
+            }
+        )
+        text = Path(file).read_bytes() if isinstance(file, PathLike) else file
         answer = await self._transport.json("POST", "/v1/points", text=text, parameters=parameters)
         return FilePoints.from_json(answer)
+
+    async def fit_file(
+        self,
+        file: Union[str, bytes, PathLike[str]],
+        *,
+        part: Union[int, str, None] = None,
+        columns: Optional[str] = None,
+        size: Optional[str] = None,
+        times: bool = False,
+        **settings: Any,
+    ) -> Result:
+        """The result of a fit of a file. `read_points` says how it is read, `fit` what the `settings` mean."""
+        read = await self.read_points(file, part=part, columns=columns, size=size, times=times)
+        settings.setdefault("name", read.name)
+        if read.closed:
+            settings.setdefault("closed", True)
+        if read.parameters is not None:
+            settings.setdefault("parameters", list(read.parameters))
+        return await self.fit(read.points, **settings)
 
     async def capabilities(self) -> dict[str, Any]:
         """What the server can do and its limits, as JSON."""

@@ -80,7 +80,8 @@ class Transport:
         content = text if body is None else encoded(body)
         sent = {"Accept": "application/json", **(headers or {})}
         if content is not None:
-            sent["Content-Type"] = "text/plain" if body is None else "application/json"
+            plain = "text/plain" if isinstance(text, str) else "application/octet-stream"
+            sent["Content-Type"] = plain if body is None else "application/json"
         http = self._connections.http
         request = http.build_request(method, path, content=content, headers=sent, params=parameters or None)
         started = time.monotonic()

@@ -58,6 +58,7 @@ class Client:
     fit = same(Service.fit)
     job = method(Service.job, Job)
     read_points = same(Service.read_points)
+    fit_file = same(Service.fit_file)
     capabilities = same(Service.capabilities)
 
     batch = making(Service.batch, Batch)

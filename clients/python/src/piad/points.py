@@ -22,6 +22,8 @@ class FilePoints:
     """What was found out about the file, in sentences."""
     closed: bool = False
     """The curve is closed: the file had its first point at the end again, which is not among the points."""
+    parameters: Optional[tuple[float, ...]] = None
+    """The parameters of the points of a curve: their times, where these were asked for."""
 
     def __repr__(self) -> str:
         closed = ", closed" if self.closed else ""
@@ -34,4 +36,11 @@ class FilePoints:
         shape = value.get("curve") or value.get("surface")
         if shape is None:
             raise ProtocolError("the server has read neither a curve nor a surface")
-        return cls(as_array(shape["points"]), value.get("name"), tuple(value["notices"]), shape.get("closed", False))
+        parameters = shape.get("parameters")
+        return cls(
+            as_array(shape["points"]),
+            value.get("name"),
+            tuple(value["notices"]),
+            shape.get("closed", False),
+            None if parameters is None else tuple(parameters),
+        )

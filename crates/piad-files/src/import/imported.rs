@@ -92,3 +92,34 @@ pub struct Imported {
     /// What was found out about it, in sentences.
     pub notices: Vec<String>,
 }
+
+impl Imported {
+    /// The points that a grid with gaps has, as scattered points of a surface.
+    #[must_use]
+    pub fn into_scattered(mut self) -> Self {
+        let count = self.points.len();
+        let kept: Vec<usize> = (0..count)
+            .filter(|index| self.missing.binary_search(index).is_err())
+            .collect();
+        let lanes = self.points.lanes().iter();
+        let lanes: Vec<Vec<f64>> = lanes.map(|lane| chosen(lane, &kept)).collect();
+        self.points = Points::from_lanes(lanes);
+        self.lines = chosen(&self.lines, &kept);
+        self.notices.push(format!(
+            "The fit chooses the number of its control points: the {} points that are there are fitted as scattered points.",
+            kept.len()
+        ));
+        Self {
+            grid: None,
+            missing: Vec::new(),
+            unordered: true,
+            ..self
+        }
+    }
+}
+
+/// The values with these indices.
+pub(super) fn chosen<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
+    let value = |index: &usize| values.get(*index).copied();
+    indices.iter().filter_map(value).collect()
+}

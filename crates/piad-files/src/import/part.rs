@@ -1,6 +1,7 @@
 //! The points of a part of a file, before it is known whether they are those of a curve or of a surface.
 
 use super::error::FileError;
+use super::imported::chosen;
 use crate::wgs84::Origin;
 use piad_fit::data::{Grid, Points};
 
@@ -135,11 +136,6 @@ impl Part {
         };
         ends.map(part).collect()
     }
-}
-
-fn chosen<T: Copy>(values: &[T], indices: &[usize]) -> Vec<T> {
-    let value = |index: &usize| values.get(*index).copied();
-    indices.iter().filter_map(value).collect()
 }
 
 impl From<Part> for Parts {

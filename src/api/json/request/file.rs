@@ -127,6 +127,19 @@ fn closed(fields: &Map<String, Value>) -> Option<bool> {
     said.or(open.then_some(false))
 }
 
+/// The points of a file as a fit with these fields takes them: one that chooses the number of its control points takes no
+/// grid with gaps.
+pub(crate) fn suited(fields: &Map<String, Value>, file: Imported) -> Imported {
+    let method = fields.get("method");
+    let count = method.and_then(|method| method.get("control_points"));
+    let is_automatic = count.is_some_and(|count| count == "auto");
+    let has_gaps = !file.missing.is_empty() && file.points.dimension() == 3;
+    match is_automatic && has_gaps {
+        true => file.into_scattered(),
+        false => file,
+    }
+}
+
 /// Reads a job of these fields, with these points of a file, about which that was known.
 pub(crate) fn read(
     fields: Map<String, Value>,

@@ -8,7 +8,7 @@ use piad_fit::data::Points;
 
 /// A fitted curve or surface.
 #[derive(Debug, Deserialize)]
-pub(super) struct Geometry {
+pub(crate) struct Geometry {
     basis: Each<String>,
     degree: Each<usize>,
     closed: Each<bool>,
@@ -58,17 +58,17 @@ impl<T> Each<T> {
 }
 
 impl Geometry {
-    /// Reads the JSON.
-    pub(super) fn read(json: &str) -> serde_json::Result<Self> {
-        serde_json::from_str(json)
-    }
-
     /// How many control points there are, in each direction.
-    pub(super) fn counts(&self) -> String {
+    pub(crate) fn counts(&self) -> String {
         match &self.control_points {
             Net::Curve(points) => points.len().to_string(),
             Net::Surface(rows) => format!("{} × {}", rows.len(), columns(rows)),
         }
+    }
+
+    /// Returns true for a surface.
+    pub(super) fn is_surface(&self) -> bool {
+        matches!(self.control_points, Net::Surface(_))
     }
 
     /// The B-spline, if its basis has one.
@@ -78,7 +78,7 @@ impl Geometry {
             .find(|basis| basis.ends_with("_ball"));
         if let Some(basis) = ball {
             return Err(format!(
-                "results with the basis {basis} are written one at a time: choose a part (--part 1)"
+                "results with the basis {basis} are written one at a time: ask for the lines of a batch, or for one part"
             ));
         }
         let direction = |degree: &usize, closed: &bool, knots: &Option<Vec<f64>>| DirectionData {

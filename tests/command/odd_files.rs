@@ -1,0 +1,278 @@
+//! Files of all formats as people have them: large and small, broken, with claims that are not true.
+
+use std::fs;
+
+use crate::support::Folder;
+
+/// What a file is, its bytes, the status of the program, and what it tells.
+type Case = (&'static str, Vec<u8>, i32, &'static str);
+
+fn text(name: &'static str, text: &str, status: i32, told: &'static str) -> Case {
+    (name, text.into(), status, told)
+}
+
+/// The same file with the line ends of Windows and of old Macintosh computers, and in UTF-16.
+fn written_otherwise(name: &'static str, text: &str, told: &'static str) -> Vec<Case> {
+    let utf16 = |order: fn(u16) -> [u8; 2]| {
+        let units = std::iter::once(0xfeff).chain(text.encode_utf16());
+        units.flat_map(order).collect::<Vec<u8>>()
+    };
+    vec![
+        (name, text.into(), 0, told),
+        (name, text.replace('\n', "\r\n").into(), 0, told),
+        (name, text.replace('\n', "\r").into(), 0, told),
+        (name, utf16(u16::to_le_bytes), 0, told),
+        (name, utf16(u16::to_be_bytes), 0, told),
+    ]
+}
+
+fn tables() -> Vec<Case> {
+    let counted: String = (1..=9)
+        .map(|i| format!("{i},{},{}\n", i * i, 7 - i))
+        .collect();
+    let mut cases = written_otherwise(
+        "named columns",
+        "id,x (m),y (m)\n7,0,0\n8,1,2\n9,3,1\n",
+        "(id) is not read",
+    );
+    cases.extend([
+        text("a column that counts", &counted, 0, "column 1 counts"),
+        text(
+            "decimal commas",
+            "t;x;y\n0;0,5;1\n1;1,5;2\n2;3;4\n",
+            0,
+            "Columns 2 (x) and 3 (y)",
+        ),
+        text(
+            "texts with commas",
+            "P,N,E,D\n1,10,20,\"a, b\"\n2,12,22,c\n3,13,25,d\n",
+            0,
+            "Columns 3 (E) and 2 (N)",
+        ),
+        text(
+            "gaps",
+            "x,y\n0,0\n1,nan\n2,1\n3,\n4,4\n5,5\n",
+            0,
+            "2 points",
+        ),
+        text(
+            "seven angles",
+            "time,j1,j2,j3,j4\n0,1,2,3,4\n1,2,3,4,5\n2,4,4,4,4\n3,5,5,5,6\n",
+            0,
+            "The parameters of the curve are its times",
+        ),
+        text(
+            "times that go back",
+            "time,j1,j2\n0,1,2\n2,2,3\n1,4,4\n3,5,5\n",
+            2,
+            ":4: the time of this point is not after",
+        ),
+        text(
+            "degrees",
+            "lon,lat\n11.5,48\n11.51,48.01\n11.53,48.01\n11.54,48.02\n",
+            0,
+            "metres east and north of latitude 48",
+        ),
+        text(
+            "latitudes beyond the poles",
+            "lon,lat\n11.5,48\n11.51,98.01\n11.53,48.01\n",
+            2,
+            ":3: latitude 98.01",
+        ),
+        text(
+            "two curves",
+            "x,y\n0,0\n1,1\n2,0\n\n5,5\n6,6\n7,5\n",
+            0,
+            "2 parts",
+        ),
+        text(
+            "one point alone",
+            "x,y\n0,0\n1,1\n\n5,5\n",
+            2,
+            ":5: this part has one point",
+        ),
+        text(
+            "lines that are all words",
+            &"these are words\n".repeat(20),
+            2,
+            ":4: ",
+        ),
+        text(
+            "numbers beyond all bounds",
+            "0,0\n1,1e999\n3,1\n",
+            2,
+            ":2: column 2",
+        ),
+    ]);
+    cases
+}
+
+fn drawings() -> Vec<Case> {
+    let gpx = |inner: &str| {
+        format!(
+            "<?xml version=\"1.0\"?>\n<gpx>\n<trk><name>way</name><trkseg>\n{inner}</trkseg></trk>\n</gpx>\n"
+        )
+    };
+    let point = |i: u32| format!("<trkpt lat=\"48.0{i}\" lon=\"11.{i}\"><ele>{i}</ele></trkpt>\n");
+    let track: String = (1..6).map(point).collect();
+    let line = "{\"type\": \"LineString\", \"coordinates\": [[0, 0], [1, 2], [3, 1], [4, 4]]}";
+    let dxf = |entities: &str| format!("0\nSECTION\n2\nENTITIES\n{entities}0\nENDSEC\n0\nEOF\n");
+    let polyline = "0\nLWPOLYLINE\n8\nA\n90\n4\n70\n0\n10\n0\n20\n0\n10\n1\n20\n2\n10\n3\n20\n1\n10\n4\n20\n4\n";
+    let svg = |inner: &str| {
+        format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 9 9\">{inner}</svg>")
+    };
+    let bomb = "<!DOCTYPE x [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;\">]>\n<gpx><trk><name>&b;</name></trk></gpx>";
+    let mut cases = written_otherwise("track", &gpx(&track), "metres east and north");
+    cases.extend(
+        written_otherwise("line on a map", line, "LineString")
+            .into_iter()
+            .map(|(name, bytes, status, _)| (name, bytes, status, "4 points")),
+    );
+    cases.extend(written_otherwise("drawing", &dxf(polyline), "4 points"));
+    cases.extend(written_otherwise(
+        "outline",
+        &svg("<polyline points=\"0,0 1,2 3,1 4,4\"/>"),
+        "4 points",
+    ));
+    cases.extend(written_otherwise(
+        "path of a tool",
+        "%\nG21 G90\nG0 X0 Y0\nG1 X1 Y2\nG1 X3 Y1\nG1 X4 Y4\nM30\n",
+        "4 points",
+    ));
+    cases.extend([
+        text("track that is cut off", &gpx(&track)[..200], 2, ""),
+        text("track without points", &gpx(""), 2, "there are no points"),
+        text("entities in entities", bomb, 2, ""),
+        text(
+            "latitude that is none",
+            &gpx("<trkpt lat=\"north\" lon=\"1\"/>"),
+            2,
+            ":4: ",
+        ),
+        text("map that is cut off", &line[..50], 2, ""),
+        text(
+            "position that is none",
+            "{\"type\": \"LineString\", \"coordinates\": [[0, 0], [1, \"b\"]]}",
+            2,
+            "position 1",
+        ),
+        text("drawing that is cut off", &dxf(polyline)[..90], 2, ""),
+        text(
+            "drawing of words",
+            &dxf("0\nTEXT\n8\nA\n1\nhello\n"),
+            2,
+            "no points",
+        ),
+        text(
+            "drawing in binary",
+            "AutoCAD Binary DXF\r\n\u{1a}\0",
+            2,
+            "DXF",
+        ),
+        text("outline without points", &svg(""), 2, "no points"),
+        text(
+            "outline in outlines",
+            &svg(&("<g>".repeat(50_000) + "<path d='M0 0 L1 1'/>")),
+            2,
+            "",
+        ),
+        text(
+            "two outlines",
+            &svg("<path d='M0 0 L1 1 2 0'/><path d='M5 5 l1 1 2 3'/>"),
+            0,
+            "2 parts",
+        ),
+    ]);
+    cases
+}
+
+fn clouds() -> Vec<Case> {
+    let ply = |count: &str, format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+        )
+    };
+    let four = "0 0 0\n1 0 1\n0 1 2\n1 1 4\n";
+    let mut stl = vec![0; 80];
+    stl.extend(1000_u32.to_le_bytes());
+    let floats = |order: fn(f32) -> [u8; 4]| {
+        (0..12_u8)
+            .flat_map(move |i| order(f32::from(i)))
+            .collect::<Vec<u8>>()
+    };
+    let with = |head: String, body: &[u8]| [head.as_bytes(), body].concat();
+    let little = with(ply("4", "binary_little_endian"), &floats(f32::to_le_bytes));
+    let big = with(ply("4", "binary_big_endian"), &floats(f32::to_be_bytes));
+    let claims = with(
+        ply("999999999999999999", "binary_little_endian"),
+        &floats(f32::to_le_bytes),
+    );
+    let grid = "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n1 2 3\n4 5 7\n";
+    let order = "no order along a curve";
+    let mut cases = vec![
+        ("PLY, little end first", little, 2, order),
+        ("PLY, big end first", big, 2, order),
+        ("PLY with a claim", claims, 2, "999999999999999999"),
+        text("PLY in text", &(ply("4", "ascii") + four), 2, order),
+        text("PLY that is cut off", &(ply("9", "ascii") + four), 2, "9"),
+        ("STL with a claim", stl, 2, ""),
+        text("OBJ", "v 0 0 0\nv 1 0 1\nv 0 1 2\nf 1 2 3\n", 2, order),
+        text(
+            "OBJ with a line",
+            "v 0 0 0\nv 1 0 1\nv 0 1 2\nl 1 2 3\n",
+            0,
+            "3 points",
+        ),
+        text(
+            "OBJ with an index that is none",
+            "v 0 0 0\nv 1 0 1\nl 1 9\n",
+            2,
+            ":3: ",
+        ),
+        text(
+            "OFF",
+            &("OFF\n4 1 0\n".to_owned() + four + "3 0 1 2\n"),
+            2,
+            order,
+        ),
+        text("PTS", &("4\n".to_owned() + four), 2, order),
+        text(
+            "PCD that is cut off",
+            "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 9\nHEIGHT 1\nPOINTS 9\nDATA binary\nab",
+            2,
+            "9",
+        ),
+        text("LAS that is cut off", "LASF\0\0\0\0", 2, ""),
+        text("grid", grid, 0, "2 rows of 3"),
+        text("grid with too few heights", &grid[..grid.len() - 4], 2, ""),
+        text("ZIP", "PK\u{3}\u{4}\0\0\0\0", 2, "ZIP"),
+        text("PDF", "%PDF-1.7\n", 2, "PDF"),
+        ("gzip", vec![0x1f, 0x8b, 8, 0, 0, 0], 2, "gzip"),
+        (
+            "unknown bytes",
+            vec![1, 0, 2, 0, 3, 0, 255, 4, 0, 0, 0, 9],
+            2,
+            "binary file",
+        ),
+        text("STEP", "ISO-10303-21;\nHEADER;\n", 2, "STEP"),
+    ];
+    cases.retain(|(_, bytes, ..)| !bytes.is_empty());
+    cases
+}
+
+#[test]
+fn odd_files_of_all_formats_are_read_or_refused() {
+    let folder = Folder::new();
+    let cases = [tables(), drawings(), clouds()].concat();
+    assert!(cases.len() >= 60, "{}", cases.len());
+    let wrong = cases.into_iter().filter_map(|(name, bytes, status, told)| {
+        fs::write(folder.path("odd"), &bytes).unwrap();
+        let answer = folder.fit(&["odd", "-o", "odd.json"]);
+        let is_right = answer.status == status
+            && answer.err.contains(told)
+            && !answer.err.contains("panicked");
+        (!is_right).then(|| format!("{name}: {}: {}", answer.status, answer.err))
+    });
+    let wrong: Vec<String> = wrong.collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
