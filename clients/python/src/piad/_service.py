@@ -255,6 +255,7 @@ class Service:
     async def fit_file(
         self,
         file: Union[str, bytes, PathLike[str]],
+        /,
         *,
         part: Union[int, str, None] = None,
         columns: Optional[str] = None,
