@@ -7,14 +7,15 @@ import { AUTOMATIC, AUTOMATIC_SURFACE, CURVE, FITS, slow } from "../shapes.js";
 import type { Scenarios } from "../world.js";
 
 const POINTS = { curve: { points: CURVE } };
-/** Curves have no triangles for STL. */
-const FORMATS: Readonly<Record<Exclude<api.ParameterFormat, "stl">, string>> = {
+/** Curves have no triangles for STL and PLY, and this one no place on the earth for GPX. */
+const FORMATS: Readonly<Record<Exclude<api.ParameterFormat, "stl" | "ply" | "gpx">, string>> = {
   step: "ISO-10303-21;",
   iges: "",
   obj: "#",
   gltf: "glTF",
   dxf: "999",
   svg: "<",
+  geojson: "{",
   csv: "t,x,y,z",
 };
 

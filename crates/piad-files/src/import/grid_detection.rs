@@ -51,6 +51,7 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
         closed,
         unordered,
         parameters,
+        surface_parameters: None,
         origin: part.origin,
         lines: part.lines,
         name: part.name,

@@ -83,6 +83,8 @@ pub struct Imported {
     pub unordered: bool,
     /// The parameters of the points of a curve, increasing: their times, where these are asked for.
     pub parameters: Option<Vec<f64>>,
+    /// The parameters (u, v) of scattered points of a surface, from 0 to 1, if they are known.
+    pub surface_parameters: Option<Vec<[f64; 2]>>,
     /// Where the first two coordinates start, if they were longitudes and latitudes.
     pub origin: Option<Origin>,
     /// The line of each point, from 1; empty for files without lines.
@@ -91,31 +93,6 @@ pub struct Imported {
     pub name: Option<String>,
     /// What was found out about it, in sentences.
     pub notices: Vec<String>,
-}
-
-impl Imported {
-    /// The points that a grid with gaps has, as scattered points of a surface.
-    #[must_use]
-    pub fn into_scattered(mut self) -> Self {
-        let count = self.points.len();
-        let kept: Vec<usize> = (0..count)
-            .filter(|index| self.missing.binary_search(index).is_err())
-            .collect();
-        let lanes = self.points.lanes().iter();
-        let lanes: Vec<Vec<f64>> = lanes.map(|lane| chosen(lane, &kept)).collect();
-        self.points = Points::from_lanes(lanes);
-        self.lines = chosen(&self.lines, &kept);
-        self.notices.push(format!(
-            "The fit chooses the number of its control points: the {} points that are there are fitted as scattered points.",
-            kept.len()
-        ));
-        Self {
-            grid: None,
-            missing: Vec::new(),
-            unordered: true,
-            ..self
-        }
-    }
 }
 
 /// The values with these indices.

@@ -69,6 +69,7 @@ mod pts;
 mod repeated;
 mod sample;
 mod sampled;
+mod scattered;
 mod stl;
 mod svg;
 mod table;

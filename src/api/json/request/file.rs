@@ -208,6 +208,10 @@ fn parts_of_job(
     };
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
+        if let Some(parameters) = file.surface_parameters {
+            let parameters = || json!(parameters);
+            shape.entry("parameters").or_insert_with(parameters);
+        }
         if list == "scattered" && file.unordered {
             shape.entry("parameters").or_insert("project".into());
         }
