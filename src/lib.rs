@@ -37,6 +37,7 @@ pub mod command;
 pub mod config;
 pub(crate) mod files;
 pub(crate) mod job;
+pub(crate) mod lines;
 pub(crate) mod log_throttle;
 pub mod model;
 pub(crate) mod proto;

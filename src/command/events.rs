@@ -9,9 +9,9 @@ use tokio::time::sleep;
 
 use super::client::Client;
 use super::failure::Failure;
-use super::lines::Lines;
 use super::request::PROGRESS;
 use crate::api::batch::part_file::{Distances, Why};
+use crate::lines::Lines;
 
 /// How often a broken stream is taken up again without an event in between.
 const ATTEMPTS: u32 = 6;

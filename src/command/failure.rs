@@ -54,7 +54,7 @@ impl fmt::Display for Failure {
         match self {
             Self::Usage(lines) => f.write_str(&lines.join("; ")),
             Self::Failed(line) => f.write_str(line),
-            Self::Closed => f.write_str("nobody reads the standard output any more"),
+            Self::Closed => f.write_str("the standard output is closed"),
         }
     }
 }

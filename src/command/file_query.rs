@@ -1,5 +1,7 @@
 //! What the flags say of files, as the query of a request for one.
 
+use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
+
 use crate::api::http::query::file_options;
 use crate::config::fit_arguments::FitArguments;
 use piad_files::export::{Format, Options, Origin};
@@ -50,7 +52,10 @@ impl FileQuery {
         let given = parameters.iter().filter(|(_, _, is_about)| *is_about);
         let given = given.filter_map(|(name, value, _)| {
             let value = value.as_ref()?;
-            Some(format!("{name}={value}"))
+            Some(format!(
+                "{name}={}",
+                utf8_percent_encode(value, NON_ALPHANUMERIC)
+            ))
         });
         given.collect::<Vec<_>>().join("&")
     }

@@ -8,7 +8,7 @@
 //! - `point_kind`: what is known of the points before the fit;
 //! - `options`: flags as fields of a job; `request`: the job that is posted;
 //! - `client`: the server; `events`: what it tells of the fit;
-//! - `outputs`, `iterations`: the files; `progress`, `summary`, `table`: what is told to people;
+//! - `outputs`, `iterations`: the files; `progress`, `summary`, `table`: what is reported on the terminal;
 //! - `refusal`: what is wrong, at its flag or line (`pointer`); `failure`: the status in the end;
 //! - [`shells`]: completions and manual pages;
 //! - [`store`]: `piad store`, which is about the jobs of servers.
@@ -19,7 +19,6 @@ mod failure;
 mod file_query;
 mod input;
 mod iterations;
-mod lines;
 mod options;
 mod outputs;
 mod parts;
@@ -96,7 +95,7 @@ async fn run(arguments: &FitArguments, current: &Current) -> Result<bool, Failur
     let rows = match &arguments.input[..] {
         [input] if !outputs::is_directory(arguments) => {
             let outputs = outputs::outputs(arguments)?;
-            single::fit(arguments, input, &outputs, current, arguments.quiet).await?
+            single::fit(arguments, input, &outputs, current, false).await?
         }
         inputs => several::fit(arguments, inputs, current).await?,
     };

@@ -31,7 +31,7 @@ impl Asked {
     pub(super) fn hints(&self) -> Hints {
         let mut reading = FileHints::default();
         for (name, text) in &self.reading {
-            // What is wrong with them is told by the server, which takes them, too.
+            // The server takes them, too, and reports what is wrong with them.
             let _ = reading.take(name, text);
         }
         file::hints(&self.fields, reading, usize::MAX)

@@ -1,12 +1,13 @@
 //! A file with several parts: a fit of each, all in one request, and one file with all of them.
 
+use std::collections::HashSet;
+
 use axum::body::Body;
 
 use super::client::Client;
 use super::failure::Failure;
 use super::file_query::FileQuery;
 use super::input::Input;
-use super::lines::Lines;
 use super::options::Asked;
 use super::outputs::{self, Output, OutputFormat, Place};
 use super::progress::Progress;
@@ -16,6 +17,9 @@ use super::table::{self, Row};
 use crate::api::batch::geometry::Geometry;
 use crate::api::batch::part_file::{BatchLine, PartFile};
 use crate::config::fit_arguments::FitArguments;
+use crate::lines::Lines;
+use crate::terminal::say;
+use piad_files::import::read_parts;
 
 /// What has come of all parts.
 #[derive(Debug, Default)]
@@ -32,7 +36,8 @@ pub(super) struct Parts<'a> {
     pub(super) arguments: &'a FitArguments,
     pub(super) outputs: &'a [Output],
     pub(super) query: &'a FileQuery,
-    pub(super) quiet: bool,
+    /// True if the file is one of many, which are reported together.
+    pub(super) is_one_of_many: bool,
 }
 
 impl Parts<'_> {
@@ -51,18 +56,40 @@ impl Parts<'_> {
         } = Request::of_parts(input, asked)?;
         let answer = client.post(&path, media_type, body).await?;
         let answer = answer.map_err(|refusal| refusal.of_fit(input, asked))?;
-        let progress = Progress::of_parts(self.quiet);
+        let progress = Progress::of_parts(self.is_quiet());
         let fits = follow(Lines::new(answer), &input.name, progress).await?;
-        let what = format!("{}: {} parts", input.name, fits.rows.len());
-        table::tell_all(&what, &fits.rows, self.quiet);
+        if !self.is_one_of_many {
+            self.report(input, asked, &fits.rows);
+        }
         for output in self.outputs {
             let bytes = fits.write(output, self.query)?;
             let count = outputs::write(&output.place, Body::from(bytes)).await?;
-            if !self.quiet && output.place != Place::Standard {
+            if !self.is_quiet() && output.place != Place::Standard {
                 summary::tell_written(&output.place.to_string(), count);
             }
         }
         Ok(fits.rows)
+    }
+
+    fn is_quiet(&self) -> bool {
+        self.arguments.quiet || self.is_one_of_many
+    }
+
+    /// Reports what was found out about the file, and what came of its parts.
+    fn report(&self, input: &Input, asked: &Asked, rows: &[Row]) {
+        if !self.arguments.quiet {
+            let parts = read_parts(&input.bytes, &asked.hints()).unwrap_or_default();
+            let notices = parts.into_iter().flat_map(|part| part.notices);
+            // Most are about the whole file.
+            let mut reported = HashSet::new();
+            for notice in notices {
+                if reported.insert(notice.clone()) {
+                    say(format_args!("{}: {notice}", input.name));
+                }
+            }
+        }
+        let what = format!("{}: {} parts", input.name, rows.len());
+        table::report(&what, rows, self.arguments.quiet);
     }
 }
 

@@ -29,12 +29,12 @@ pub(super) async fn fit(
         progress.item(index, &name);
         let outputs = std::slice::from_ref(output);
         match single::fit(arguments, input, outputs, current, true).await {
-            Ok(fitted) => rows.extend(fitted),
+            Ok(fitted) => rows.extend(fitted.into_iter().map(|row| row.within(&name))),
             Err(failure) => rows.push(Row::failed(name, &failure)),
         }
     }
     progress.end();
-    table::tell_all(&format!("{} files", inputs.len()), &rows, arguments.quiet);
+    table::report(&format!("{} files", inputs.len()), &rows, arguments.quiet);
     Ok(rows)
 }
 

@@ -32,8 +32,9 @@ pub(super) async fn fit(
     input: &Path,
     outputs: &[Output],
     current: &Current,
-    quiet: bool,
+    is_one_of_many: bool,
 ) -> Result<Vec<Row>, Failure> {
+    let quiet = arguments.quiet || is_one_of_many;
     let (owned, path, formats) = (arguments.clone(), input.to_owned(), outputs.to_vec());
     let reading = tokio::task::spawn_blocking(move || prepare(&owned, &path, &formats)).await;
     let prepared = reading.map_err(|reason| Failure::Failed(reason.to_string()))??;
@@ -60,7 +61,7 @@ pub(super) async fn fit(
                 arguments,
                 outputs,
                 query: &query,
-                quiet,
+                is_one_of_many,
             };
             return of_parts.fit(&client, &input, &asked).await;
         }

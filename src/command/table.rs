@@ -1,4 +1,4 @@
-//! What is told in the end of many fits: a table with a line for each, and how many there were.
+//! The report of many fits: a table with a line for each, and how many there were.
 
 use super::failure::Failure;
 use crate::api::batch::part_file::Distances;
@@ -37,9 +37,17 @@ impl Row {
         }
     }
 
-    /// Returns true if the fit is what was asked for.
+    /// Returns true if the fit has converged.
     pub(super) fn is_good(&self) -> bool {
         self.state == "converged"
+    }
+
+    /// The same as one of many files: a part of it has the name of the file, too.
+    pub(super) fn within(mut self, file: &str) -> Self {
+        if self.name != file {
+            self.name = format!("{file}: {}", self.name);
+        }
+        self
     }
 
     fn error(&self) -> String {
@@ -59,16 +67,16 @@ impl Row {
     }
 }
 
-/// Tells what came of fits, or if it is to be quiet only what did not converge.
-pub(super) fn tell_all(what: &str, rows: &[Row], quiet: bool) {
+/// Reports fits, or with `--quiet` only those that did not converge.
+pub(super) fn report(what: &str, rows: &[Row], quiet: bool) {
     match quiet {
-        true => tell_bad(rows),
-        false => tell(what, rows),
+        true => report_bad(rows),
+        false => report_all(what, rows),
     }
 }
 
-/// Tells what came of fits: those that are not good come first, with the reason.
-fn tell(what: &str, rows: &[Row]) {
+/// Reports all fits: those that did not converge come first, with the reason.
+fn report_all(what: &str, rows: &[Row]) {
     let (good, bad): (Vec<&Row>, Vec<&Row>) = rows.iter().partition(|row| row.is_good());
     let shown: Vec<&Row> = bad.iter().chain(&good).take(MOST_ROWS).copied().collect();
     let width = |text: fn(&Row) -> usize| shown.iter().map(|row| text(row)).max().unwrap_or(0);
@@ -95,8 +103,8 @@ fn tell(what: &str, rows: &[Row]) {
     ));
 }
 
-/// Names those that are not good, about which `--quiet` is not silent.
-fn tell_bad(rows: &[Row]) {
+/// Reports the fits that did not converge.
+fn report_bad(rows: &[Row]) {
     for row in rows.iter().filter(|row| !row.is_good()) {
         let why = row
             .detail

@@ -33,6 +33,20 @@ fn all_parts_go_to_one_file() {
     let items = json["items"].as_array().unwrap();
     assert_eq!(items.len(), 2);
     assert_eq!(items[1]["curve"]["degree"], 3);
+    // What was found out about the file is reported once.
+    folder.write(
+        "ids.csv",
+        &TWO.replace("x,y", "id,x,y")
+            .replace('\n', "\n7,")
+            .replace("\n7,\n", "\n\n"),
+    );
+    let told = folder.fit(&["ids.csv", "-o", "ids.json"]);
+    assert_eq!(
+        told.err.matches("(id) is not read").count(),
+        1,
+        "{}",
+        told.err
+    );
     // One of them, as before.
     let second = folder.result(&["two.csv", "--part", "2"]);
     assert_eq!(
@@ -115,4 +129,22 @@ fn many_files_go_to_a_directory() {
     );
     assert!(told.err.contains("… and 8 more"), "{}", told.err);
     assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 26);
+}
+
+#[test]
+fn parts_of_many_files_are_named_after_their_files() {
+    let folder = Folder::new();
+    folder.write("curve.csv", &curve(10));
+    folder.write("two.csv", &TWO.replace("2,1\n", "1e17,0\n1e17,1\n"));
+    for (quiet, count) in [(&[][..], 1), (&["-q"], 1)] {
+        let arguments = [&["curve.csv", "two.csv", "-o", "out/"], quiet].concat();
+        let told = folder.fit(&arguments);
+        assert_eq!(told.status, 1, "{}", told.err);
+        assert_eq!(
+            told.err.matches("two.csv: part 1").count(),
+            count,
+            "{}",
+            told.err
+        );
+    }
 }

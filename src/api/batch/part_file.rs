@@ -72,7 +72,7 @@ impl PartFile {
         self.0.push((name, geometry));
     }
 
-    /// Whether there is a surface among them.
+    /// Returns true if there is a surface among them.
     pub(crate) fn has_surface(&self) -> bool {
         self.0.iter().any(|(_, geometry)| geometry.is_surface())
     }

@@ -7,6 +7,7 @@ use axum::response::Response;
 use futures_util::stream;
 
 use super::answer::whole;
+use super::body_limits::take_memory;
 use super::points::{Fields, PartJobs};
 use super::query::{IterationQuery, OF_RESULTS};
 use super::request_id::REQUEST_ID;
@@ -19,9 +20,13 @@ use crate::api::batch::sending::Sending;
 use crate::api::batch::settings::{Forms, Settings};
 use crate::api::language::{Framing, NDJSON, SSE};
 use crate::api::problem::{Kind, Problem};
+use crate::lines::Lines;
 use crate::model::stream::form::Digits;
 use crate::model::stream::options;
 use piad_files::export::Format;
+
+/// The memory of results as numbers and as a file, for each byte of their lines.
+const WRITING: usize = 3;
 
 /// Fits many curves and surfaces: the items of a batch, or the parts of a file.
 pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Response, Problem> {
@@ -57,14 +62,14 @@ pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Re
         }
     };
     let sending = Sending::begin(batch);
-    if let Wanted::File(format) = wanted {
-        return one_file(&app, sending, format, &query).await;
-    }
-    let lines = stream::unfold(sending, |mut sending| async move {
+    let lines = Body::from_stream(stream::unfold(sending, |mut sending| async move {
         let bytes = sending.next().await?;
         Some((bytes, sending))
-    });
-    Ok(events::unstored(framing, Body::from_stream(lines)))
+    }));
+    match wanted {
+        Wanted::Lines(framing) => Ok(events::unstored(framing, lines)),
+        Wanted::File(format) => one_file(&app, Lines::new(lines), format, &query).await,
+    }
 }
 
 /// What is answered.
@@ -89,26 +94,25 @@ fn wanted(headers: &HeaderMap) -> Result<Wanted, Problem> {
 /// All curves and surfaces as one file, if all of them have converged.
 async fn one_file(
     app: &App,
-    mut sending: Sending,
+    mut lines: Lines,
     format: Format,
     query: &IterationQuery,
 ) -> Result<Response, Problem> {
     let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
+    let files = &app.jobs.resources().memory.files;
+    let broken = |reason| Problem::new(Kind::Internal, reason);
     let mut file = PartFile::default();
-    let (mut rest, mut taken) = (Vec::new(), 0);
-    while let Some(bytes) = sending.next().await {
-        rest.extend_from_slice(&bytes?);
-        while let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
-            let line: Vec<u8> = rest.drain(..=end).collect();
-            taken += line.len();
-            if taken > limit {
-                let detail = format!(
-                    "the results are too large for one file here: as lines they take more than {limit} bytes; ask for lines"
-                );
-                return Err(Problem::new(Kind::NoExport, detail));
-            }
-            add(&mut file, &line)?;
+    let (mut memory, mut taken) = (None, 0);
+    while let Some(line) = lines.next().await.map_err(broken)? {
+        taken += line.len();
+        if taken > limit {
+            let detail = format!(
+                "the results are too large for one file here: as lines they take more than {limit} bytes; ask for lines"
+            );
+            return Err(Problem::new(Kind::NoExport, detail));
         }
+        take_memory(files, &mut memory, WRITING.saturating_mul(line.len())).await?;
+        add(&mut file, &line)?;
     }
     let options = query.file_options(format, file.has_surface())?;
     let failed = |reason| Problem::new(Kind::NoExport, reason);

@@ -40,6 +40,9 @@ const PARAMETERS: &str = "curve.parameters";
 /// digits there.
 const JSON_OF_POINTS: usize = 12;
 
+/// The fewest bytes of a point: two digits, a blank and the end of a line.
+const SHORTEST: usize = 4;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PointsQuery {
@@ -193,8 +196,12 @@ impl PartJobs {
     /// Reads a body with the fields that all parts have in common.
     pub(super) async fn read(app: &App, request: Request, fields: Fields) -> Result<Self, Problem> {
         let body = body::read_points(app, request, JSON_OF_POINTS).await?;
+        let most = app.config.limits().points;
         let work = move || {
-            let hints = file::hints(&fields.json, fields.reading, usize::MAX);
+            // Each part has the limit of a job. All together may have more, but no more than their text can hold: sampled
+            // curves of a small drawing have no end.
+            let most = most.max(body.bytes.len() / SHORTEST);
+            let hints = file::hints(&fields.json, fields.reading, most);
             let parts = import::read_parts(&body.bytes, &hints)?;
             let line = |part| {
                 let part = file::suited(&fields.json, part);

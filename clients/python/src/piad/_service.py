@@ -236,8 +236,8 @@ class Service:
         `file` is its path (`pathlib.Path`), its bytes or its text. Of a file with several curves `part` chooses one,
         by its number from 1 or its name; `columns`, such as `"x=2,y=3"`, says what the columns of a table are; `size`,
         such as `"40x60"`, is the number of rows and columns of a surface; with `order="given"` the order of points
-        is not looked at; with `times` the times of the points are their parameters. Nothing is fitted. What is wrong
-        with a file is told at its lines (`ApiError`).
+        is not looked at; with `times` the times of the points are their parameters. Nothing is fitted. Errors in a
+        file name their lines (`ApiError`).
         """
         parameters = _request.given(
             {

@@ -8,7 +8,7 @@ use piad_fit::data::Points;
 /// What stands between the elements of an airfoil in a file of MSES.
 pub(super) const NEXT_ELEMENT: [f64; 2] = [999.0, 999.0];
 
-/// Whether these numbers can be the domain of a grid: the ends of an interval of x and of one of y.
+/// Returns true if these numbers can be the domain of a grid: the ends of an interval of x and of one of y.
 pub(super) fn is_domain(numbers: &[f64]) -> bool {
     matches!(numbers, [left, right, bottom, top] if left < right && bottom < top)
 }

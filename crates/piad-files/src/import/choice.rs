@@ -26,7 +26,7 @@ pub(super) struct Time {
     pub(super) column: usize,
     /// How many seconds its unit is.
     pub(super) seconds: f64,
-    /// Whether they are the parameters without being asked for.
+    /// True if they are the parameters without being asked for.
     pub(super) is_parameter: bool,
 }
 

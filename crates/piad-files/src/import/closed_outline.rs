@@ -16,7 +16,7 @@ const FEWEST: usize = 8;
 /// The last point is the first one if it is no further from it than this part of the size of the outline.
 const SAME: f64 = 1e-9;
 
-/// Whether the points are those of a closed curve. If so, the copy of the first point is taken away.
+/// Returns true if the points are those of a closed curve. If so, the copy of the first point is taken away.
 pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
     if part.closed {
         return hints.closed != Some(false);

@@ -16,7 +16,7 @@ pub(super) struct ColumnNotice<'a> {
     pub(super) choice: &'a Choice,
     pub(super) names: Option<&'a [String]>,
     pub(super) contents: &'a [Content],
-    /// Whether the times are the parameters.
+    /// True if the times are the parameters.
     pub(super) times: bool,
     /// A column that counts the points.
     pub(super) counter: Option<usize>,

@@ -105,9 +105,9 @@ impl Head<'_> {
 /// Columns, and how they were found.
 pub(super) struct Chosen {
     pub(super) choice: Choice,
-    /// Whether the line above has their names.
+    /// True if the line above has their names.
     pub(super) named: bool,
-    /// Whether a user or their names say what they are.
+    /// True if a user or their names say what they are.
     pub(super) sure: bool,
 }
 

@@ -11,15 +11,15 @@ pub struct Hints {
     pub kind: Option<Kind>,
     /// How many rows and columns a surface has.
     pub size: Option<Grid>,
-    /// Whether a curve is closed; the file shows it where nobody says it.
+    /// True if a curve is closed; the file shows it where nobody says it.
     pub closed: Option<bool>,
-    /// Whether the order of points is known to be meant, so that it is not looked at.
+    /// True if the order of points is known to be meant, so that it is not looked at.
     pub ordered: bool,
     /// Which columns of a table are what; the file shows it where nobody says it.
     pub columns: Option<Columns>,
     /// Which part is read of a file with several.
     pub part: Option<PartChoice>,
-    /// Whether the times of points are the parameters of a curve.
+    /// True if the times of points are the parameters of a curve.
     pub times: bool,
     /// The most points that may be in it.
     pub most: usize,
@@ -77,9 +77,9 @@ pub struct Imported {
     pub grid: Option<Grid>,
     /// The indices of missing points of a surface, increasing.
     pub missing: Vec<usize>,
-    /// Whether the curve is closed; its first point is there once.
+    /// True if the curve is closed; its first point is there once.
     pub closed: bool,
-    /// Whether the points have no order along a curve.
+    /// True if the points have no order along a curve.
     pub unordered: bool,
     /// The parameters of the points of a curve, increasing: their times, where these are asked for.
     pub parameters: Option<Vec<f64>>,

@@ -22,7 +22,7 @@ pub(super) struct Layout {
     slots: Vec<Slot>,
     /// How many numbers a line has that are read.
     lanes: usize,
-    /// Whether the line above names the columns.
+    /// True if the line above names the columns.
     pub(super) named: bool,
     pub(super) choice: Choice,
     /// These names.

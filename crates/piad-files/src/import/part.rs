@@ -22,13 +22,13 @@ pub(super) struct Part {
     /// The indices of points before which there were blank lines.
     pub(super) breaks: Vec<usize>,
     pub(super) order: Order,
-    /// Whether the file says that the curve is closed; its first point is there once.
+    /// True if the file says that the curve is closed; its first point is there once.
     pub(super) closed: bool,
     /// The indices of points that are missing in a grid, increasing; their coordinates mean nothing.
     pub(super) missing: Vec<usize>,
     /// The time of each point in seconds from the first one, if the file has times.
     pub(super) times: Option<Vec<f64>>,
-    /// Whether the times are the parameters without being asked for.
+    /// True if the times are the parameters without being asked for.
     pub(super) times_are_parameters: bool,
     /// Where the first two coordinates start, if they were longitudes and latitudes.
     pub(super) origin: Option<Origin>,

@@ -39,7 +39,7 @@ pub(super) struct Sample<'a> {
     pub(super) notation: Notation,
     pub(super) width: usize,
     pub(super) rows: Vec<&'a str>,
-    /// Whether the line below the first row has as many columns.
+    /// True if the line below the first row has as many columns.
     pub(super) goes_on: bool,
     columns: Vec<Tally>,
 }
@@ -51,7 +51,7 @@ struct Tally {
     texts: usize,
     times: usize,
     start: Option<Timestamp>,
-    /// Whether all rows count on from 0 or 1.
+    /// True if all rows count on from 0 or 1.
     counts: bool,
 }
 

@@ -42,12 +42,12 @@ pub(super) struct Machine {
     pub(super) units: Option<Units>,
     /// How often a word that is not read stands in the file.
     pub(super) unread: BTreeMap<String, usize>,
-    /// Whether moves straight up or down were left out.
+    /// True if moves straight up or down were left out.
     pub(super) plunges: bool,
-    /// Whether only moves that feed material (E) are paths.
+    /// True if only moves that feed material (E) are paths.
     feeds: bool,
     place: Point,
-    /// Whether the coordinates of the place are known.
+    /// True if the coordinates of the place are known.
     known: [bool; 3],
     motion: Motion,
     plane: Plane,

@@ -13,9 +13,9 @@ pub(super) struct ArcShape {
     pub(super) radii: [f64; 2],
     /// The angle of the first axis, in degrees.
     pub(super) rotation: f64,
-    /// Whether it is the longer one of the two arcs to the same place.
+    /// True if it is the longer one of the two arcs to the same place.
     pub(super) large: bool,
-    /// Whether its angle increases.
+    /// True if its angle increases.
     pub(super) sweep: bool,
 }
 

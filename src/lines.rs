@@ -4,7 +4,7 @@ use axum::body::Body;
 use http_body_util::BodyExt;
 
 /// A body of lines.
-pub(super) struct Lines {
+pub(crate) struct Lines {
     body: Body,
     /// What has come of the next lines, and how much of that has no end of a line.
     bytes: Vec<u8>,
@@ -13,7 +13,7 @@ pub(super) struct Lines {
 
 impl Lines {
     /// The lines of this body.
-    pub(super) fn new(body: Body) -> Self {
+    pub(crate) fn new(body: Body) -> Self {
         Self {
             body,
             bytes: Vec::new(),
@@ -22,7 +22,7 @@ impl Lines {
     }
 
     /// The next line; none after the last one. What has no end of a line is none.
-    pub(super) async fn next(&mut self) -> Result<Option<Vec<u8>>, String> {
+    pub(crate) async fn next(&mut self) -> Result<Option<Vec<u8>>, String> {
         loop {
             if let Some(line) = self.take() {
                 return Ok(Some(line));
