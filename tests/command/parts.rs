@@ -36,9 +36,7 @@ fn all_parts_go_to_one_file() {
     // What was found out about the file is reported once.
     folder.write(
         "ids.csv",
-        &TWO.replace("x,y", "id,x,y")
-            .replace('\n', "\n7,")
-            .replace("\n7,\n", "\n\n"),
+        "id,x,y\n7,0,0\n8,1,2\n9,2,1\n\n4,5,5\n6,6,7\n5,7,9\n",
     );
     let told = folder.fit(&["ids.csv", "-o", "ids.json"]);
     assert_eq!(
