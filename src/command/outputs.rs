@@ -104,10 +104,10 @@ pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> 
     Ok(outputs)
 }
 
-/// Whether files of a format have something that can be chosen.
+/// Returns true if files of a format have an option.
 type Has = fn(Format) -> bool;
 
-/// Refuses what is chosen about files of which there is none.
+/// Refuses options of files that no output has.
 pub(super) fn check_choices(arguments: &FitArguments, outputs: &[Output]) -> Result<(), Failure> {
     let choices: [(&str, &Option<String>, Has, &str); 6] = [
         (

@@ -47,23 +47,18 @@ impl Progress {
         Self::Bar(bar)
     }
 
-    /// The progress of so many fits.
+    /// The progress of this many fits.
     pub(super) fn of_many(quiet: bool, count: usize) -> Self {
-        let progress = Self::new(quiet);
-        match progress {
+        let mut progress = Self::new(quiet);
+        match &mut progress {
             Self::Silent => {}
-            Self::Bar(ref bar) => bar.set_length(count as u64),
-            Self::Lines { .. } => {
-                return Self::Lines {
-                    told: None,
-                    total: Some(count),
-                };
-            }
+            Self::Bar(bar) => bar.set_length(count as u64),
+            Self::Lines { total, .. } => *total = Some(count),
         }
         progress
     }
 
-    /// The progress of fits of which nobody knows how many there are.
+    /// The progress of the parts of a file, whose number is known at the end.
     pub(super) fn of_parts(quiet: bool) -> Self {
         let progress = Self::new(quiet);
         if let Self::Bar(bar) = &progress {
@@ -73,7 +68,7 @@ impl Progress {
         progress
     }
 
-    /// The next of many fits has come, which has this name.
+    /// Shows the fit with this index and name.
     pub(super) fn item(&mut self, index: usize, name: &str) {
         match self {
             Self::Silent => {}
