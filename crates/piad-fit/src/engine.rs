@@ -22,7 +22,7 @@ pub use crate::warning::Warning;
 
 /// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
 /// after which any level of any problem has other bits.
-pub const KERNEL: u32 = 3;
+pub const KERNEL: u32 = 4;
 
 /// Fits that leave their data between neighbours.
 pub mod between {

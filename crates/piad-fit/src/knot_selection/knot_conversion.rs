@@ -9,6 +9,7 @@ use super::breaks::Breaks;
 use crate::basis::Basis;
 use crate::basis::direction::Direction;
 use crate::data::points::Points;
+use crate::linear::stencil::Reach;
 
 impl Breaks {
     /// The knots of a direction, if they are simple ones.
@@ -33,6 +34,20 @@ impl Breaks {
         } else {
             Direction::open(basis, parameters, free, 0)
         }
+    }
+
+    /// The functions of the line, with a margin around a closed one.
+    pub(crate) fn reach(&self) -> Reach {
+        Reach {
+            count: self.spans() + self.degree(),
+            degree: self.degree(),
+            is_closed: self.is_closed(),
+        }
+    }
+
+    /// The control point here that is this one of a direction.
+    pub(crate) fn of_direction(&self, control_point: usize) -> usize {
+        (control_point + self.turn()) % self.control_points()
     }
 
     /// Where the control points of a direction begin among those here.

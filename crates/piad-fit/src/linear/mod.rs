@@ -12,6 +12,7 @@
 //! - `inverse`: `B⁻¹` by `elimination` without pivots, by banded `lu` or by `dense` LU;
 //! - `qr`: the transform of the extended method, of cyclic matrices by `bordered`;
 //! - `triangular`: least-squares factorizations of the matrices that `rows` collects;
+//! - `stencil`: symmetric matrices over the functions of a grid, by diagonals;
 //! - `band`: cyclic matrices on their way into a factorization.
 
 mod band;
@@ -26,6 +27,7 @@ mod map;
 mod pack;
 pub(crate) mod qr;
 pub(crate) mod rows;
+pub(crate) mod stencil;
 pub(crate) mod triangular;
 
 pub(crate) use band::folded;

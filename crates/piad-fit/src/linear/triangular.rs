@@ -50,7 +50,7 @@ impl Triangular {
 
     /// The factor of a matrix with these products of columns; `fixed` columns, and those that depend on others before
     /// them, are left out.
-    pub(super) fn of_products(
+    pub(crate) fn of_products(
         places: Vec<u32>,
         width: usize,
         mut products: Vec<f64>,

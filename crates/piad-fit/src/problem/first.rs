@@ -10,7 +10,7 @@ use crate::data::grid::Grid;
 use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::edges::Edges;
-use crate::method::{Automatic as Settings, LeastSquares};
+use crate::method::{Automatic as Settings, LEAST_NUMBERS, LeastSquares};
 use crate::setup::Setup;
 
 /// The directions with which a fit begins that chooses its knots.
@@ -110,10 +110,15 @@ pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usi
     // residual and image of a step, weights, and what is being computed.
     let by_data = data * (2 * width + 10 + 2 * dimension + 2);
     let by_control_points = most * (5 * dimension + 4 * width);
+    // The normal equations of scattered points, and those of an energy.
+    let normal = match setup.v() {
+        Some(_) if setup.is_scattered() => 2 * data * width * width + LEAST_NUMBERS,
+        _ => 0,
+    };
     // Points one by one, the values at each of them, and the vectors of conjugate gradients.
     let constrained = match setup.v() {
         Some(_) if !settings.is_plain_surface() => data * (2 * width + 3 * dimension + 8) + FACTOR,
         _ => 0,
     };
-    (by_data + by_control_points + constrained) * size_of::<f64>()
+    (by_data + by_control_points + normal + constrained) * size_of::<f64>()
 }

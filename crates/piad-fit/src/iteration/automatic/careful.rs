@@ -12,7 +12,7 @@ use crate::knot_selection::guide::Guide;
 use crate::knot_selection::knot_conversion::in_lines;
 use crate::knot_selection::schedule::Schedule;
 use crate::knot_selection::surface::{Data, GridData, SurfaceSchedule};
-use crate::method::ConstrainedSurface;
+use crate::method::FairSurface;
 use crate::problem::Problem;
 
 /// How fair a curve with points between its data is, so that it has no spikes between these: a multiple of the energy of
@@ -55,7 +55,7 @@ impl Schedules {
             let data: Box<dyn Data> = match problem.is_scattered() {
                 // Where it is given, there is no more of it.
                 _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
-                true => Box::new(ConstrainedSurface::fair(setup, settings)),
+                true => Box::new(FairSurface::unasked(setup, settings)?),
                 false => {
                     let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
                     let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());

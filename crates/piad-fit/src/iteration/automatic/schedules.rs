@@ -19,7 +19,9 @@ use crate::knot_selection::surface::{
 };
 use crate::knot_selection::values::{MANY, Values};
 use crate::knot_selection::{Level, Options};
-use crate::method::{Automatic as Settings, Constrained, ConstrainedSurface, LeastSquares};
+use crate::method::{
+    Automatic as Settings, Constrained, ConstrainedSurface, FairSurface, LeastSquares,
+};
 use crate::problem::Problem;
 use crate::termination::Outcome;
 
@@ -91,7 +93,10 @@ impl Schedules {
             let tolerance = problem.tolerance();
             let data: Box<dyn Data> = match problem.is_scattered() {
                 _ if !settings.is_plain_surface() => {
-                    Box::new(ConstrainedSurface::new(problem.setup(), settings))
+                    match FairSurface::new(problem.setup(), settings) {
+                        Some(fair) => Box::new(fair),
+                        None => Box::new(ConstrainedSurface::new(problem.setup(), settings)),
+                    }
                 }
                 false => Box::new(GridData::new(points, problem.grid(), parameters)),
                 true => Box::new(ScatteredData::new(&points, &parameters, tolerance)),

@@ -1,17 +1,24 @@
 //! Least squares of scattered points, by conjugate gradients from a surface near them.
 //!
-//! CGLS of each coordinate, preconditioned with the diagonal D = 1 / column sums of A, as in
+//! Conjugate gradients of the normal equations of each coordinate, preconditioned with the diagonal D = 1 / column sums of A, as in
 //! [`crate::knot_selection::steps`]. Control points that no datum sees stay where they are, and what
 //! the data hardly say is followed last: in gaps of the data the surface keeps the shape that it had
 //! with fewer knots. The normal equations of scattered data can be singular, and a factorization of
 //! them would leave large control points there.
 
+use super::normal::{Normal, Preconditioner};
 use super::rows::Rows;
 use crate::interrupt;
 
 /// The number of steps, each lowering the sum of squares by less than the gain of the [`Effort`], that ends
 /// the descent.
 const WINDOW: usize = 10;
+
+/// A value that has fallen below this part of what it was computed from is computed again.
+const TRUST: f64 = 1e-10;
+
+/// A gradient whose square has fallen to this part of the largest is rounding.
+const ROUNDING: f64 = 1e-28;
 
 /// The most multiplications of a descent that does not give up.
 const WORK: usize = 1_000_000_000;
@@ -37,7 +44,7 @@ impl Effort {
 
     /// As long as there may be something to gain.
     pub(super) fn whole(rows: &Rows<'_>) -> Self {
-        let steps = WORK / rows.multiplications().max(1);
+        let steps = WORK / (2 * rows.numbers()).max(1);
         Self {
             steps: steps.min(ROUNDS * rows.control_points()),
             gain: 0.0,
@@ -45,61 +52,61 @@ impl Effort {
     }
 }
 
-/// The diagonal D; zero where there are no data.
-pub(super) fn diagonal(rows: &Rows<'_>) -> Vec<f64> {
-    let mut sums = vec![0.0; rows.control_points()];
-    rows.apply_transposed(&vec![1.0; rows.points()], &mut sums);
-    let inverse = |sum: f64| if sum > 0.0 { 1.0 / sum } else { 0.0 };
-    sums.into_iter().map(inverse).collect()
-}
-
-/// Moves one coordinate of the control points towards the least-squares fit of `data`, multiplied
-/// with `unit`, until the root of the mean square is at most `enough` or the effort is spent.
+/// Moves one coordinate of the control points towards the least of the sum of squares of `data`, multiplied with `unit`,
+/// and of the energy, until the root of the mean square is at most `enough` or the effort is spent. Where there is an
+/// energy, no distance is enough.
 pub(super) fn descend(
-    (rows, effort): (&Rows<'_>, Effort),
-    diagonal: &[f64],
+    (normal, preconditioner, effort): (&Normal<'_>, &Preconditioner, Effort),
     data: &[f64],
     x: &mut [f64],
     unit: f64,
     enough: f64,
 ) {
-    let mut residual = vec![0.0; data.len()];
-    rows.apply(x, &mut residual);
-    let pairs = residual.iter_mut().zip(data);
-    pairs.for_each(|(r, datum)| *r = (datum - *r) * unit);
-    let small = (enough * unit).powi(2) * data.len() as f64;
-    let mut square = sum_of_squares(&residual);
-    let mut before = square;
-    let (mut gradient, mut image) = (vec![0.0; x.len()], vec![0.0; data.len()]);
-    let (mut direction, mut last) = (vec![0.0; x.len()], 0.0);
+    let small = match normal.has_energy() {
+        true => 0.0,
+        false => (enough * unit).powi(2) * data.len() as f64,
+    };
+    let (mut residual, mut gradient) = (vec![0.0; data.len()], vec![0.0; x.len()]);
+    let mut value = normal.start((x, data, unit), &mut residual, &mut gradient);
+    let (mut computed, mut before) = (value, value);
+    let (mut conditioned, mut product) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    let (mut direction, mut last, mut first) = (vec![0.0; x.len()], 0.0, 0.0);
     for step in 1..=effort.steps {
         interrupt::check();
-        if square <= small {
+        if value <= TRUST * computed {
+            // What is left is the rounding of the values before.
+            value = normal.start((x, data, unit), &mut residual, &mut gradient);
+            computed = value;
+        }
+        if value <= small {
             return;
         }
-        rows.apply_transposed(&residual, &mut gradient);
-        let gamma = weighed_square(&gradient, diagonal);
+        preconditioner.apply(&gradient, &mut conditioned);
+        let gamma = product_of(&gradient, &conditioned);
+        first = f64::max(first, gamma);
+        if gamma <= ROUNDING * first {
+            return;
+        }
         let beta = if last > 0.0 { gamma / last } else { 0.0 };
         last = gamma;
-        for ((direction, g), d) in direction.iter_mut().zip(&gradient).zip(diagonal) {
-            *direction = d * g + beta * *direction;
-        }
-        rows.apply(&direction, &mut image);
-        let curvature = sum_of_squares(&image);
+        let pairs = direction.iter_mut().zip(&conditioned);
+        pairs.for_each(|(direction, g)| *direction = g + beta * *direction);
+        normal.apply(&direction, &mut product, &mut residual);
+        let curvature = product_of(&direction, &product);
         if curvature <= 0.0 || !curvature.is_finite() {
             return;
         }
         let alpha = gamma / curvature;
         let pairs = x.iter_mut().zip(&direction);
         pairs.for_each(|(x, d)| *x += alpha / unit * d);
-        let pairs = residual.iter_mut().zip(&image);
-        pairs.for_each(|(r, q)| *r -= alpha * q);
-        square = sum_of_squares(&residual);
+        let pairs = gradient.iter_mut().zip(&product);
+        pairs.for_each(|(g, q)| *g -= alpha * q);
+        value -= alpha * gamma;
         if step % WINDOW == 0 {
-            if before - square <= effort.gain * before {
+            if before - value <= effort.gain * before {
                 return;
             }
-            before = square;
+            before = value;
         }
     }
 }
@@ -123,6 +130,10 @@ pub(super) fn first_gain(rows: &Rows<'_>, diagonal: &[f64], residual: &[f64]) ->
 
 fn sum_of_squares(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum()
+}
+
+fn product_of(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
 /// `gᵀ D g`.

@@ -108,8 +108,10 @@ impl GridData {
         let curves = Arc::new(lines_of(&turned, rows, columns));
         let values = Values::new(&lines[1], &self.parameters[1]);
         let across = minimum(&curves, &values, fairness)?;
+        let control_points = joined(&across, dimension, rows, lines[1].control_points());
         Some(Nearest {
-            control_points: joined(&across, dimension, rows, lines[1].control_points()),
+            distances: self.distances(lines, &control_points),
+            control_points,
             left: [left_u, left_v],
         })
     }
@@ -136,8 +138,8 @@ impl Data for GridData {
         let mut nearest = None;
         for fairness in FAIRNESS {
             nearest = self.nearest_with(lines, fairness);
-            let points = nearest.as_ref().map(|it| &it.control_points);
-            if points.is_some_and(|points| self.distances(lines, points).max <= tolerance) {
+            let is_within = |it: &Nearest| it.distances.max <= tolerance;
+            if nearest.as_ref().is_some_and(is_within) {
                 break;
             }
         }

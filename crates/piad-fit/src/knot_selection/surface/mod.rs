@@ -8,7 +8,7 @@
 //!   redistributions of some number of them.
 //! - [`Data`]: what the schedule asks of the data. [`grid`]: a grid of points, which is fitted one
 //!   direction after the other; [`scattered`]: points without order, whose matrix is that of
-//!   [`rows`], by conjugate [`gradients`].
+//!   [`rows`], by conjugate [`gradients`] of the [`normal`] equations.
 //! - [`lines`]: the lines of grids as curves in many dimensions; [`transfer`]: where a surface starts
 //!   over other knots.
 //!
@@ -24,6 +24,7 @@ mod attempt;
 mod gradients;
 pub(crate) mod grid;
 mod lines;
+mod normal;
 mod rows;
 pub(crate) mod scattered;
 pub(crate) mod schedule;
@@ -142,6 +143,8 @@ pub(crate) trait Data: Debug + Send + Sync {
 pub(crate) struct Nearest {
     /// The control points, row by row.
     pub control_points: Points,
+    /// The distances from the data, in their order.
+    pub distances: Distances,
     /// For each direction, the largest distance that it leaves at each of its parameters.
     pub left: [Vec<f64>; 2],
 }
@@ -156,6 +159,19 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
+    /// The nearest surface over some knots, if its distances are finite.
+    fn of(lines: [Breaks; 2], nearest: Nearest) -> Option<Self> {
+        let is_finite = nearest.distances.max.is_finite();
+        is_finite.then(|| Self {
+            level: Arc::new(SurfaceLevel {
+                lines,
+                control_points: nearest.control_points,
+                distances: nearest.distances,
+            }),
+            left: Arc::new(nearest.left),
+        })
+    }
+
     /// What each direction asks for.
     fn monitors(&self, data: &dyn Data, damping: f64) -> [Monitor; 2] {
         [0, 1].map(|axis| {

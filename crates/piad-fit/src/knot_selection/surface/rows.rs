@@ -8,17 +8,19 @@
 //! direction the first control points follow the last ones: there products have a margin of p more
 //! of them, so that those of a point are always next to each other.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::values::Values;
+use crate::linear::stencil::Reach;
 
 /// The number of points that one thread takes at a time.
 const PART: usize = 16_384;
 
-/// Points at places among the different parameters of both directions.
+/// Points at places among the different parameters of both directions, sorted by u.
 #[derive(Debug)]
 pub(super) struct Sites {
     /// The different parameters of each direction, increasing.
@@ -29,7 +31,7 @@ pub(super) struct Sites {
 
 /// The functions of a direction that can differ from zero at each of its parameters.
 #[derive(Debug)]
-struct Functions {
+pub(super) struct Functions {
     line: Breaks,
     width: usize,
     /// The first of them.
@@ -49,8 +51,12 @@ impl Functions {
     }
 
     /// The number of functions: that of control points, and of a closed direction p more.
-    fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.line.spans() + self.line.degree()
+    }
+
+    pub(super) fn degree(&self) -> usize {
+        self.width - 1
     }
 
     fn at(&self, place: u32) -> (usize, &[f64]) {
@@ -64,8 +70,8 @@ impl Functions {
 #[derive(Debug)]
 pub(super) struct Rows<'a> {
     sites: &'a Sites,
-    u: Functions,
-    v: Functions,
+    pub(super) u: Functions,
+    pub(super) v: Functions,
 }
 
 impl<'a> Rows<'a> {
@@ -88,9 +94,9 @@ impl<'a> Rows<'a> {
         self.u.line.control_points() * self.v.line.control_points()
     }
 
-    /// Multiplications of a product with it and with its transpose.
-    pub(super) fn multiplications(&self) -> usize {
-        2 * self.points() * self.u.width * self.v.width
+    /// The numbers of it that can differ from zero.
+    pub(super) fn numbers(&self) -> usize {
+        self.points() * self.u.width * self.v.width
     }
 
     /// `y = A x` for one coordinate of the control points.
@@ -117,35 +123,73 @@ impl<'a> Rows<'a> {
     /// number of threads.
     pub(super) fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
         let columns = self.v.count();
+        let parts = x.par_chunks(PART).enumerate();
+        let parts: Vec<(usize, Vec<f64>)> = parts
+            .map(|(part, x)| self.sums_of_part(part * PART, x))
+            .collect();
         let mut sums = vec![0.0; self.u.count() * columns];
-        for (i, x) in x.iter().enumerate() {
-            let [(row, along), (column, across)] = self.functions(i);
-            for (k, a) in along.iter().enumerate() {
-                let factor = a * x;
-                let sums = &mut sums[(row + k) * columns + column..][..across.len()];
-                let pairs = sums.iter_mut().zip(across);
-                pairs.for_each(|(sum, b)| *sum += factor * b);
-            }
+        for (first, part) in parts {
+            let pairs = sums[first * columns..].iter_mut().zip(part);
+            pairs.for_each(|(sum, x)| *sum += x);
         }
         y.fill(0.0);
         self.each_with_margin(|control_point, k| y[control_point] += sums[k]);
     }
 
+    /// What the points from one on add to the lines of u that they reach, and the first of these.
+    fn sums_of_part(&self, start: usize, x: &[f64]) -> (usize, Vec<f64>) {
+        let columns = self.v.count();
+        let row = |i: usize| self.functions(i)[0].0;
+        let (first, last) = (row(start), row(start + x.len() - 1));
+        let mut sums = vec![0.0; (last + self.u.width - first) * columns];
+        for (i, x) in x.iter().enumerate() {
+            let [(row, along), (column, across)] = self.functions(start + i);
+            for (k, a) in along.iter().enumerate() {
+                let factor = a * x;
+                let sums = &mut sums[(row - first + k) * columns + column..][..across.len()];
+                let pairs = sums.iter_mut().zip(across);
+                pairs.for_each(|(sum, b)| *sum += factor * b);
+            }
+        }
+        (first, sums)
+    }
+
+    /// `Aᵀ 1`: the sums of the columns, and of the rows of AᵀA.
+    pub(super) fn sums(&self) -> Vec<f64> {
+        let mut sums = vec![0.0; self.control_points()];
+        self.apply_transposed(&vec![1.0; self.points()], &mut sums);
+        sums
+    }
+
+    /// The functions of both directions.
+    pub(super) fn reach(&self) -> [Reach; 2] {
+        [&self.u, &self.v].map(|it| it.line.reach())
+    }
+
+    /// The points at which the first function of u that differs from zero is one of some; points are sorted by u.
+    pub(super) fn points_from(&self, firsts: Range<usize>) -> Range<usize> {
+        let places = &self.sites.places[0];
+        let before = |end: usize| {
+            places.partition_point(|&place| (self.u.firsts[place as usize] as usize) < end)
+        };
+        before(firsts.start)..before(firsts.end)
+    }
+
     /// The functions of u and of v at point `i`.
-    fn functions(&self, i: usize) -> [(usize, &[f64]); 2] {
+    pub(super) fn functions(&self, i: usize) -> [(usize, &[f64]); 2] {
         let [u, v] = &self.sites.places;
         [self.u.at(u[i]), self.v.at(v[i])]
     }
 
     /// The control points with those around the ends of closed directions.
-    fn with_margin(&self, x: &[f64]) -> Vec<f64> {
+    pub(super) fn with_margin(&self, x: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.u.count() * self.v.count()];
         self.each_with_margin(|control_point, k| all[k] = x[control_point]);
         all
     }
 
     /// Calls back with each control point, and its places with margins.
-    fn each_with_margin(&self, mut visit: impl FnMut(usize, usize)) {
+    pub(super) fn each_with_margin(&self, mut visit: impl FnMut(usize, usize)) {
         let (columns, width) = (self.v.line.control_points(), self.v.count());
         for k in 0..self.u.count() {
             let row = self.u.line.control_point(k);

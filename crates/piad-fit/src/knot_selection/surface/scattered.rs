@@ -8,15 +8,23 @@
 
 use std::sync::Arc;
 
-use super::gradients::{Effort, descend, diagonal, first_gain};
+use super::gradients::{Effort, descend, first_gain};
+use super::normal::{Normal, inverses};
 use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
+use crate::linear::stencil::Stencil;
 
 /// A root of the mean square below this part of the tolerance does not have to fall any more.
 const ENOUGH: f64 = 1e-3;
+
+/// Data points of all fits with fewer knot lines, and the most of these fits.
+const WORK: usize = 4_000_000;
+
+/// See [`WORK`].
+const PRUNINGS: usize = 60;
 
 /// Points at scattered parameters.
 #[derive(Debug)]
@@ -83,41 +91,64 @@ impl ScatteredData {
         squares
     }
 
-    /// For each direction, the largest distance that a surface leaves at each of its parameters.
-    pub(crate) fn left(&self, lines: &[Breaks; 2], control_points: &Points) -> [Vec<f64>; 2] {
-        let squares = self.squares(&Rows::new(&self.sites, lines), control_points);
-        [0, 1].map(|axis| {
+    /// A surface with its distances from the data, and the largest at each parameter of each direction.
+    pub(crate) fn with_distances(&self, lines: &[Breaks; 2], control_points: Points) -> Nearest {
+        self.measured(&Rows::new(&self.sites, lines), control_points)
+    }
+
+    fn measured(&self, rows: &Rows<'_>, control_points: Points) -> Nearest {
+        let squares = self.squares(rows, &control_points);
+        let left = [0, 1].map(|axis| {
             let mut left = vec![0.0; self.sites.parameters[axis].len()];
             for (&place, square) in self.sites.places[axis].iter().zip(&squares) {
                 let most = &mut left[place as usize];
                 *most = f64::max(*most, square.sqrt() / self.unit);
             }
             left
-        })
+        });
+        Nearest {
+            distances: self.in_order(&squares),
+            control_points,
+            left,
+        }
     }
 
-    /// The surface near the data that a descent with some effort leads to.
+    /// The distances in the order in which the data were given, of the squares of the sorted ones.
+    fn in_order(&self, sorted: &[f64]) -> Distances {
+        let mut squares = vec![0.0; sorted.len()];
+        for (&i, square) in self.order.iter().zip(sorted) {
+            squares[i as usize] = *square;
+        }
+        Distances::of_squares(squares, self.unit)
+    }
+
+    /// The surface near the data, and with little of an energy, that a descent from some control points leads to.
+    pub(crate) fn nearest_from(
+        &self,
+        start: Option<Points>,
+        lines: &[Breaks; 2],
+        energy: Option<&Stencil>,
+    ) -> Nearest {
+        self.nearest_by(|_| Effort::USUAL, start, lines, energy)
+    }
+
     fn nearest_by(
         &self,
         effort: impl Fn(&Rows<'_>) -> Effort,
+        start: Option<Points>,
         lines: &[Breaks; 2],
-        from: Option<&SurfaceLevel>,
+        energy: Option<&Stencil>,
     ) -> Nearest {
         let rows = Rows::new(&self.sites, lines);
-        let effort = effort(&rows);
-        let diagonal = diagonal(&rows);
-        let mut control_points = match from {
-            Some(level) => level.over(lines),
-            None => self.mean(rows.control_points()),
-        };
+        let normal = Normal::new(&rows, energy);
+        let (effort, preconditioner) = (effort(&rows), normal.preconditioner());
+        let mut control_points = start.unwrap_or_else(|| self.mean(rows.control_points()));
         let lanes = control_points.lanes_mut().iter_mut();
         for (x, data) in lanes.zip(self.points.lanes()) {
-            descend((&rows, effort), &diagonal, data, x, self.unit, self.enough);
+            let by = (&normal, &preconditioner, effort);
+            descend(by, data, x, self.unit, self.enough);
         }
-        Nearest {
-            left: self.left(lines, &control_points),
-            control_points,
-        }
+        self.measured(&rows, control_points)
     }
 
     /// All control points at the mean of the data.
@@ -145,21 +176,21 @@ impl Data for ScatteredData {
     }
 
     fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
-        Some(self.nearest_by(|_| Effort::USUAL, lines, from))
+        Some(self.nearest_from(from.map(|it| it.over(lines)), lines, None))
     }
 
     fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
-        Some(self.nearest_by(Effort::whole, lines, from))
+        let start = from.map(|it| it.over(lines));
+        Some(self.nearest_by(Effort::whole, start, lines, None))
     }
 
     fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
         let rows = Rows::new(&self.sites, lines);
-        let sorted = self.squares(&rows, control_points);
-        let mut squares = vec![0.0; sorted.len()];
-        for (&i, square) in self.order.iter().zip(sorted) {
-            squares[i as usize] = square;
-        }
-        Distances::of_squares(squares, self.unit)
+        self.in_order(&self.squares(&rows, control_points))
+    }
+
+    fn prunings(&self) -> usize {
+        (WORK / self.points.len().max(1)).min(PRUNINGS)
     }
 
     /// The one where a step lowers the sum of squares more, for each new control point.
@@ -180,7 +211,7 @@ impl Data for ScatteredData {
             let mut lines = level.lines.clone();
             lines[axis] = finer[axis].clone();
             let rows = Rows::new(&self.sites, &lines);
-            let diagonal = diagonal(&rows);
+            let diagonal = inverses(rows.sums());
             let gains = residuals.iter().map(|it| first_gain(&rows, &diagonal, it));
             gains.sum::<f64>() / (rows.control_points() - level.count()) as f64
         };

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::attempt::Attempt;
 use super::lines::refined;
 use super::search::Search;
-use super::{Data, Fit, Nearest, SurfaceLevel, SurfaceOptions};
+use super::{Data, Fit, SurfaceLevel, SurfaceOptions};
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::growth::grown;
@@ -306,7 +306,7 @@ impl SurfaceSchedule {
                 true => self.data.nearest_of_all(&lines, from),
                 false => self.data.nearest(&lines, from),
             };
-            self.fit_of(lines, nearest?)
+            Fit::of(lines, nearest?)
         });
         let Some(fit) = fit else {
             return Self::failed(search);
@@ -355,16 +355,7 @@ impl SurfaceSchedule {
     /// The least-squares surface over some knots, if the data determine it.
     fn fit(&self, lines: [Breaks; 2]) -> Option<Fit> {
         let nearest = self.data.nearest(&lines, self.last.as_deref())?;
-        self.fit_of(lines, nearest)
-    }
-
-    /// A least-squares surface with its distances, if they are finite.
-    fn fit_of(&self, lines: [Breaks; 2], nearest: Nearest) -> Option<Fit> {
-        let level = self.level(lines, nearest.control_points);
-        level.distances.max.is_finite().then(|| Fit {
-            level,
-            left: Arc::new(nearest.left),
-        })
+        Fit::of(lines, nearest)
     }
 
     /// The level of some control points.

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::constrained::Constrained;
-use super::settings::{Fairness, LeastSquares};
+use super::settings::LeastSquares;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
@@ -16,9 +16,8 @@ use crate::setup::Setup;
 #[derive(Debug)]
 pub(crate) struct ConstrainedSurface {
     scattered: ScatteredData,
-    /// What is minimized; with less and less fairness, of which the first is taken that is within the tolerance.
-    constrained: Vec<Constrained>,
-    tolerance: f64,
+    /// What is minimized.
+    constrained: Constrained,
     /// Whether a fairness term keeps the surface away from its data.
     fair: bool,
 }
@@ -27,46 +26,11 @@ impl ConstrainedSurface {
     pub(crate) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
         Self {
             scattered: ScatteredData::new(setup.data(), &point_by_point(setup), setup.tolerance()),
-            constrained: vec![Constrained::new(setup, settings)],
-            tolerance: setup.tolerance(),
+            constrained: Constrained::new(setup, settings),
             fair: settings.has_energy(),
         }
     }
-
-    /// With some fairness, and stiff gaps, that nobody asked for.
-    pub(crate) fn fair(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
-        let with = |value: f64| LeastSquares {
-            fairness: Some(Fairness {
-                value,
-                order: 2,
-                by_data: false,
-            }),
-            ..settings.clone()
-        };
-        Self {
-            constrained: FAIRNESS.map(|it| Constrained::new(setup, &with(it))).into(),
-            fair: true,
-            ..Self::new(setup, settings)
-        }
-    }
-
-    /// The nearest surface with so much fairness.
-    fn nearest_by(
-        &self,
-        constrained: &Constrained,
-        lines: &[Breaks; 2],
-        near: Option<&Points>,
-    ) -> Option<Nearest> {
-        let control_points = constrained.minimum(lines, near, None)?;
-        Some(Nearest {
-            left: self.scattered.left(lines, &control_points),
-            control_points,
-        })
-    }
 }
-
-/// How fair a surface is that is kept near its data where there are none, by decades as far as its tolerance asks for.
-const FAIRNESS: [f64; 4] = [1e-9, 1e-10, 1e-11, 1e-12];
 
 /// The parameters u and v of each point.
 fn point_by_point(setup: &Setup) -> [Arc<Vec<f64>>; 2] {
@@ -95,16 +59,8 @@ impl Data for ConstrainedSurface {
 
     fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
         let near = from.map(|level| level.over(lines));
-        let mut nearest = None;
-        for constrained in &self.constrained {
-            nearest = self.nearest_by(constrained, lines, near.as_ref());
-            let points = nearest.as_ref().map(|it| &it.control_points);
-            let distances = points.map(|points| self.distances(lines, points));
-            if distances.is_some_and(|it| it.max <= self.tolerance) {
-                break;
-            }
-        }
-        nearest
+        let control_points = self.constrained.minimum(lines, near.as_ref(), None)?;
+        Some(self.scattered.with_distances(lines, control_points))
     }
 
     fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {

@@ -122,6 +122,25 @@ impl Energy {
         }
     }
 
+    /// The entries of `w H` of a surface, by the rows and columns of two control points; those that come again add up.
+    pub(super) fn each_entry(&self, mut visit: impl FnMut([usize; 2], [usize; 2], f64)) {
+        for Term { factor, u, v } in &self.terms {
+            let Some(v) = v else { continue };
+            for k in 0..u.sums.len() {
+                for &(m, a) in u.matrix.column(k) {
+                    for l in 0..v.sums.len() {
+                        for &(n, b) in v.matrix.column(l) {
+                            visit([k, l], [m as usize, n as usize], factor * a * b);
+                        }
+                    }
+                }
+            }
+        }
+        if let Some(gaps) = &self.gaps {
+            gaps.each_entry(visit);
+        }
+    }
+
     /// Adds at least `w Σ_j |H_ij|` for each control point i: that itself on curves.
     pub(super) fn add_sums(&self, sums: &mut [f64]) {
         for Term { factor, u, v } in &self.terms {

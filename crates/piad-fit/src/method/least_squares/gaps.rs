@@ -21,12 +21,17 @@ pub(super) struct Gaps {
     cells: Vec<(usize, usize)>,
     u: Nodes,
     v: Nodes,
+    products_u: Vec<Products>,
+    products_v: Vec<Products>,
     /// The number of control points in the v direction.
     columns: usize,
 }
 
 /// For each span of a direction the values and the first derivatives of its functions at its nodes.
 type Nodes = [Vec<Vec<Row>>; 2];
+
+/// Two functions of a span, and the integrals of the products of their values and of their first derivatives.
+type Products = Vec<(usize, usize, [f64; 2])>;
 
 impl Gaps {
     /// Those of a surface; `None` if it has none, or the basis has no derivatives.
@@ -36,10 +41,13 @@ impl Gaps {
         let nodes = |direction: &Direction| -> Option<Nodes> {
             Some([node_rows(direction, 0)?, node_rows(direction, 1)?])
         };
+        let (u, v_nodes) = (nodes(setup.u())?, nodes(v)?);
         Some(Self {
             root: stiffness.sqrt(),
-            u: nodes(setup.u())?,
-            v: nodes(v)?,
+            products_u: products(&u),
+            products_v: products(&v_nodes),
+            u,
+            v: v_nodes,
             columns: v.free(),
             cells,
         })
@@ -70,21 +78,57 @@ impl Gaps {
         }
     }
 
+    /// The entries of the matrix, by the rows and columns of two control points; those of several cells add up.
+    pub(super) fn each_entry(&self, mut visit: impl FnMut([usize; 2], [usize; 2], f64)) {
+        let factor = self.root * self.root;
+        for &(i, j) in &self.cells {
+            for &(k, m, [values_u, slopes_u]) in &self.products_u[i] {
+                for &(l, n, [values_v, slopes_v]) in &self.products_v[j] {
+                    let entry = factor * (slopes_u * values_v + values_u * slopes_v);
+                    visit([k, l], [m, n], entry);
+                }
+            }
+        }
+    }
+
     /// `y ← y − H x` for one coordinate.
     pub(super) fn subtract(&self, x: &[f64], y: &mut [f64]) {
-        self.each_row(|row| {
-            let product: f64 = row.iter().map(|&(k, a)| a * x[k]).sum();
-            row.iter().for_each(|&(k, a)| y[k] -= a * product);
-        });
+        interrupt::check();
+        let columns = self.columns;
+        self.each_entry(|[k, l], [m, n], entry| y[k * columns + l] -= entry * x[m * columns + n]);
     }
 
     /// Adds at least `Σ_j |H_ij|` for each control point i.
     pub(super) fn add_sums(&self, sums: &mut [f64]) {
-        self.each_row(|row| {
-            let sum: f64 = row.iter().map(|(_, a)| a.abs()).sum();
-            row.iter().for_each(|&(k, a)| sums[k] += a.abs() * sum);
-        });
+        let columns = self.columns;
+        self.each_entry(|[k, l], _, entry| sums[k * columns + l] += entry.abs());
     }
+}
+
+/// Those of each span.
+fn products([values, slopes]: &Nodes) -> Vec<Products> {
+    let spans = values.iter().zip(slopes);
+    let products = spans.map(|(values, slopes)| {
+        let rows = || values.iter().chain(slopes);
+        let mut functions: Vec<usize> = rows().flatten().map(|it| it.0).collect();
+        functions.sort_unstable();
+        functions.dedup();
+        let pairs = functions
+            .iter()
+            .flat_map(|&k| functions.iter().map(move |&m| (k, m)));
+        let product = |(k, m)| (k, m, [sum(values, k, m), sum(slopes, k, m)]);
+        pairs.map(product).collect()
+    });
+    products.collect()
+}
+
+/// The sum of the products of two functions at nodes.
+fn sum(rows: &[Row], k: usize, m: usize) -> f64 {
+    let of = |row: &Row, k: usize| {
+        let found = row.iter().find(|it| it.0 == k);
+        found.map_or(0.0, |it| it.1)
+    };
+    rows.iter().map(|row| of(row, k) * of(row, m)).sum()
 }
 
 /// The spans of u and of v in which no datum lies; none of curves.

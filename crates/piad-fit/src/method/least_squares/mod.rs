@@ -32,6 +32,7 @@ pub(crate) mod constrained_surface;
 pub(crate) mod constraints;
 pub(crate) mod cross_validation;
 mod end;
+pub(crate) mod fair_surface;
 mod fairness;
 mod gaps;
 mod objective;

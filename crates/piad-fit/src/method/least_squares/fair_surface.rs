@@ -1,0 +1,160 @@
+//! Surfaces of scattered points with an energy and without conditions, over knots that a schedule chooses.
+//!
+//! Each has the normal equations of [`ScatteredData`] and of the energy, and conjugate gradients lead from the surface before
+//! to near their solution.
+
+use std::sync::Arc;
+
+use super::fairness::Energy;
+use super::settings::{EndPoints, Fairness, LeastSquares};
+use crate::data::distances::Distances;
+use crate::data::points::Points;
+use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
+use crate::linear::stencil::Stencil;
+use crate::setup::Setup;
+
+/// How fair a surface is that is kept near its data where there are none, and how stiff its gaps are; both are lowered by
+/// decades as far as its tolerance asks for.
+const FAIRNESS: f64 = 1e-9;
+const STIFFNESS: f64 = 1e-6;
+
+/// How often they are lowered.
+const DECADES: i32 = 6;
+
+/// Less energy that lowers the largest distance by less than this part of it is not what the tolerance asks for.
+const GAIN: f64 = 0.01;
+
+/// The most numbers of normal equations besides those of as many rows as data.
+pub(crate) const LEAST_NUMBERS: usize = 1_000_000;
+
+/// The data of a surface, and its energy.
+#[derive(Debug)]
+pub(crate) struct FairSurface {
+    setup: Arc<Setup>,
+    /// With less and less energy, of which the first is taken that is within the tolerance.
+    settings: Vec<LeastSquares>,
+    scattered: ScatteredData,
+}
+
+impl FairSurface {
+    /// Of scattered points whose settings ask for an energy and for nothing else besides distances.
+    pub(crate) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Option<Self> {
+        let is_plain = settings.constraints.is_empty()
+            && settings.data_weights.is_none()
+            && settings.ends != EndPoints::Interpolated
+            && setup.missing().is_none();
+        let v = setup.v().filter(|_| setup.is_scattered())?;
+        (is_plain && settings.has_energy()).then(|| Self {
+            scattered: ScatteredData::new(
+                setup.data(),
+                &[&setup.u().parameters, &v.parameters].map(Arc::clone),
+                setup.tolerance(),
+            ),
+            setup: Arc::clone(setup),
+            settings: vec![settings.clone()],
+        })
+    }
+
+    /// With some fairness, and stiff gaps, that nobody asked for.
+    pub(crate) fn unasked(setup: &Arc<Setup>, settings: &LeastSquares) -> Option<Self> {
+        let lowered = |decades: i32| {
+            let factor = 10f64.powi(-decades);
+            LeastSquares {
+                fairness: Some(Fairness {
+                    value: FAIRNESS * factor,
+                    order: 2,
+                    by_data: false,
+                }),
+                gap_stiffness: settings.gap_stiffness.or(Some(STIFFNESS * factor)),
+                ..settings.clone()
+            }
+        };
+        let all: Vec<LeastSquares> = (0..=DECADES).map(lowered).collect();
+        let fair = Self::new(setup, &all[0])?;
+        Some(Self {
+            settings: all,
+            ..fair
+        })
+    }
+
+    /// The matrix of the energy over some knots.
+    fn energy(&self, settings: &LeastSquares, lines: &[Breaks; 2]) -> Option<Stencil> {
+        let parameters = self.setup.directions().map(|it| Arc::clone(&it.parameters));
+        let directions = lines.iter().zip(parameters);
+        let mut directions = directions.map(|(line, parameters)| line.direction(parameters));
+        let setup = Setup {
+            u: directions.next()?,
+            v: directions.next(),
+            start: None,
+            ..Setup::clone(&self.setup)
+        };
+        let energy = Energy::new(&setup, settings, self.setup.data().len() as f64)?;
+        let mut stencil = Stencil::zeros(lines.each_ref().map(Breaks::reach));
+        let [u, v] = lines;
+        let place = |[k, l]: [usize; 2]| [u.of_direction(k), v.of_direction(l)];
+        energy.each_entry(|one, other, entry| stencil.add(place(one), place(other), entry));
+        Some(stencil)
+    }
+}
+
+impl Data for FairSurface {
+    fn parameters(&self, axis: usize) -> &[f64] {
+        self.scattered.parameters(axis)
+    }
+
+    fn share(&self) -> f64 {
+        self.scattered.share()
+    }
+
+    fn allows(&self, counts: [usize; 2]) -> bool {
+        let degrees =
+            [Some(self.setup.u()), self.setup.v()].map(|it| it.map_or(0, |it| it.basis.degree()));
+        let diagonals = degrees
+            .iter()
+            .map(|degree| 2 * degree + 1)
+            .product::<usize>();
+        let of_rows = degrees.iter().map(|degree| degree + 1).product::<usize>();
+        let numbers = counts[0]
+            .saturating_mul(counts[1])
+            .saturating_mul(diagonals);
+        numbers <= LEAST_NUMBERS + of_rows * self.setup.data().len()
+            && self.scattered.allows(counts)
+    }
+
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+        let mut start = from.map(|level| level.over(lines));
+        let mut nearest: Option<Nearest> = None;
+        for settings in &self.settings {
+            let energy = self.energy(settings, lines)?;
+            let fair = self.scattered.nearest_from(start, lines, Some(&energy));
+            let before = nearest
+                .as_ref()
+                .map_or(f64::INFINITY, |it| it.distances.max);
+            let is_nearer = fair.distances.max < (1.0 - GAIN) * before;
+            start = Some(fair.control_points.clone());
+            let is_within = fair.distances.max <= self.setup.tolerance();
+            nearest = Some(fair);
+            if is_within || !is_nearer {
+                break;
+            }
+        }
+        nearest
+    }
+
+    fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
+        self.scattered.distances(lines, control_points)
+    }
+
+    fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize {
+        self.scattered.prefers(fit, finer)
+    }
+
+    fn has_floor(&self) -> bool {
+        true
+    }
+
+    fn prunings(&self) -> usize {
+        self.scattered.prunings()
+    }
+}
