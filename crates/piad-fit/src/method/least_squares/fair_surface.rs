@@ -158,3 +158,35 @@ impl Data for FairSurface {
         self.scattered.prunings()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::Fit;
+    use crate::parameters::{CoordinatePlane, Scattered};
+
+    /// A square of hills on its corner: half of the rectangle of its parameters is without data. The surface is within the
+    /// tolerance, which asks for less energy than it begins with, and stays near the data in the gaps.
+    #[test]
+    fn gaps_of_a_turned_square() {
+        let place =
+            |i: u32| [0.754_877_666, 0.569_840_29].map(|step| (0.5 + f64::from(i) * step).fract());
+        let height = |[s, t]: [f64; 2]| {
+            let hill = |a: f64, b: f64| (-400.0 * ((s - a).powi(2) + (t - b).powi(2))).exp();
+            hill(0.3, 0.3) + hill(0.7, 0.05) + hill(0.98, 0.6)
+        };
+        let points: Vec<[f64; 3]> = (0..2_500)
+            .map(place)
+            .map(|[s, t]| [s - t, s + t, height([s, t])])
+            .collect();
+        let fit = Fit::scattered(&points, Scattered::Coordinates(CoordinatePlane::Xy));
+        let surface = fit.tolerance(0.01).prepare().unwrap().solve().unwrap();
+        assert!(surface.error().max <= 0.01);
+        let [u, v] = surface.domain();
+        let at = |(low, high): (f64, f64), i: u32| low + (high - low) * f64::from(i) / 40.0;
+        let heights = (0..=40).flat_map(|i| (0..=40).map(move |j| (i, j)));
+        for (i, j) in heights {
+            let height = surface.eval(at(u, i), at(v, j))[2];
+            assert!((-0.3..1.3).contains(&height), "{height} at {i}, {j}");
+        }
+    }
+}
