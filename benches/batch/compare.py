@@ -39,6 +39,8 @@ METHODS = {
 }
 CONNECTIONS = 16
 SLICE = 0.02
+# Seconds of wrk.
+SINGLES = 3
 
 
 def curve(k: int) -> np.ndarray:
@@ -162,22 +164,37 @@ def scipy(method: str, processes: int, count: int = 4000) -> float:
     return processes * count / (time.perf_counter() - begin)
 
 
+def spent(server: Server, action) -> tuple[float, float]:
+    """Curves per second, which an action returns, and the seconds of processor time of the server meanwhile."""
+    before = server.busy()
+    return action(), server.busy() - before
+
+
 def rates(program: str, items: int, rounds: int) -> None:
-    print(f"curves of {POINTS} points per second, {items} in a batch, medians of {rounds} and the least and the largest\n")
-    print("| method | batch | /v1/fit, 16 connections | scipy, one process | two | batch : /v1/fit : scipy, two |\n|---|---|---|---|---|---|")
+    print(f"curves of {POINTS} points per second, {items} in a batch, medians of {rounds} and the least and the largest;")
+    print("processor time of the server for each, in microseconds\n")
+    print("| method | batch | /v1/fit, 16 connections | scipy, one process | two | batch : /v1/fit : scipy, two | batch, µs | /v1/fit, µs |")
+    print("|---|---|---|---|---|---|---|---|")
     for method in METHODS:
         pieces = list(body(items, method))
         found: list[list[float]] = [[], [], [], []]
+        times: list[list[float]] = [[], []]
         with Server(program) as server:
             batch(server, pieces, items)
             for _ in range(rounds):
-                found[0].append(items / batch(server, pieces, items)[0])
-                found[1].append(singles(server, method, 3))
+                rate, seconds = spent(server, lambda: items / batch(server, pieces, items)[0])
+                found[0].append(rate)
+                times[0].append(1e6 * seconds / items)
+                rate, seconds = spent(server, lambda: singles(server, method, SINGLES))
+                found[1].append(rate)
+                times[1].append(1e6 * seconds / (rate * SINGLES))
                 found[2].append(scipy(method, 1))
                 found[3].append(scipy(method, 2))
         cells = [f"{statistics.median(each):,.0f} ({min(each):,.0f}–{max(each):,.0f})" for each in found]
         ofs = [statistics.median(each) for each in found]
-        print(f"| {method} | {' | '.join(cells)} | {ofs[0] / ofs[1]:.1f} : 1 : {ofs[3] / ofs[1]:.1f} |", flush=True)
+        cells.append(f"{ofs[0] / ofs[1]:.1f} : 1 : {ofs[3] / ofs[1]:.1f}")
+        cells += [f"{statistics.median(each):.0f}" for each in times]
+        print(f"| {method} | {' | '.join(cells)} |", flush=True)
 
 
 def memory(program: str, many: int) -> None:
