@@ -59,6 +59,7 @@ files: $(VENV)/installed
 	$(PYTHON) tests/python/export_check.py --all target/tmp/export
 	$(PYTHON) tests/python/over_http.py target/debug/piad
 	$(PYTHON) tests/python/command.py target/debug/piad
+	$(PYTHON) tests/python/parts.py target/debug/piad
 	$(PYTHON) tests/python/units.py target/debug/piad
 	$(PYTHON) tests/python/offsets.py target/debug/piad
 	$(PYTHON) tests/python/joins.py target/debug/piad

@@ -1,8 +1,10 @@
-"""How long it takes to read a million points of a CSV file, beside numpy, in turns.
+"""How long it takes to read a million points of a table and of a binary PLY file, beside numpy and trimesh, in turns.
 
     reading.py PROGRAM        # PROGRAM is target/release/piad
 
-piad's time is that of a whole process that reads the file and then refuses the tolerance -1. Medians of seven.
+piad's time is that of a whole process that reads the file and then refuses it: the table for the tolerance -1, the
+cloud as it has no order, which it looks for in all points. The others are called in a process that has loaded them.
+Medians of seven, and the least and the largest. Needs the packages of ../requirements.txt.
 """
 
 import statistics
@@ -13,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import trimesh
 
 ROUNDS = 7
 
@@ -23,25 +26,45 @@ def seconds(action) -> float:
     return time.perf_counter() - begin
 
 
+def refused(program: str, file: Path, why: str) -> None:
+    command = [program, "fit", file, "-q", "--tolerance", "-1", "-o", file.with_suffix(".step")]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 2 and why in done.stderr, done
+
+
+def report(name: str, readers: dict) -> None:
+    taken: dict[str, list[float]] = {reader: [] for reader in readers}
+    for _ in range(ROUNDS):
+        for reader, action in readers.items():
+            taken[reader].append(seconds(action))
+    piad = statistics.median(taken["piad"])
+    for reader, each in taken.items():
+        middle = statistics.median(each)
+        print(f"| {name} | {reader} | {middle:.2f} ({min(each):.2f}–{max(each):.2f}) | {middle / piad:.1f} |", flush=True)
+
+
 def main() -> None:
     [program] = sys.argv[1:]
     t = np.linspace(0, 60, 1_000_000)
     points = np.c_[(1 + t / 10) * np.cos(t), (1 + t / 10) * np.sin(t), 0.3 * t]
+    print("| file | read by | s | of piad's |\n|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "million.csv"
-        np.savetxt(file, points, delimiter=",", header="x,y,z", comments="", fmt="%.17g")
-
-        def refused() -> None:
-            command = [program, "fit", file, "-q", "--tolerance", "-1", "-o", Path(folder) / "never.step"]
-            done = subprocess.run(command, capture_output=True, text=True)
-            assert done.returncode == 2 and "tolerance" in done.stderr, done
-
-        numpy, piad = [], []
-        for _ in range(ROUNDS):
-            numpy.append(seconds(lambda: np.loadtxt(file, delimiter=",", skiprows=1)))
-            piad.append(seconds(refused))
-    numpy, piad = statistics.median(numpy), statistics.median(piad)
-    print(f"numpy.loadtxt {numpy:.2f} s, piad {piad:.2f} s: {numpy / piad:.1f} times as fast")
+        table = Path(folder) / "million.csv"
+        np.savetxt(table, points, delimiter=",", header="x,y,z", comments="", fmt="%.17g")
+        report("table", {
+            "numpy.loadtxt": lambda: np.loadtxt(table, delimiter=",", skiprows=1),
+            "numpy.genfromtxt": lambda: np.genfromtxt(table, delimiter=",", skip_header=1),
+            "piad": lambda: refused(program, table, "tolerance"),
+        })
+        cloud = Path(folder) / "million.ply"
+        mixed = np.random.default_rng(1).permutation(points)
+        head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(mixed)}\n"
+        head += "".join(f"property double {axis}\n" for axis in "xyz") + "end_header\n"
+        cloud.write_bytes(head.encode() + mixed.astype("<f8").tobytes())
+        report("PLY", {
+            "trimesh.load": lambda: trimesh.load(cloud),
+            "piad": lambda: refused(program, cloud, "order"),
+        })
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ class Raw:
 class CadFile:
     """A file as OpenCASCADE transfers it."""
 
-    def __init__(self, path: str):
+    def __init__(self, path: str, roots: int | None = 1):
         for printer in Message.DefaultMessenger_s().Printers():
             printer.SetTraceLevel(Message_Gravity.Message_Alarm)
         step = path.endswith((".step", ".stp"))
@@ -53,7 +53,8 @@ class CadFile:
         assert self.reader.ReadFile(path) == IFSelect_RetDone, "cannot be read"
         # Otherwise splines are cut at knots where they are not smooth.
         Interface_Static.SetIVal_s("read.iges.bspline.continuity", 0)
-        assert self.reader.TransferRoots() == 1, "not one root"
+        transferred = self.reader.TransferRoots()
+        assert roots in (None, transferred), f"{transferred} roots"
         self.shape = self.reader.OneShape()
         self.model = self.reader.WS().Model() if step else self.reader.IGESModel()
 

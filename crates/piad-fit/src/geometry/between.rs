@@ -5,6 +5,8 @@
 //! leave where they bend. A curve that is further away from them than that leaves its data.
 
 mod gaps;
+mod line;
+mod segment;
 
 use std::fmt;
 
@@ -12,7 +14,8 @@ use super::evaluation::Geometry;
 use crate::basis::direction::Direction;
 use crate::data::points::Points;
 use crate::setup::Setup;
-use gaps::{AT_ONCE, Gaps, spans};
+use gaps::{AT_ONCE, Gaps};
+use line::spans;
 
 /// Gaps and cells in which the fit is away from its data by more than this part of the largest distance, or of what is
 /// allowed, are looked at in small steps: the places that are looked at first miss up to a quarter of a bump.

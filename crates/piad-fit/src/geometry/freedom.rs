@@ -106,7 +106,7 @@ pub(super) fn bends(points: &Points, indices: &[usize], parameters: &[f64]) -> V
         (lane[to] - lane[from]) / width(gap)
     };
     let lengths: Vec<f64> = (0..gaps)
-        .map(|gap| width(gap) * (0..dimension).map(|c| chord(gap, c)).fold(0.0, f64::hypot))
+        .map(|gap| width(gap) * length_of((0..dimension).map(|c| chord(gap, c))))
         .collect();
     // The derivative of a gap at the point between it and another one beside it.
     let inside = |gap: usize, beside: usize| {
@@ -140,7 +140,7 @@ pub(super) fn bends(points: &Points, indices: &[usize], parameters: &[f64]) -> V
                 let chord = chord(gap, c);
                 (1.0 - s) * (start[c] - chord) - s * (end[c] - chord)
             });
-            s * (1.0 - s) * parts.fold(0.0, f64::hypot)
+            s * (1.0 - s) * length_of(parts)
         };
         let most = [0.25, 0.5, 0.75].into_iter().map(at).fold(0.0, f64::max);
         let factor = if is_first || is_last {
@@ -155,7 +155,13 @@ pub(super) fn bends(points: &Points, indices: &[usize], parameters: &[f64]) -> V
 
 /// The length of a vector.
 pub(crate) fn length(vector: &[f64]) -> f64 {
-    vector.iter().copied().fold(0.0, f64::hypot)
+    length_of(vector.iter().copied())
+}
+
+/// The length of a vector with these coordinates.
+pub(crate) fn length_of(mut coordinates: impl Iterator<Item = f64>) -> f64 {
+    let first = coordinates.next().map_or(0.0, f64::abs);
+    coordinates.fold(first, f64::hypot)
 }
 
 /// The same vector, but no longer than this.

@@ -49,7 +49,8 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
     }
     let mut iteration = Iteration::start_unpredicted(Arc::clone(system));
     for _ in 0..steps {
-        match iteration.outcome() {
+        // Where the fit is between its data does not change where it ends.
+        match iteration.outcome_at_data() {
             None => iteration.step(),
             Some(Outcome::Exhausted) => break,
             Some(Outcome::Overflow) => return None,

@@ -96,9 +96,9 @@ enum Engine {
 }
 
 impl Iteration {
-    /// Level 0, without a look at where the fit will end. It takes a sweep if the problem and its
-    /// method have one.
-    pub(super) fn start_unpredicted(system: Arc<System>) -> Self {
+    /// Level 0, without a prediction of where the fit will end, which takes as long as a short fit itself: its levels are
+    /// the same, but for [`Level::predicted`]. It takes a sweep if the problem and its method have one.
+    pub fn start_unpredicted(system: Arc<System>) -> Self {
         if let Some(automatic) = Automatic::start(system.problem()) {
             let error = automatic.error();
             return Self::begin(

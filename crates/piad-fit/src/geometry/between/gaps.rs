@@ -1,5 +1,7 @@
 //! The gaps between the data of a curve and the cells of a grid, and how far a fit is from the data in them.
 
+use super::line::{Line, Place, parameters};
+use super::segment;
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
 use crate::data::points::{Points, normalizing_scale};
@@ -17,113 +19,11 @@ const PLACES_OF_SURFACES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Only the middle is looked at where there are more gaps than this.
 const MANY: usize = 100_000;
 
-/// The steps in which a gap is looked at closely.
-const CLOSER: usize = 16;
-
 /// The sides of a cell are parallel if the sine of their angle has a square below this.
 const SINGULAR: f64 = 1e-9;
 
 /// About how many places are evaluated at a time.
 pub(super) const AT_ONCE: usize = 16_384;
-
-/// The gaps between successive data of a direction.
-struct Line {
-    /// The data at both ends.
-    ends: Vec<[usize; 2]>,
-    /// Their parameters.
-    ranges: Vec<[f64; 2]>,
-    places: Vec<Place>,
-}
-
-/// A place in a gap.
-#[derive(Clone, Copy)]
-struct Place {
-    parameter: f64,
-    gap: usize,
-    /// The part of the gap that is before it.
-    part: f64,
-}
-
-impl Line {
-    /// Between data with these indices, with places at some parts of each gap, and of each span of knots, as these can be
-    /// shorter.
-    fn new(direction: &Direction, data: &[usize], parts: &[f64]) -> Self {
-        let all = parameters(direction, data);
-        let gaps = all.len() - 1;
-        let inside = |[from, to]: [f64; 2]| {
-            let parts = parts.iter();
-            parts.map(move |part| (1.0 - part) * from + part * to)
-        };
-        let place = |gap: usize, parameter: f64| Place {
-            parameter,
-            gap,
-            part: (parameter - all[gap]) / (all[gap + 1] - all[gap]),
-        };
-        let in_gaps = (0..gaps).flat_map(|gap| {
-            let parameters = inside([all[gap], all[gap + 1]]);
-            parameters.map(move |t| place(gap, t))
-        });
-        let in_spans = spans(direction).flat_map(inside).filter_map(|t| {
-            // The knots of a closed direction with corners begin at the first of them.
-            let turn = direction.period().filter(|_| t >= all[gaps]);
-            let t = t - turn.unwrap_or(0.0);
-            let gap = all.partition_point(|start| *start <= t).checked_sub(1)?;
-            (gap < gaps).then(|| place(gap, t))
-        });
-        Self {
-            ends: (0..gaps)
-                .map(|i| [data[i], data[(i + 1) % data.len()]])
-                .collect(),
-            ranges: (0..gaps).map(|i| [all[i], all[i + 1]]).collect(),
-            places: in_gaps.chain(in_spans).collect(),
-        }
-    }
-
-    /// Across a curve: one line.
-    fn single() -> Self {
-        Self {
-            ends: vec![[0, 0]],
-            ranges: vec![[0.0; 2]],
-            places: vec![Place {
-                parameter: 0.0,
-                gap: 0,
-                part: 0.0,
-            }],
-        }
-    }
-
-    fn count(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Places in small steps in one gap.
-    fn closer(&self, gap: usize) -> Vec<Place> {
-        let [from, to] = self.ranges[gap];
-        let place = |part: f64| Place {
-            parameter: (1.0 - part) * from + part * to,
-            gap,
-            part,
-        };
-        let steps = if from < to { CLOSER } else { 2 };
-        (1..steps).map(|k| place(k as f64 / steps as f64)).collect()
-    }
-}
-
-/// The spans of the knots of a direction.
-pub(super) fn spans(direction: &Direction) -> impl Iterator<Item = [f64; 2]> {
-    let (low, high) = direction.basis.domain();
-    let knots = direction.basis.knots().unwrap_or_default().to_vec();
-    let pairs = 1..knots.len();
-    let spans = pairs.map(move |i| [knots[i - 1], knots[i]]);
-    spans.filter(move |&[from, to]| low <= from && from < to && to <= high)
-}
-
-/// The parameters of some data of a direction, of a closed one also the first of them after a period.
-fn parameters(direction: &Direction, data: &[usize]) -> Vec<f64> {
-    let t = &direction.parameters;
-    let again = direction.period().map(|period| t[data[0]] + period);
-    data.iter().map(|&i| t[i]).chain(again).collect()
-}
 
 /// The gaps of a curve, or the cells of a grid.
 pub(super) struct Gaps<'a> {
@@ -281,8 +181,12 @@ impl<'a> Gaps<'a> {
     /// How far the corners of each cell, or of one of those around it, are apart at most, and a part of that of others, which
     /// is passed on: fits go beyond a flat place beside a steep one.
     fn apart(&self) -> Vec<f64> {
+        let is_curve = self.setup.v().is_none();
         let own = |cell: usize| {
             let [[a, b], [c, d]] = self.corners(cell);
+            if is_curve {
+                return self.points.distance(a, c);
+            }
             let pairs = [(a, b), (a, c), (a, d), (b, c), (b, d), (c, d)];
             let distance = |(i, j)| self.points.distance(i, j);
             pairs.into_iter().map(distance).fold(0.0, f64::max)
@@ -345,6 +249,9 @@ impl<'a> Gaps<'a> {
         let parameters =
             |places: &[Place]| places.iter().map(|it| it.parameter).collect::<Vec<_>>();
         let fit = geometry.evaluate(&parameters(along), &parameters(across));
+        if self.setup.v().is_none() {
+            return segment::measure(self.points, &self.along.ends, along, &fit, distances);
+        }
         let pairs = along
             .iter()
             .flat_map(|a| across.iter().map(move |b| (a, b)));
@@ -355,9 +262,8 @@ impl<'a> Gaps<'a> {
         }
     }
 
-    /// How far point `index` of a fit is from the bilinear patch between the corners of a cell, or the segment between two
-    /// points: from that place on it which is nearest, but for values of functions, which are compared at the same
-    /// parameters.
+    /// How far point `index` of a fit is from the bilinear patch between the corners of a cell: from that place on it which
+    /// is nearest, but for values of functions, which are compared at the same parameters.
     fn distance(&self, cell: usize, at: [f64; 2], fit: &Points, index: usize) -> f64 {
         let corners = self.corners(cell);
         let at = match fit.dimension() {
@@ -366,10 +272,10 @@ impl<'a> Gaps<'a> {
         };
         let lanes = fit.lanes().iter().zip(self.points.lanes());
         let differences = lanes.map(|(fit, data)| fit[index] - Patch::new(corners, data).value(at));
-        differences.fold(0.0, f64::hypot)
+        freedom::length_of(differences)
     }
 
-    /// The parts of a cell at which its patch is nearest, by one step of Gauss and Newton: exactly of segments.
+    /// The parts of a cell at which its patch is nearest, by one step of Gauss and Newton.
     fn nearest(
         &self,
         corners: [[usize; 2]; 2],
@@ -400,7 +306,7 @@ impl<'a> Gaps<'a> {
                 (moments[0] * normal[1][1] - moments[1] * normal[0][1]) / determinant,
                 (moments[1] * normal[0][0] - moments[0] * normal[1][0]) / determinant,
             ],
-            // Segments have one direction, and so have cells whose sides are parallel.
+            // Cells whose sides are parallel have one direction.
             false if normal[0][0] > 0.0 => [moments[0] / normal[0][0], 0.0],
             false => [0.0; 2],
         };
