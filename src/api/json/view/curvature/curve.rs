@@ -13,6 +13,8 @@ use piad_fit::engine::curvature::{CurveShape, Joint};
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "CurveShape", extend("examples" = [curve_example()]))]
 pub(crate) struct CurveShapeView {
+    /// That of a curve.
+    kind: CurveKind,
     /// The number of the iteration.
     iteration: usize,
     /// The length of the curve.
@@ -26,6 +28,14 @@ pub(crate) struct CurveShapeView {
     continuity: Joints,
     /// Points with their curvature.
     samples: CurveSamplesView,
+}
+
+/// The kind of what has this shape.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(inline)]
+enum CurveKind {
+    Curve,
 }
 
 /// The continuity of a curve at its knots.
@@ -84,6 +94,7 @@ impl CurveShapeView {
         let count = samples.parameters.len();
         let dimension = samples.points.len() / count.max(1);
         Self {
+            kind: CurveKind::Curve,
             iteration,
             length: finite(shape.length),
             curvature: ExtremesView::new(shape.extremes),

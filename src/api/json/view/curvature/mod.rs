@@ -17,7 +17,7 @@ use surface::SurfaceShapeView;
 /// The shape of an iteration: curvature and its extremes, length or area, and continuity at knots. Null stands where
 /// there is no curvature, because a derivative vanishes or a surface has no normal.
 #[derive(Serialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "lowercase")]
+#[serde(untagged)]
 #[schemars(rename = "Shape", extend("examples" = [curve_example()]))]
 pub(crate) enum ShapeView {
     /// Of a curve.

@@ -13,6 +13,8 @@ use piad_fit::engine::curvature::{KnotLine, SurfaceShape};
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "SurfaceShape", extend("examples" = [surface_example()]))]
 pub(crate) struct SurfaceShapeView {
+    /// That of a surface.
+    kind: SurfaceKind,
     /// The number of the iteration.
     iteration: usize,
     /// The area of the surface.
@@ -40,6 +42,14 @@ struct SurfaceExtremes {
     gaussian: ExtremesView,
     /// Of the mean curvature, (k1 + k2) / 2.
     mean: ExtremesView,
+}
+
+/// The kind of what has this shape.
+#[derive(Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(inline)]
+enum SurfaceKind {
+    Surface,
 }
 
 /// The continuity of a surface across its knot lines in each direction.
@@ -134,6 +144,7 @@ impl SurfaceShapeView {
             points: document.points(&[counts[0], counts[1], dimension], samples.points),
         };
         Self {
+            kind: SurfaceKind::Surface,
             iteration,
             area: finite(shape.area),
             curvature: SurfaceExtremes {
