@@ -96,9 +96,11 @@ impl<S: Copy, B: Copy> Best<(S, Option<B>)> {
         let Some((value, place)) = round.found else {
             return false;
         };
-        // Rounding may leave none that is better.
+        // What is better by no more than rounding is no better place.
+        let is_better =
+            |before: f64| self.sign * (value - before) > 4.0 * f64::EPSILON * before.abs();
         let (value, site) = match self.found {
-            Some((before, (site, _))) if !self.is_below(value) => (before, site),
+            Some((before, (site, _))) if !is_better(before) => (before, site),
             _ => (value, place.0),
         };
         self.found = Some((value, (site, place.1)));

@@ -98,12 +98,15 @@ pub(super) fn sides(knots: &KnotVector) -> Vec<Sides> {
 /// The continuity at inner knots and where a closed curve returns to its start, and how many there are.
 pub(super) fn joints(nurbs: &Nurbs, vanishing: &Vanishing) -> (Vec<Joint>, usize) {
     let sides = sides(&nurbs.u);
-    let extent = nurbs.points.bounding_diagonal();
+    let sizes = Sizes {
+        resolution: nurbs.resolution(),
+        straight: STRAIGHT / nurbs.points.bounding_diagonal(),
+    };
     let mut joints: Vec<Joint> = Vec::new();
     for some in sides.chunks(TOGETHER) {
         let sites: Vec<_> = some.iter().flat_map(|it| [it.before, it.behind]).collect();
         let jets = CurveJets::new(nurbs, vanishing, &sites);
-        let joint = |(k, sides): (usize, &Sides)| joint(nurbs, &jets, 2 * k, *sides, extent);
+        let joint = |(k, sides): (usize, &Sides)| joint(&jets, 2 * k, *sides, &sizes);
         joints.extend(some.iter().enumerate().map(joint));
         if joints.len() > 2 * MOST_JOINTS {
             keep_least_smooth(&mut joints);
@@ -114,15 +117,23 @@ pub(super) fn joints(nurbs: &Nurbs, vanishing: &Vanishing) -> (Vec<Joint>, usize
     (joints, sides.len())
 }
 
+/// What counts as nothing on a curve of some size.
+struct Sizes {
+    /// The gap between points that are one.
+    resolution: f64,
+    /// The curvature of a line that is straight.
+    straight: f64,
+}
+
 /// The continuity between places `i` and `i + 1`.
-fn joint(nurbs: &Nurbs, jets: &CurveJets, i: usize, sides: Sides, extent: f64) -> Joint {
+fn joint(jets: &CurveJets, i: usize, sides: Sides, sizes: &Sizes) -> Joint {
     let curvature = [jets.curvature(i), jets.curvature(i + 1)];
     let (gap, angle, jump) = (
         jets.gap(i, i + 1),
         jets.angle(i, i + 1),
         jets.bend_jump(i, i + 1),
     );
-    let is_closed = gap <= nurbs.resolution();
+    let is_closed = gap <= sizes.resolution;
     let bend = curvature[0].abs().max(curvature[1].abs());
     let found = |second: bool, first: bool| match (is_closed, first, second) {
         (false, ..) => -1,
@@ -135,7 +146,7 @@ fn joint(nurbs: &Nurbs, jets: &CurveJets, i: usize, sides: Sides, extent: f64) -
         jets.first_jump(i, i + 1) <= SAME_DERIVATIVE,
     );
     let geometric = found(
-        jump <= SAME_CURVATURE * bend + STRAIGHT / extent,
+        jump <= SAME_CURVATURE * bend + sizes.straight,
         angle <= SAME_DIRECTION,
     );
     let parametric = parametric.max(sides.guaranteed);
