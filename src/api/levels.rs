@@ -19,6 +19,7 @@ use crate::job::peer::Peer;
 use crate::job::scheduler::WorkLane;
 use crate::job::state::{Levels, Status};
 use crate::model::stream::form::{Form, View};
+use piad_files::export::{Options, shape};
 use piad_fit::engine::foot;
 use piad_fit::engine::foot::Deviation;
 
@@ -30,6 +31,10 @@ const BYTES_PER_DISTANCE: usize = 64;
 
 /// To find a nearest point takes about as long as so many multiplications.
 const OPERATIONS_PER_DISTANCE: usize = 5000;
+
+/// Bytes of memory for each control point and each sample while a shape is measured.
+const BYTES_PER_CONTROL_POINT: usize = 300;
+const BYTES_PER_SAMPLE: usize = 160;
 
 /// How long an iteration is waited for that has not been reached, if the client does not say it.
 pub(super) const WAIT: Duration = Duration::from_secs(10);
@@ -110,6 +115,30 @@ pub(super) async fn deviation(
         Ok(deviation) => Ok((frame, deviation)),
         Err(reason) => Err(Problem::new(Kind::NoDeviation, reason.to_string())),
     }
+}
+
+/// The shape of a level, or without a number of the last level so far, with these samples.
+pub(super) async fn shape(
+    app: &App,
+    job: &Arc<Job>,
+    k: Option<usize>,
+    samples: Options,
+    wait: Option<Duration>,
+) -> Result<Content, Problem> {
+    let frame = frame(app, job, k, wait).await?;
+    let surface = frame.problem.v().is_some();
+    let needed = frame.control_points.len() * BYTES_PER_CONTROL_POINT
+        + shape::sample_count(surface, &samples) * BYTES_PER_SAMPLE;
+    let resources = job.resources();
+    let permit = resources.memory.files.take(Peer::current(), needed).await;
+    let lane = WorkLane::of_samples(shape::cost(&frame.problem, &samples));
+    let measure = move || {
+        let shape = shape::measure(&frame.problem, &frame.control_points, &samples);
+        shape.map(|shape| view::curvature::shape(frame.level.iteration, shape))
+    };
+    let content = resources.scheduler.compute(lane, measure).await?;
+    let content = content.map_err(|reason| Problem::new(Kind::NoShape, reason.to_string()))?;
+    Ok(content.with_permit(permit))
 }
 
 /// The job as it was accepted, as JSON or as the bytes of a message.

@@ -14,7 +14,11 @@ use super::failure::Failure;
 use super::file_query::FileQuery;
 use super::point_kind::PointKind;
 use crate::config::fit_arguments::FitArguments;
+use piad_files::export::shape::NoShape;
 use piad_files::export::{Format, check_shape};
+
+/// The format whose samples a shape has.
+const SAMPLED: Format = Format::Csv;
 
 /// The format of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +27,8 @@ pub(super) enum OutputFormat {
     Json,
     /// A file.
     File(Format),
+    /// The JSON of a shape.
+    Shape,
 }
 
 impl OutputFormat {
@@ -37,7 +43,7 @@ impl OutputFormat {
     /// The ending of its names.
     pub(super) fn ending(self) -> &'static str {
         match self {
-            Self::Json => "json",
+            Self::Json | Self::Shape => "json",
             Self::File(format) => format.extension(),
         }
     }
@@ -45,8 +51,39 @@ impl OutputFormat {
     /// What follows the path of a result or an iteration.
     pub(super) fn suffix(self, query: &FileQuery) -> String {
         match self {
-            Self::Json => String::new(),
+            Self::Json | Self::Shape => String::new(),
             Self::File(format) => format!("/{format}?{}", query.of(format)),
+        }
+    }
+
+    /// What follows the path of a job.
+    pub(super) fn path(self, query: &FileQuery) -> String {
+        match self {
+            Self::Shape => format!("/shape?{}", query.of(SAMPLED)),
+            Self::Json | Self::File(_) => format!("/result{}", self.suffix(query)),
+        }
+    }
+
+    /// The format that has the same choices.
+    fn choices(self) -> Option<Format> {
+        match self {
+            Self::Json => None,
+            Self::File(format) => Some(format),
+            Self::Shape => Some(SAMPLED),
+        }
+    }
+
+    /// What is wrong with results for these points in this format.
+    fn check(self, points: &PointKind, query: &FileQuery) -> Result<(), String> {
+        match self {
+            Self::Shape if points.dimension < 2 => return Err(NoShape::OneCoordinate.to_string()),
+            Self::File(format) => check_shape(format, points.surface, points.dimension)
+                .map_err(|reason| reason.to_string())?,
+            Self::Json | Self::Shape => {}
+        }
+        match self.choices() {
+            None => Ok(()),
+            Some(format) => query.options(format, points.surface).map(drop),
         }
     }
 }
@@ -91,7 +128,13 @@ pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> 
             format: OutputFormat::File(Format::Svg),
         });
     }
-    // A picture alone is no result.
+    if let Some(path) = &arguments.shape {
+        outputs.push(Output {
+            place: place(path),
+            format: OutputFormat::Shape,
+        });
+    }
+    // A picture or a shape alone is no result.
     if arguments.output.is_empty() {
         let standard = Output {
             place: Place::Standard,
@@ -138,8 +181,7 @@ pub(super) fn check_choices(arguments: &FitArguments, outputs: &[Output]) -> Res
         ),
     ];
     for (flag, value, has, what) in choices {
-        let is_about =
-            |output: &Output| matches!(output.format, OutputFormat::File(format) if has(format));
+        let is_about = |output: &Output| output.format.choices().is_some_and(has);
         if let Some(value) = value
             && !outputs.iter().any(is_about)
         {
@@ -191,22 +233,20 @@ pub(super) fn check_formats(
     points: impl FnOnce() -> Option<PointKind>,
 ) -> Result<(), Failure> {
     let as_usual = query.of(Format::Csv).is_empty();
-    let files = outputs.iter().filter_map(|output| match output.format {
-        OutputFormat::Json => None,
+    let files = outputs.iter().filter(|output| match output.format {
+        OutputFormat::Json => false,
         // Tables hold everything.
-        OutputFormat::File(Format::Csv) if as_usual => None,
-        OutputFormat::File(format) => Some((&output.place, format)),
+        OutputFormat::File(Format::Csv) => !as_usual,
+        OutputFormat::File(_) | OutputFormat::Shape => true,
     });
     let mut files = files.peekable();
     let Some(points) = files.peek().and_then(|_| points()) else {
         return Ok(());
     };
     query.set_origin(points.origin);
-    let refusals = files.filter_map(|(place, format)| {
-        let shape = check_shape(format, points.surface, points.dimension);
-        let refused = shape.map_err(|reason| reason.to_string());
-        let checked = refused.and_then(|()| query.options(format, points.surface).map(drop));
-        Some(format!("{place}: {}", checked.err()?))
+    let refusals = files.filter_map(|output| {
+        let checked = output.format.check(&points, query);
+        Some(format!("{}: {}", output.place, checked.err()?))
     });
     let refusals: Vec<String> = refusals.collect();
     match refusals.is_empty() {

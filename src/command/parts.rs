@@ -97,6 +97,7 @@ impl Parts<'_> {
 fn check(arguments: &FitArguments) -> Result<(), Failure> {
     for (flag, is_given) in [
         ("--plot", arguments.plot.is_some()),
+        ("--shape", arguments.shape.is_some()),
         ("--iterations", arguments.iterations.is_some()),
     ] {
         if is_given {

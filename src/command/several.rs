@@ -46,6 +46,7 @@ fn directory(arguments: &FitArguments) -> Result<&Path, Failure> {
     };
     for (flag, is_given) in [
         ("--plot", arguments.plot.is_some()),
+        ("--shape", arguments.shape.is_some()),
         ("--iterations", arguments.iterations.is_some()),
     ] {
         if is_given {

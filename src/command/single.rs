@@ -208,9 +208,9 @@ async fn write(
 }
 
 async fn write_one(client: &Client, query: &FileQuery, output: &Output) -> Result<u64, Failure> {
-    let suffix = output.format.suffix(query);
+    let path = output.format.path(query);
     let job = client.job.get().map_or("", String::as_str);
-    match client.get(&format!("{job}/result{suffix}"), "*/*").await? {
+    match client.get(&format!("{job}{path}"), "*/*").await? {
         Ok(body) => outputs::write(&output.place, body).await,
         Err(refusal) => Err(Failure::Failed(format!(
             "{}: {}",

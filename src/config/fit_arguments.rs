@@ -173,6 +173,11 @@ pub struct FitArguments {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) plot: Option<PathBuf>,
 
+    /// The shape of the fit (JSON): curvature at samples (--samples, --spacing) and its extremes, length or area,
+    /// continuity at knots.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) shape: Option<PathBuf>,
+
     /// Tell nothing but errors.
     #[arg(short, long)]
     pub(crate) quiet: bool,

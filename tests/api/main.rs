@@ -118,6 +118,7 @@ mod scales;
 mod scattered;
 mod secure;
 mod settings;
+mod shape;
 mod short_forms;
 mod sockets;
 mod stream_object;

@@ -253,7 +253,9 @@ async fn try_parameter(server: &Server, path: &str, parameter: &Value) {
     let request = match parameter["in"].as_str().unwrap() {
         "header" => server.get(path).header(name, &text),
         // Samples are for those who ask for samples.
-        "query" if name == "samples" && !path.ends_with("/csv") => {
+        "query"
+            if name == "samples" && !["/csv", "/shape"].iter().any(|end| path.ends_with(end)) =>
+        {
             server.get(&format!("{path}?view=samples&samples={text}"))
         }
         "query" => server.get(&format!("{path}?{name}={text}")),

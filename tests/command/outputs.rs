@@ -125,6 +125,27 @@ fn iterations_are_files_too() {
 }
 
 #[test]
+fn shapes_are_files_too() {
+    let folder = Folder::with_curve();
+    let told = folder.fit(&[
+        "curve.csv",
+        "-o",
+        "out.json",
+        "--shape",
+        "shape.json",
+        "--samples",
+        "12",
+    ]);
+    assert_eq!(told.status, 0, "{}", told.err);
+    let shape: Value = serde_json::from_slice(&folder.read("shape.json")).unwrap();
+    let result: Value = serde_json::from_slice(&folder.read("out.json")).unwrap();
+    assert_eq!(shape["iteration"], result["iteration"]);
+    let curvature = shape["samples"]["curvature"].as_array().unwrap();
+    assert_eq!(curvature.len(), 12);
+    assert!(shape["length"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
 fn the_status_says_whether_it_has_converged() {
     let folder = Folder::with_curve();
     let told = folder.fit(&["curve.csv", "--max-iterations", "1", "-o", "out.step"]);
@@ -181,6 +202,14 @@ fn formats_that_cannot_hold_the_points_are_refused_before_the_fit() {
         (
             vec!["values.csv", "-o", "out.json", "--plot", "out.svg"],
             "out.svg: svg holds",
+        ),
+        (
+            vec!["values.csv", "-o", "out.json", "--shape", "shape.json"],
+            "shape.json: the points have one coordinate",
+        ),
+        (
+            vec!["values.csv", "-o", "out.json", "--shape", "out.json"],
+            "out.json: it is asked for twice",
         ),
     ] {
         let told = folder.fit(&arguments);

@@ -91,6 +91,41 @@ def test_data_are_measured_from_the_nearest_points(client: piad.Client) -> None:
     assert surface.distances.shape == grid.shape[:2] and isinstance(surface.at, tuple)
 
 
+def test_curvature_of_curves_and_surfaces(client: piad.Client) -> None:
+    angles = np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    circle = 2 * np.column_stack([np.cos(angles), np.sin(angles)])
+    job = client.create(circle, closed=True, method="direct")
+    assert job.wait(60).ended
+    shape = job.curvature(samples=50)
+    assert isinstance(shape, piad.CurveShape)
+    assert (shape.points.shape, shape.parameters.shape) == ((50, 2), (50,))
+    assert np.abs(shape.curvature - 0.5).max() < 2e-3
+    assert abs(shape.length - 4 * np.pi) < 1e-4
+    assert shape.extremes.largest is not None and abs(shape.extremes.largest.value - 0.5) < 2e-3
+    assert len(shape.knots) == 40
+    assert {(knot.guaranteed, knot.geometric) for knot in shape.knots} == {(2, 2)}
+    spaced = job.curvature(0, spacing=0.5)
+    assert isinstance(spaced, piad.CurveShape) and spaced.iteration == 0
+    steps = np.linalg.norm(np.diff(spaced.points, axis=0), axis=1)
+    assert np.ptp(steps) < 0.02 and steps.max() < 0.5
+    still = client.create(CURVE, ends="repeated")
+    assert still.wait(60).ended
+    ends = still.curvature(samples=5, by_length=True)
+    assert np.isnan(ends.curvature[[0, -1]]).all() and len(ends.degenerate) == 2
+    grid = client.create(np.array(SURFACE), parameters="uniform")
+    assert grid.wait(60).ended
+    shape = grid.curvature(samples=(7, 9))
+    assert isinstance(shape, piad.SurfaceShape)
+    assert shape.points.shape == (7, 9, 3) and [len(line) for line in shape.parameters] == [7, 9]
+    assert np.allclose(shape.gaussian, shape.k1 * shape.k2)
+    assert set(shape.extremes) == {"k1", "k2", "gaussian", "mean"}
+    largest = shape.extremes["k1"].largest
+    assert largest is not None and largest.value >= np.nanmax(shape.k1) - 1e-12
+    assert isinstance(largest.parameter, tuple) and len(largest.point) == 3
+    with pytest.raises(piad.ApiError, match="40x40"):
+        grid.curvature(samples=7)
+
+
 def test_jobs_are_found_waited_for_and_deleted(client: piad.Client) -> None:
     job = client.create(CURVE, name="one")
     assert job.wait(30).ended

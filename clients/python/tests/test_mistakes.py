@@ -151,7 +151,7 @@ def test_what_is_printed_is_short(client: piad.Client) -> None:
     result, iteration = job.result(), job.iteration()
     surface = client.fit([[[i, j, i * j % 7] for j in range(30)] for i in range(30)], max_iterations=1000).surface
     wing = client.read_points("NACA 2412\n1 0.0013\n0.5 0.0724\n0 0\n0.5 -0.0334\n1 -0.0013\n")
-    things = [job, result, iteration, iteration.shape, job.samples(500), job.deviation(distances=True), job.status]
+    things = [job, result, iteration, iteration.shape, job.samples(500), job.deviation(distances=True), job.curvature(), job.status]
     things += [result.curve, result.curve.basis, surface, surface.boundary("u_end"), wing]
     for thing in things:
         assert repr(thing).startswith("<piad.") and len(repr(thing)) < 120, repr(thing)

@@ -49,6 +49,8 @@ with piad.Client(sys.argv[1]) as client:
         geometry = job.result().geometry
         derived(geometry, samples.parameters)
         assert close(geometry.as_bspline().evaluate(*samples.parameters), samples.points), name
+        shape = job.curvature(samples=count)
+        assert isinstance(shape.points, list) and isinstance(shape, (piad.CurveShape, piad.SurfaceShape))
     local = client.create(FITS["curve"]["points"], method={"kind": "local", "indices": [2]})
     pairs = zip(local.iterations(changed=True), local.iterations())
     assert all(a.control_points == b.control_points for a, b in pairs)

@@ -592,6 +592,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/v1/jobs/{id}/shape": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Measure curvature, length, area and continuity
+         * @description The shape of the last iteration so far or of any other: curvature of a curve, or principal curvatures of a surface, at samples and where they are least and largest; its length or area; and its continuity at knots. Samples are at equal steps of the parameters as in csv files, by default 200 of a curve and 40x40 of a surface; extremes do not depend on them.
+         */
+        get: operations["getShape"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/v1/jobs/{id}/limit": {
         parameters: {
             query?: never;
@@ -2293,7 +2313,7 @@ export interface components {
              * @description The kind of problem; the server explains it there.
              * @enum {string}
              */
-            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/quota-exceeded" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/tokens-unreadable" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
+            type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-shape" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/quota-exceeded" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/tokens-unreadable" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
             /** @description What the kind is called. */
             title: string;
             /**
@@ -3741,6 +3761,942 @@ export interface components {
          */
         Distances: number[] | (number | null)[][];
         /**
+         * @description The shape of an iteration: curvature and its extremes, length or area, and continuity at knots. Null stands where
+         *     there is no curvature, because a derivative vanishes or a surface has no normal.
+         * @example {
+         *       "kind": "curve",
+         *       "iteration": 12,
+         *       "length": 2.9579,
+         *       "curvature": {
+         *         "smallest": {
+         *           "parameter": 0,
+         *           "point": [
+         *             -1,
+         *             1
+         *           ],
+         *           "value": 0.1789
+         *         },
+         *         "largest": {
+         *           "parameter": 1,
+         *           "point": [
+         *             0,
+         *             0
+         *           ],
+         *           "value": 2
+         *         }
+         *       },
+         *       "degenerate": [],
+         *       "continuity": {
+         *         "count": 1,
+         *         "knots": [
+         *           {
+         *             "parameter": 1,
+         *             "point": [
+         *               0,
+         *               0
+         *             ],
+         *             "multiplicity": 1,
+         *             "guaranteed": 1,
+         *             "parametric": 2,
+         *             "geometric": 2,
+         *             "gap": 0,
+         *             "angle": 0,
+         *             "curvature": [
+         *               2,
+         *               2
+         *             ],
+         *             "jump": 0
+         *           }
+         *         ]
+         *       },
+         *       "samples": {
+         *         "parameters": [
+         *           0,
+         *           1,
+         *           2
+         *         ],
+         *         "points": [
+         *           [
+         *             -1,
+         *             1
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             1,
+         *             1
+         *           ]
+         *         ],
+         *         "curvature": [
+         *           0.1789,
+         *           2,
+         *           0.1789
+         *         ]
+         *       }
+         *     }
+         */
+        Shape: components["schemas"]["CurveShape"] | components["schemas"]["SurfaceShape"];
+        /**
+         * @description The shape of a curve.
+         * @example {
+         *       "kind": "curve",
+         *       "iteration": 12,
+         *       "length": 2.9579,
+         *       "curvature": {
+         *         "smallest": {
+         *           "parameter": 0,
+         *           "point": [
+         *             -1,
+         *             1
+         *           ],
+         *           "value": 0.1789
+         *         },
+         *         "largest": {
+         *           "parameter": 1,
+         *           "point": [
+         *             0,
+         *             0
+         *           ],
+         *           "value": 2
+         *         }
+         *       },
+         *       "degenerate": [],
+         *       "continuity": {
+         *         "count": 1,
+         *         "knots": [
+         *           {
+         *             "parameter": 1,
+         *             "point": [
+         *               0,
+         *               0
+         *             ],
+         *             "multiplicity": 1,
+         *             "guaranteed": 1,
+         *             "parametric": 2,
+         *             "geometric": 2,
+         *             "gap": 0,
+         *             "angle": 0,
+         *             "curvature": [
+         *               2,
+         *               2
+         *             ],
+         *             "jump": 0
+         *           }
+         *         ]
+         *       },
+         *       "samples": {
+         *         "parameters": [
+         *           0,
+         *           1,
+         *           2
+         *         ],
+         *         "points": [
+         *           [
+         *             -1,
+         *             1
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             1,
+         *             1
+         *           ]
+         *         ],
+         *         "curvature": [
+         *           0.1789,
+         *           2,
+         *           0.1789
+         *         ]
+         *       }
+         *     }
+         */
+        CurveShape: {
+            /**
+             * @description That of a curve.
+             * @enum {string}
+             */
+            kind: "curve";
+            /**
+             * Format: int64
+             * @description The number of the iteration.
+             */
+            iteration: number;
+            /**
+             * Format: double
+             * @description The length of the curve.
+             */
+            length: number | null;
+            /** @description Where the curvature is least and largest. */
+            curvature: components["schemas"]["CurvatureExtremes"];
+            /**
+             * @description Parameters at which the derivative vanishes, and near which the curvature may be unbounded: of those that were
+             *     looked at up to 100.
+             */
+            degenerate: number[];
+            /** @description The continuity at inner knots, and where a closed curve returns to its start. */
+            continuity: components["schemas"]["CurveContinuity"];
+            /** @description Points with their curvature. */
+            samples: components["schemas"]["CurvatureSamples"];
+        };
+        /**
+         * @description The least and the largest value of a curvature, from both sides of knots; null if there is no curvature at all.
+         * @example {
+         *       "smallest": {
+         *         "parameter": 0,
+         *         "point": [
+         *           -1,
+         *           1
+         *         ],
+         *         "value": 0.1789
+         *       },
+         *       "largest": {
+         *         "parameter": 1,
+         *         "point": [
+         *           0,
+         *           0
+         *         ],
+         *         "value": 2
+         *       }
+         *     }
+         */
+        CurvatureExtremes: {
+            /** @description The least. */
+            smallest: components["schemas"]["CurvatureExtreme"] | null;
+            /** @description The largest. */
+            largest: components["schemas"]["CurvatureExtreme"] | null;
+        };
+        /**
+         * @description A place with a curvature.
+         * @example {
+         *       "parameter": 0.5,
+         *       "point": [
+         *         1,
+         *         2
+         *       ],
+         *       "value": 2
+         *     }
+         */
+        CurvatureExtreme: {
+            /** @description Its parameter; of a surface two, u and v. */
+            parameter: number | number[];
+            /** @description The point there. */
+            point: number[];
+            /**
+             * Format: double
+             * @description The curvature there.
+             */
+            value: number;
+        };
+        /**
+         * @description The continuity of a curve at its knots.
+         * @example {
+         *       "count": 1,
+         *       "knots": [
+         *         {
+         *           "parameter": 1,
+         *           "point": [
+         *             0,
+         *             0
+         *           ],
+         *           "multiplicity": 1,
+         *           "guaranteed": 1,
+         *           "parametric": 2,
+         *           "geometric": 2,
+         *           "gap": 0,
+         *           "angle": 0,
+         *           "curvature": [
+         *             2,
+         *             2
+         *           ],
+         *           "jump": 0
+         *         }
+         *       ]
+         *     }
+         */
+        CurveContinuity: {
+            /**
+             * Format: int64
+             * @description The number of these knots.
+             */
+            count: number;
+            /** @description The knots in their order; of more than 10,000 those where the curve is least smooth. */
+            knots: components["schemas"]["KnotContinuity"][];
+        };
+        /**
+         * @description The continuity of a curve at a knot: what is guaranteed, and what was measured.
+         * @example {
+         *       "parameter": 1,
+         *       "point": [
+         *         0,
+         *         0
+         *       ],
+         *       "multiplicity": 1,
+         *       "guaranteed": 1,
+         *       "parametric": 2,
+         *       "geometric": 2,
+         *       "gap": 0,
+         *       "angle": 0,
+         *       "curvature": [
+         *         2,
+         *         2
+         *       ],
+         *       "jump": 0
+         *     }
+         */
+        KnotContinuity: {
+            /**
+             * Format: double
+             * @description The knot.
+             */
+            parameter: number;
+            /** @description The point there. */
+            point: number[];
+            /**
+             * Format: int64
+             * @description How many times the knot stands there.
+             */
+            multiplicity: number;
+            /**
+             * Format: int64
+             * @description The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
+             */
+            guaranteed: number;
+            /**
+             * Format: int64
+             * @description The order C that was found: so many derivatives are equal on both sides. It is measured up to 2, and at least what
+             *     is guaranteed.
+             */
+            parametric: number;
+            /**
+             * Format: int64
+             * @description The order G that was found: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
+             *     thousandth); −1 is a gap.
+             */
+            geometric: number;
+            /**
+             * Format: double
+             * @description The distance between both sides.
+             */
+            gap: number;
+            /**
+             * Format: double
+             * @description The angle between the tangents in degrees; null where a derivative vanishes.
+             */
+            angle: number | null;
+            /** @description The curvature before and behind the knot. */
+            curvature: (number | null)[];
+            /**
+             * Format: double
+             * @description How far the curvature vectors of both sides are apart.
+             */
+            jump: number | null;
+        };
+        /**
+         * @description Points of a curve with their curvature.
+         * @example {
+         *       "parameters": [
+         *         0,
+         *         1,
+         *         2
+         *       ],
+         *       "points": [
+         *         [
+         *           -1,
+         *           1
+         *         ],
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           1,
+         *           1
+         *         ]
+         *       ],
+         *       "curvature": [
+         *         0.1789,
+         *         2,
+         *         0.1789
+         *       ]
+         *     }
+         */
+        CurvatureSamples: {
+            /** @description The parameters. */
+            parameters: components["schemas"]["NumberArray"];
+            /** @description The points. */
+            points: components["schemas"]["PointArray"];
+            /** @description The curvature: in the plane positive where the curve turns left, otherwise never negative. */
+            curvature: components["schemas"]["Curvatures"];
+        };
+        /**
+         * @description Curvatures: of a curve a list, of a surface rows of columns; null where there is none.
+         * @example [
+         *       0.5,
+         *       2,
+         *       null
+         *     ]
+         */
+        Curvatures: (number | null)[] | (number | null)[][];
+        /**
+         * @description The shape of a surface.
+         * @example {
+         *       "kind": "surface",
+         *       "iteration": 0,
+         *       "area": 14.1421,
+         *       "curvature": {
+         *         "k1": {
+         *           "smallest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           },
+         *           "largest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           }
+         *         },
+         *         "k2": {
+         *           "smallest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           },
+         *           "largest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           }
+         *         },
+         *         "gaussian": {
+         *           "smallest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           },
+         *           "largest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           }
+         *         },
+         *         "mean": {
+         *           "smallest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           },
+         *           "largest": {
+         *             "parameter": [
+         *               0,
+         *               0
+         *             ],
+         *             "point": [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             "value": 0
+         *           }
+         *         }
+         *       },
+         *       "degenerate": [],
+         *       "continuity": {
+         *         "u": {
+         *           "count": 1,
+         *           "knots": [
+         *             {
+         *               "parameter": 1,
+         *               "multiplicity": 1,
+         *               "guaranteed": 0,
+         *               "angle": 90
+         *             }
+         *           ]
+         *         },
+         *         "v": {
+         *           "count": 0,
+         *           "knots": []
+         *         }
+         *       },
+         *       "samples": {
+         *         "parameters": {
+         *           "u": [
+         *             0,
+         *             2
+         *           ],
+         *           "v": [
+         *             0,
+         *             1
+         *           ]
+         *         },
+         *         "points": [
+         *           [
+         *             [
+         *               0,
+         *               0,
+         *               0
+         *             ],
+         *             [
+         *               0,
+         *               5,
+         *               0
+         *             ]
+         *           ],
+         *           [
+         *             [
+         *               2,
+         *               0,
+         *               0
+         *             ],
+         *             [
+         *               2,
+         *               5,
+         *               0
+         *             ]
+         *           ]
+         *         ],
+         *         "k1": [
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ]
+         *         ],
+         *         "k2": [
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ]
+         *         ],
+         *         "gaussian": [
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ]
+         *         ],
+         *         "mean": [
+         *           [
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             0,
+         *             0
+         *           ]
+         *         ]
+         *       }
+         *     }
+         */
+        SurfaceShape: {
+            /**
+             * @description That of a surface.
+             * @enum {string}
+             */
+            kind: "surface";
+            /**
+             * Format: int64
+             * @description The number of the iteration.
+             */
+            iteration: number;
+            /**
+             * Format: double
+             * @description The area of the surface.
+             */
+            area: number | null;
+            /** @description Where the principal, Gaussian and mean curvatures are least and largest. */
+            curvature: components["schemas"]["SurfaceExtremes"];
+            /**
+             * @description Parameters at which there is no normal, and near which curvatures may be unbounded: of those that were looked at
+             *     up to 100.
+             */
+            degenerate: number[][];
+            /** @description The continuity across the lines at inner knots, and where a closed direction returns to its start. */
+            continuity: components["schemas"]["SurfaceContinuity"];
+            /** @description Points with their curvatures. */
+            samples: components["schemas"]["SurfaceCurvatureSamples"];
+        };
+        /**
+         * @description The extremes of the curvatures of a surface.
+         * @example {
+         *       "k1": {
+         *         "smallest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         },
+         *         "largest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         }
+         *       },
+         *       "k2": {
+         *         "smallest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         },
+         *         "largest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         }
+         *       },
+         *       "gaussian": {
+         *         "smallest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         },
+         *         "largest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         }
+         *       },
+         *       "mean": {
+         *         "smallest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         },
+         *         "largest": {
+         *           "parameter": [
+         *             0,
+         *             0
+         *           ],
+         *           "point": [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           "value": 0
+         *         }
+         *       }
+         *     }
+         */
+        SurfaceExtremes: {
+            /** @description Of the larger principal curvature. */
+            k1: components["schemas"]["CurvatureExtremes"];
+            /** @description Of the smaller principal curvature. */
+            k2: components["schemas"]["CurvatureExtremes"];
+            /** @description Of the Gaussian curvature, k1 k2. */
+            gaussian: components["schemas"]["CurvatureExtremes"];
+            /** @description Of the mean curvature, (k1 + k2) / 2. */
+            mean: components["schemas"]["CurvatureExtremes"];
+        };
+        /**
+         * @description The continuity of a surface across its knot lines in each direction.
+         * @example {
+         *       "u": {
+         *         "count": 1,
+         *         "knots": [
+         *           {
+         *             "parameter": 1,
+         *             "multiplicity": 1,
+         *             "guaranteed": 0,
+         *             "angle": 90
+         *           }
+         *         ]
+         *       },
+         *       "v": {
+         *         "count": 0,
+         *         "knots": []
+         *       }
+         *     }
+         */
+        SurfaceContinuity: {
+            /** @description The lines at knots of u. */
+            u: components["schemas"]["KnotLines"];
+            /** @description The lines at knots of v. */
+            v: components["schemas"]["KnotLines"];
+        };
+        /**
+         * @description The lines at knots of one direction.
+         * @example {
+         *       "count": 1,
+         *       "knots": [
+         *         {
+         *           "parameter": 1,
+         *           "multiplicity": 1,
+         *           "guaranteed": 0,
+         *           "angle": 90
+         *         }
+         *       ]
+         *     }
+         */
+        KnotLines: {
+            /**
+             * Format: int64
+             * @description The number of these lines.
+             */
+            count: number;
+            /** @description The lines in their order; of more than 10,000 those that guarantee least. */
+            knots: components["schemas"]["KnotLine"][];
+        };
+        /**
+         * @description The continuity of a surface across the line at a knot.
+         * @example {
+         *       "parameter": 1,
+         *       "multiplicity": 1,
+         *       "guaranteed": 0,
+         *       "angle": 90
+         *     }
+         */
+        KnotLine: {
+            /**
+             * Format: double
+             * @description The knot.
+             */
+            parameter: number;
+            /**
+             * Format: int64
+             * @description How many times the knot stands there.
+             */
+            multiplicity: number;
+            /**
+             * Format: int64
+             * @description The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
+             */
+            guaranteed: number;
+            /**
+             * Format: double
+             * @description Where the multiplicity guarantees no tangent plane: the largest angle between the normals of both sides at samples of
+             *     the line, in degrees.
+             */
+            angle: number | null;
+        };
+        /**
+         * @description Points of a surface with their curvatures, in rows.
+         * @example {
+         *       "parameters": {
+         *         "u": [
+         *           0,
+         *           2
+         *         ],
+         *         "v": [
+         *           0,
+         *           1
+         *         ]
+         *       },
+         *       "points": [
+         *         [
+         *           [
+         *             0,
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             0,
+         *             5,
+         *             0
+         *           ]
+         *         ],
+         *         [
+         *           [
+         *             2,
+         *             0,
+         *             0
+         *           ],
+         *           [
+         *             2,
+         *             5,
+         *             0
+         *           ]
+         *         ]
+         *       ],
+         *       "k1": [
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           0,
+         *           0
+         *         ]
+         *       ],
+         *       "k2": [
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           0,
+         *           0
+         *         ]
+         *       ],
+         *       "gaussian": [
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           0,
+         *           0
+         *         ]
+         *       ],
+         *       "mean": [
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           0,
+         *           0
+         *         ]
+         *       ]
+         *     }
+         */
+        SurfaceCurvatureSamples: {
+            /** @description The parameters of the rows and of the columns. */
+            parameters: components["schemas"]["GridParameters"];
+            /** @description The points. */
+            points: components["schemas"]["PointArray"];
+            /**
+             * @description The larger principal curvature. Curvatures are positive where the surface bends towards its normal, the product of
+             *     the derivatives by u and by v.
+             */
+            k1: components["schemas"]["Curvatures"];
+            /** @description The smaller principal curvature. */
+            k2: components["schemas"]["Curvatures"];
+            /** @description The Gaussian curvature, k1 k2. */
+            gaussian: components["schemas"]["Curvatures"];
+            /** @description The mean curvature, (k1 + k2) / 2. */
+            mean: components["schemas"]["Curvatures"];
+        };
+        /**
+         * @description The parameters of rows (u) and of columns (v).
+         * @example {
+         *       "u": [
+         *         0,
+         *         1
+         *       ],
+         *       "v": [
+         *         0,
+         *         1
+         *       ]
+         *     }
+         */
+        GridParameters: {
+            /** @description Of the rows. */
+            u: components["schemas"]["NumberArray"];
+            /** @description Of the columns. */
+            v: components["schemas"]["NumberArray"];
+        };
+        /**
          * @description How fast classical PIA converges with each basis at the same parameters.
          * @example {
          *       "points": 3,
@@ -4331,6 +5287,16 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
+        /** @description - `/problems/no-shape`: Curvature, length and area are those of curves and surfaces of two or more coordinates with positive weights; detail reports what is in the way. */
+        "no-shape": {
+            headers: {
+                "X-Request-Id": components["headers"]["X-Request-Id"];
+                [name: string]: unknown;
+            };
+            content: {
+                "application/problem+json": components["schemas"]["Problem"];
+            };
+        };
         /** @description - `/problems/no-limit`: The closed form of the limit is for local fits that adjust not too many points. */
         "no-limit": {
             headers: {
@@ -4449,7 +5415,7 @@ export interface components {
          */
         view: components["schemas"]["View"];
         /**
-         * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+         * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
          * @example 200
          */
         samples: string;
@@ -4469,7 +5435,7 @@ export interface components {
          */
         dots: "auto" | "on" | "off";
         /**
-         * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For gltf, dxf, geojson, gpx and csv files.
+         * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
          * @example 0.5
          */
         spacing: number;
@@ -4714,6 +5680,21 @@ export type Limit = components['schemas']['Limit'];
 export type Deviation = components['schemas']['Deviation'];
 export type Percentiles = components['schemas']['Percentiles'];
 export type Distances = components['schemas']['Distances'];
+export type Shape = components['schemas']['Shape'];
+export type CurveShape = components['schemas']['CurveShape'];
+export type CurvatureExtremes = components['schemas']['CurvatureExtremes'];
+export type CurvatureExtreme = components['schemas']['CurvatureExtreme'];
+export type CurveContinuity = components['schemas']['CurveContinuity'];
+export type KnotContinuity = components['schemas']['KnotContinuity'];
+export type CurvatureSamples = components['schemas']['CurvatureSamples'];
+export type Curvatures = components['schemas']['Curvatures'];
+export type SurfaceShape = components['schemas']['SurfaceShape'];
+export type SurfaceExtremes = components['schemas']['SurfaceExtremes'];
+export type SurfaceContinuity = components['schemas']['SurfaceContinuity'];
+export type KnotLines = components['schemas']['KnotLines'];
+export type KnotLine = components['schemas']['KnotLine'];
+export type SurfaceCurvatureSamples = components['schemas']['SurfaceCurvatureSamples'];
+export type GridParameters = components['schemas']['GridParameters'];
 export type Rates = components['schemas']['Rates'];
 export type BasisRate = components['schemas']['BasisRate'];
 export type ProblemTypes = components['schemas']['ProblemTypes'];
@@ -4744,6 +5725,7 @@ export type ResponseAlreadyEnded = components['responses']['already-ended'];
 export type ResponseNoTickets = components['responses']['no-tickets'];
 export type ResponseQuotaExceeded = components['responses']['quota-exceeded'];
 export type ResponseNoDeviation = components['responses']['no-deviation'];
+export type ResponseNoShape = components['responses']['no-shape'];
 export type ResponseNoLimit = components['responses']['no-limit'];
 export type ParameterId = components['parameters']['id'];
 export type ParameterK = components['parameters']['k'];
@@ -5634,7 +6616,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6129,7 +7111,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6320,7 +7302,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6479,7 +7461,7 @@ export interface operations {
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6636,12 +7618,12 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
                 /**
-                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For gltf, dxf, geojson, gpx and csv files.
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
                  * @example 0.5
                  */
                 spacing?: components["parameters"]["spacing"];
@@ -6767,12 +7749,12 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
                 /**
-                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For gltf, dxf, geojson, gpx and csv files.
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
                  * @example 0.5
                  */
                 spacing?: components["parameters"]["spacing"];
@@ -6934,6 +7916,75 @@ export interface operations {
             };
             406: components["responses"]["not-acceptable"];
             409: components["responses"]["no-deviation"];
+            500: components["responses"]["internal"];
+            503: components["responses"]["store-away"];
+        };
+    };
+    getShape: {
+        parameters: {
+            query?: {
+                /**
+                 * @description Which iteration is measured: its number, or `last`: the last one so far.
+                 * @example last
+                 */
+                iteration?: components["parameters"]["iteration"];
+                /**
+                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @example 200
+                 */
+                samples?: components["parameters"]["samples"];
+                /**
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
+                 * @example 0.5
+                 */
+                spacing?: components["parameters"]["spacing"];
+                /**
+                 * @description With `length` the samples of a curve are at equal distances along it, rather than at equal steps of its parameter.
+                 * @example length
+                 */
+                by?: components["parameters"]["by"];
+            };
+            header?: never;
+            path: {
+                /**
+                 * @description The id of the job.
+                 * @example 019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10
+                 */
+                id: components["parameters"]["id"];
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description The shape. */
+            200: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Shape"];
+                };
+            };
+            400: components["responses"]["invalid-request"];
+            401: components["responses"]["unauthenticated"];
+            403: components["responses"]["forbidden"];
+            /**
+             * @description - `/problems/unknown-job`: The job never existed, was deleted, or ended so long ago that it was forgotten (see limits in /v1/capabilities).
+             *     - `/problems/not-found`: The path is not one of this API.
+             *     - `/problems/no-such-iteration`: The job ended before it reached this iteration.
+             */
+            404: {
+                headers: {
+                    "X-Request-Id": components["headers"]["X-Request-Id"];
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            406: components["responses"]["not-acceptable"];
+            409: components["responses"]["no-shape"];
             500: components["responses"]["internal"];
             503: components["responses"]["store-away"];
         };

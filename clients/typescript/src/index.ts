@@ -15,6 +15,6 @@ export type {
   SampledIteration,
 } from "./iteration.js";
 export { Job } from "./job.js";
-export type { Cancellable, Creation, Editing, Looking, Making, Repeatable, Showing, Watching } from "./options.js";
+export type { Cancellable, Creation, Editing, Looking, Making, Measuring, Repeatable, Showing, Watching } from "./options.js";
 export type { Basis, Shape } from "./shape.js";
 export { Stream } from "./stream.js";

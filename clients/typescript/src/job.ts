@@ -4,7 +4,7 @@ import type * as api from "./api.js";
 import type { Answer, Call, Connection } from "./connection.js";
 import { JobFailed } from "./errors.js";
 import { type Iteration, type IterationIn, type Result, iterationOf, resultOf } from "./iteration.js";
-import { type Cancellable, type Creation, type Editing, type Looking, type Watching, creating, shown } from "./options.js";
+import { type Cancellable, type Creation, type Editing, type Looking, type Measuring, type Watching, creating, shown } from "./options.js";
 import { type Shape, shapeOf } from "./shape.js";
 import { Stream } from "./stream.js";
 
@@ -114,6 +114,15 @@ export class Job {
   deviation(options: Cancellable & { readonly iteration?: api.ParameterK | undefined; readonly list?: boolean | undefined } = {}): Promise<api.Deviation> {
     const { iteration, list } = options;
     return this.#get("/deviation", { iteration, list }, options);
+  }
+
+  /**
+   * Curvature of a curve or principal curvatures of a surface at samples and where they are least and largest, length or
+   * area, and continuity at knots, of an iteration, by default the last.
+   */
+  curvature(options: Measuring = {}): Promise<api.Shape> {
+    const { iteration, samples, spacing, by } = options;
+    return this.#get("/shape", { iteration, samples, spacing, by }, options);
   }
 
   /** Where the points that a local fit does not adjust end. */

@@ -60,6 +60,9 @@ export interface Looking<View extends api.View = api.View>
   readonly view?: View | undefined;
 }
 
+/** Which iteration's shape is measured, and at which samples. */
+export interface Measuring extends Plain<api.Query<"getShape">>, Cancellable {}
+
 /** What a stream asks for; numbers travel as base64 unless the job says how, or other choices forbid it. */
 export function shown(options: Editing, job: api.StreamDefaults | null | undefined) {
   const { signal: _, idempotencyKey: __, after: ___, from: ____, ...query } = options as Editing & Watching;

@@ -24,6 +24,11 @@ pub use crate::warning::Warning;
 /// after which any level of any problem has other bits.
 pub const KERNEL: u32 = 4;
 
+/// Lengths of curves.
+pub mod arc_length {
+    pub use crate::geometry::arc_length::ArcLength;
+}
+
 /// Fits that leave their data between neighbours.
 pub mod between {
     pub use crate::geometry::between::excesses;
@@ -32,6 +37,14 @@ pub mod between {
 /// B-splines by the Cox–de Boor recurrence.
 pub mod bspline {
     pub use crate::basis::bspline::{evaluate, find_span};
+}
+
+/// The shape of curves and surfaces.
+pub mod curvature {
+    pub use crate::geometry::curvature::{
+        CurveSamples, CurveShape, Extreme, Extremes, Joint, KnotLine, MOST_DEGENERATE, MOST_JOINTS,
+        Sides, SurfaceSamples, SurfaceShape,
+    };
 }
 
 /// Nearest points, and distances from them.
@@ -71,4 +84,9 @@ pub mod samples {
 /// Levels in one pass over memory.
 pub mod sweep {
     pub use crate::iteration::sweep::{LEVELS, Measured, Plan, Sweep};
+}
+
+/// Vectors of space.
+pub mod vectors {
+    pub use crate::geometry::vectors::{cross, dot, length, minus, unit};
 }

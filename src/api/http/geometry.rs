@@ -11,7 +11,7 @@ use super::export::{self, Representation};
 use super::file_name::{Part, named};
 use super::negotiate;
 use super::path::InPath;
-use super::query::{DeviationQuery, IterationQuery};
+use super::query::{DeviationQuery, IterationQuery, ShapeQuery};
 use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::json::view::deviation::DeviationView;
@@ -196,6 +196,23 @@ pub(super) async fn deviation(
         Content::from(to_bytes(&view))
     };
     let content = encode::off_network(&job, numbers, write).await?;
+    Ok(answer(&job, content, JSON))
+}
+
+/// `GET /v1/jobs/{id}/shape`: curvature, length or area, and continuity of a level.
+pub(super) async fn shape(
+    State(app): State<App>,
+    InPath(id): InPath<String>,
+    uri: Uri,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    negotiate::json(&headers)?;
+    let query: ShapeQuery = negotiate::query(&uri)?;
+    let k = query.iteration()?;
+    let job = jobs::find(&app, &id).await?;
+    let samples = query.samples(job.outline().surface)?;
+    let wait = negotiate::wait(&headers)?;
+    let content = levels::shape(&app, &job, k, samples, wait).await?;
     Ok(answer(&job, content, JSON))
 }
 

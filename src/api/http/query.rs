@@ -82,16 +82,49 @@ pub(super) struct DeviationQuery {
     list: Option<String>,
 }
 
+/// Which iteration is measured: its number, or without one the last.
+fn measured(iteration: Option<&str>) -> Result<Option<usize>, Problem> {
+    match iteration {
+        None | Some("last") => Ok(None),
+        Some(text) => plain_number(text).map(Some).ok_or_else(|| {
+            let detail = format!("{} is neither a number nor \"last\"", quoted(text));
+            Problem::at_parameter("iteration", detail)
+        }),
+    }
+}
+
+/// The query of a shape.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ShapeQuery {
+    iteration: Option<String>,
+    samples: Option<String>,
+    spacing: Option<String>,
+    by: Option<String>,
+}
+
+impl ShapeQuery {
+    /// The iteration, without one the last.
+    pub(super) fn iteration(&self) -> Result<Option<usize>, Problem> {
+        measured(self.iteration.as_deref())
+    }
+
+    /// The samples of a curve or a surface, which are those of a table.
+    pub(super) fn samples(self, surface: bool) -> Result<Options, Problem> {
+        let query = IterationQuery {
+            samples: self.samples,
+            spacing: self.spacing,
+            by: self.by,
+            ..IterationQuery::default()
+        };
+        query.file_options(Format::Csv, surface)
+    }
+}
+
 impl DeviationQuery {
     /// The iteration, without one the last, and whether each distance is listed.
     pub(super) fn choices(&self) -> Result<(Option<usize>, bool), Problem> {
-        let iteration = match self.iteration.as_deref() {
-            None | Some("last") => None,
-            Some(text) => Some(plain_number(text).ok_or_else(|| {
-                let detail = format!("{} is neither a number nor \"last\"", quoted(text));
-                Problem::at_parameter("iteration", detail)
-            })?),
-        };
+        let iteration = measured(self.iteration.as_deref())?;
         let list = match self.list.as_deref() {
             None | Some("false") => false,
             Some("true") => true,

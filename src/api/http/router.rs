@@ -132,6 +132,7 @@ pub(in crate::api) fn resources() -> Resources {
         )
         .get("/v1/jobs/{id}/result/{format}", READ, geometry::result_file)
         .get("/v1/jobs/{id}/deviation", READ, geometry::deviation)
+        .get("/v1/jobs/{id}/shape", READ, geometry::shape)
         .get("/v1/jobs/{id}/limit", READ, geometry::limit)
 }
 

@@ -26,6 +26,7 @@ use crate::api::http::tickets::TicketView;
 use crate::api::json::plain::simplify;
 use crate::api::json::request::batch::BatchRequest;
 use crate::api::json::view::batch::{BatchEvent, BatchLine};
+use crate::api::json::view::curvature::ShapeView;
 use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::events::{EventLine, ServerSentEvent};
 use crate::api::json::view::job::JobPage;
@@ -127,6 +128,7 @@ fn schemas() -> Map<String, Value> {
     answers.subschema_for::<PointsView>();
     answers.subschema_for::<LimitView>();
     answers.subschema_for::<DeviationView>();
+    answers.subschema_for::<ShapeView>();
     answers.subschema_for::<RatesView>();
     answers.subschema_for::<ProblemBody>();
     answers.subschema_for::<ProblemTypes>();

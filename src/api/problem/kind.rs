@@ -105,6 +105,11 @@ kinds! {
         "The curve or surface has no nearest points",
         "Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way."
     }
+    NoShape {
+        "no-shape", CONFLICT, FailedPrecondition,
+        "The curve or surface has no shape that can be measured",
+        "Curvature, length and area are those of curves and surfaces of two or more coordinates with positive weights; detail reports what is in the way."
+    }
     NoExport {
         "no-export", CONFLICT, FailedPrecondition,
         "The curve or surface cannot be written in this format",

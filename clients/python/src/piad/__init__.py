@@ -10,6 +10,7 @@
   `async_job`: the same for event loops; `status`: how a job stands;
 - `iteration`: `Iteration`, `Result` and what is in them; `geometry`: `Curve` and `Surface`, and
   their form in other packages; `points`: files of points; `plotting`: pictures;
+- `curvature`: `CurveShape` and `SurfaceShape`, what `Job.curvature` returns;
 - `batch`: many fits in one request;
 - `errors`: what can go wrong.
 """
@@ -21,6 +22,7 @@ from .async_client import AsyncClient
 from .async_job import AsyncJob
 from .batch import AsyncBatch, Batch, BatchItem, BatchTotals
 from .client import Client
+from .curvature import CurvatureExtreme, CurvatureExtremes, CurveShape, KnotContinuity, KnotLine, SurfaceShape
 from .errors import (
     ApiError,
     ConnectionLost,
@@ -62,7 +64,10 @@ __all__ = [
     "Boundary",
     "Client",
     "ConnectionLost",
+    "CurvatureExtreme",
+    "CurvatureExtremes",
     "Curve",
+    "CurveShape",
     "Deviation",
     "Distances",
     "FieldError",
@@ -71,6 +76,8 @@ __all__ = [
     "Job",
     "JobFailed",
     "JobWarning",
+    "KnotContinuity",
+    "KnotLine",
     "MissingPackage",
     "NotConverged",
     "PiadError",
@@ -81,6 +88,7 @@ __all__ = [
     "Shape",
     "Status",
     "Surface",
+    "SurfaceShape",
     "WaitTimeout",
     "__version__",
     "boundary",

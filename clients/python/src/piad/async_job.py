@@ -14,6 +14,7 @@ from ._arrays import np
 from ._events import EventStream
 from ._request import Method, Rational, SampleCount
 from ._transport import Transport
+from .curvature import CurveShape, SurfaceShape, shape_from_json
 from .errors import JobFailed, Problem, WaitTimeout
 from .iteration import Deviation, Index, Iteration, Result, Samples, Shape
 from .status import Status
@@ -195,6 +196,28 @@ class AsyncJob:
         """
         parameters = {"iteration": str(iteration), "list": str(bool(distances)).lower()}
         return Deviation.from_json(await self._transport.json("GET", f"{self._path}/deviation", parameters=parameters))
+
+    async def curvature(
+        self,
+        iteration: Union[int, Literal["last"]] = "last",
+        *,
+        samples: Optional[SampleCount] = None,
+        spacing: Optional[float] = None,
+        by_length: bool = False,
+    ) -> Union[CurveShape, SurfaceShape]:
+        """The shape of an iteration: curvatures at samples and where they are least and largest, length or area, continuity.
+
+        `samples` is a number for a curve (200 by default) or two for a surface (40 × 40); those of a curve can be
+        `spacing` apart, in units of the data, or at equal distances with `by_length`. Extremes do not depend on them.
+        """
+        parameters = {"iteration": str(iteration)}
+        if samples is not None:
+            parameters["samples"] = _request.grid(samples)
+        if spacing is not None:
+            parameters["spacing"] = repr(float(spacing))
+        if by_length:
+            parameters["by"] = "length"
+        return shape_from_json(await self._transport.json("GET", f"{self._path}/shape", parameters=parameters))
 
     async def input(self) -> dict[str, Any]:
         """The job as it was asked for, as JSON."""

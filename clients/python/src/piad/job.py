@@ -34,6 +34,7 @@ class Job:
     wait = same(AsyncJob.wait)
     result = same(AsyncJob.result)
     deviation = same(AsyncJob.deviation)
+    curvature = same(AsyncJob.curvature)
     input = same(AsyncJob.input)
     ticket = same(AsyncJob.ticket)
     cancel = same(AsyncJob.cancel)

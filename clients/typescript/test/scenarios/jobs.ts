@@ -109,6 +109,17 @@ export const jobs: Scenarios = {
     equal((await job.deviation({ iteration: 0 })).distances, undefined);
   },
 
+  "the shape of a fit is measured": async ({ client }) => {
+    const job = await client().create(POINTS, { wait: 10 });
+    const shape = await job.curvature({ samples: "9" });
+    ok(shape.kind === "curve" && (shape.length ?? 0) > 0);
+    equal((shape.samples.curvature as (number | null)[]).length, 9);
+    ok(shape.curvature.largest !== null && shape.continuity.count === shape.continuity.knots.length);
+    const first = await job.curvature({ iteration: 0, spacing: 0.5 });
+    equal([first.kind, first.iteration], ["curve", 0]);
+    equal((await refused(job.curvature({ samples: "9x9" }), ApiError)).status, 400);
+  },
+
   "points are moved": async ({ client }) => {
     const job = await client().create(POINTS, { wait: 10 });
     const move: api.EditRequest = { points: [{ index: 2, point: [-1.5, 0, 1] }], method: { kind: "local", indices: [1, 2, 3] } };

@@ -3,7 +3,7 @@
 use piad_fit::data::Points;
 use piad_fit::geometry::{KnotVector, Nurbs};
 
-use super::vectors::{dot, length, minus};
+use piad_fit::engine::vectors::{dot, length, minus};
 
 /// An open direction.
 pub(super) fn line_of(degree: usize, knots: &[f64]) -> KnotVector {

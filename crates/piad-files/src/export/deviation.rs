@@ -1,9 +1,9 @@
 //! How far the curve or surface is from each data point at its parameters.
 
 use super::nurbs::{KnotVector, Nurbs};
-use crate::export::vectors::{length, minus};
 use piad_fit::data::Grid;
 use piad_fit::engine::nurbs::{SpanParameter, in_space};
+use piad_fit::engine::vectors::{length, minus};
 use piad_fit::engine::{Direction, Problem};
 
 /// The most data points at which the distance is computed; of more, some rows and columns are left out.

@@ -5,8 +5,8 @@ use crate::export::format::Format;
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::options::Options;
 use crate::export::sampling::along_curve;
-use crate::export::vectors::{cross, length, minus, unit};
 use piad_fit::engine::nurbs::{Jet, SpanParameter, steps_between};
+use piad_fit::engine::vectors::{cross, length, minus, unit};
 
 /// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
 /// every viewer can show.
@@ -202,8 +202,8 @@ pub(super) fn single(value: f64, format: Format) -> Result<f32, ExportError> {
 mod tests {
     use super::*;
     use crate::export::cylinder::cylinder;
-    use crate::export::vectors::dot;
     use piad_fit::data::Grid;
+    use piad_fit::engine::vectors::dot;
 
     fn wide(vector: [f32; 3]) -> [f64; 3] {
         vector.map(f64::from)

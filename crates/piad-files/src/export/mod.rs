@@ -8,9 +8,9 @@
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly; `assemble`: that of plain data;
 //! - `mesh`: its triangles, for `gltf`, `stl` and `ply`;
-//! - `sampling` and `arc_length`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
+//! - `sampling`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
 //! - `deviation`: how far it is from each data point, for `svg`;
-//! - `csv`: samples as numbers;
+//! - `csv`: samples as numbers; [`shape`]: with curvatures, which is no file;
 //! - `text`: numbers and names as text.
 //!
 //! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits
@@ -18,7 +18,6 @@
 //! values of a function (one coordinate) and points of more than three coordinates have no place in space, and weights must be positive.
 //! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
 
-mod arc_length;
 mod assemble;
 pub mod csv;
 #[cfg(test)]
@@ -41,13 +40,13 @@ mod options;
 mod part;
 mod ply;
 mod sampling;
+pub mod shape;
 mod step;
 mod stl;
 mod svg;
 #[cfg(test)]
 mod tests;
 mod text;
-mod vectors;
 
 /// The most coordinates of points in files of curves and surfaces.
 const SPACE: usize = 3;

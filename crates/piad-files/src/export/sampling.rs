@@ -1,9 +1,9 @@
 //! Samples along curves, for all formats that have them.
 
-use super::arc_length::ArcLength;
 use super::error::{ExportError, NetIndex};
 use super::nurbs::Nurbs;
 use super::options::Options;
+use piad_fit::engine::arc_length::ArcLength;
 use piad_fit::engine::nurbs::{Jet, SpanParameter, steps_between};
 
 /// The most samples at equal distances.

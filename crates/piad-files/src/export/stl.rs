@@ -5,7 +5,7 @@ use super::error::ExportError;
 use super::fitted::GENERATOR;
 use super::format::Format;
 use super::mesh::{Mesh, single};
-use super::vectors::{cross, minus, unit};
+use piad_fit::engine::vectors::{cross, minus, unit};
 
 /// Bytes of the header, and of each triangle.
 const HEADER: usize = 80;

@@ -1,12 +1,14 @@
 //! Curves and surfaces of given control points: evaluation, NURBS form, samples, and distances from data.
 //!
 //! - `evaluation`: points and control nets in any basis; `samples`: points at equal steps of the parameters;
-//! - `nurbs`: the B-spline form that CAD kernels store;
+//! - `nurbs`: the B-spline form that CAD kernels store; `arc_length`: how long it is; `curvature`: its shape; `vectors` of space;
 //! - `norms`: distances from the data at their parameters; `foot`: nearest points, and the distances from them;
 //! - `between`: curves and surfaces that leave their data between neighbours, by more than their `freedom`;
 //! - `fold`: parameters of scattered points that fold.
 
+pub(crate) mod arc_length;
 pub(crate) mod between;
+pub(crate) mod curvature;
 pub(crate) mod evaluation;
 pub(crate) mod fold;
 pub(crate) mod foot;
@@ -14,6 +16,7 @@ pub(crate) mod freedom;
 pub(crate) mod norms;
 pub(crate) mod nurbs;
 pub(crate) mod samples;
+pub(crate) mod vectors;
 
 pub use foot::{NoFootPoints, foot_points};
 pub use norms::FitError;

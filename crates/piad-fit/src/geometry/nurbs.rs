@@ -1,5 +1,6 @@
 //! The curve or surface as CAD kernels store it: B-splines, whatever basis the fit has.
 
+pub(crate) mod derivatives;
 pub(crate) mod sampling;
 
 use std::borrow::Cow;

@@ -6,7 +6,7 @@
 //! - [`job`]: jobs as resources; [`events`]: what streams say first and last; [`level`]: iterations and results;
 //!   [`limit`]: the limit of local fits;
 //! - [`batch`]: the lines of a batch;
-//! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`warning`]: what is doubtful about a job;
+//! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`curvature`]: the shape; [`warning`]: what is doubtful about a job;
 //! - [`input`](mod@input): a job as it was asked for;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
 //! - [`decimal`] and [`rounding`]: numbers with as many digits as they deserve; [`lists`] of them;
@@ -15,6 +15,7 @@
 mod applied_method;
 mod arrays;
 pub(crate) mod batch;
+pub(crate) mod curvature;
 mod decimal;
 pub(crate) mod deviation;
 mod document;

@@ -30,14 +30,8 @@ pub(super) struct Listed {
 impl Listed {
     /// Samples at equal steps of the parameters, or of the length.
     pub(super) fn new(nurbs: &Nurbs, options: &Options) -> Result<Self, ExportError> {
-        let counts = grid(options, nurbs.v.is_some());
-        if options.is_by_length() {
-            let u = by_length(nurbs, options, steps_between(counts.rows))?;
-            return Self::at(nurbs, &u, &[]);
-        }
-        let u = equal_steps(&nurbs.u, counts.rows);
-        let v = nurbs.v.as_ref().map(|v| equal_steps(v, counts.columns));
-        Self::at(nurbs, &u, &v.unwrap_or_default())
+        let (u, v) = sites(nurbs, options)?;
+        Self::at(nurbs, &u, &v)
     }
 
     /// Samples at these sites.
@@ -105,6 +99,21 @@ impl Listed {
     }
 }
 
+/// The parameters of samples in both directions, of a curve in one: at equal steps of the parameters, or of the length.
+pub(in crate::export) fn sites(
+    nurbs: &Nurbs,
+    options: &Options,
+) -> Result<(Vec<SpanParameter>, Vec<SpanParameter>), ExportError> {
+    let counts = grid(options, nurbs.v.is_some());
+    if options.is_by_length() {
+        let u = by_length(nurbs, options, steps_between(counts.rows))?;
+        return Ok((u, Vec::new()));
+    }
+    let u = equal_steps(&nurbs.u, counts.rows);
+    let v = nurbs.v.as_ref().map(|v| equal_steps(v, counts.columns));
+    Ok((u, v.unwrap_or_default()))
+}
+
 /// Parameters at equal distances over the domain, both ends included.
 fn equal_steps(knots: &KnotVector, count: usize) -> Vec<SpanParameter> {
     let (low, high) = knots.domain();
@@ -117,7 +126,7 @@ fn equal_steps(knots: &KnotVector, count: usize) -> Vec<SpanParameter> {
 }
 
 /// The number of samples.
-pub(super) fn grid(options: &Options, surface: bool) -> Grid {
+pub(in crate::export) fn grid(options: &Options, surface: bool) -> Grid {
     options.samples.unwrap_or(match surface {
         false => Grid {
             rows: CURVE,

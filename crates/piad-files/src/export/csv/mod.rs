@@ -12,7 +12,8 @@ use super::format::Format;
 use super::nurbs::{Nurbs, checked};
 use super::options::{Options, check_options};
 use super::text::{Text, one_line};
-use listed::{Listed, grid};
+use listed::Listed;
+pub(super) use listed::{grid, sites};
 use piad_fit::engine::samples::Samples;
 
 /// The names of coordinates.

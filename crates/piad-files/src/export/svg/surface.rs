@@ -8,10 +8,10 @@ use super::scene::{Scene, SurfacePart};
 use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::text::Text;
-use crate::export::vectors::{cross, minus, unit};
 use piad_fit::data::Grid;
 use piad_fit::engine::Problem;
 use piad_fit::engine::nurbs::{SpanParameter, steps_between};
+use piad_fit::engine::vectors::{cross, minus, unit};
 
 /// The most faces in each direction, unless a number of samples is asked for.
 const MOST_FACES: usize = 64;

@@ -3,7 +3,7 @@
 use crate::export::error::ExportError;
 use crate::export::nurbs::Nurbs;
 use crate::export::text::Text;
-use crate::export::vectors::{cross, dot};
+use piad_fit::engine::vectors::{cross, dot};
 
 /// The width of the drawing.
 pub(super) const WIDTH: f64 = 800.0;

@@ -5,12 +5,12 @@ use crate::basis::{bernstein, bspline};
 use crate::interrupt::Meter;
 
 /// The most values of basis functions that are held at a time, and as many derivatives.
-const MOST_VALUES: usize = 1 << 20;
+pub(super) const MOST_VALUES: usize = 1 << 20;
 
 /// A parameter in a knot span. At a knot the span decides from which side derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpanParameter {
-    span: usize,
+    pub(super) span: usize,
     /// The parameter.
     pub t: f64,
 }
@@ -19,6 +19,11 @@ impl SpanParameter {
     /// A parameter in a span that it lies in.
     pub fn new(span: usize, t: f64) -> Self {
         Self { span, t }
+    }
+
+    /// The span.
+    pub(crate) fn span(self) -> usize {
+        self.span
     }
 }
 
@@ -84,18 +89,18 @@ impl KnotVector {
     }
 
     /// Where in its span a site is, from 0 to 1.
-    fn part(&self, site: SpanParameter) -> f64 {
+    pub(super) fn part(&self, site: SpanParameter) -> f64 {
         let low = self.knots[site.span];
         ((site.t - low) / self.width(site)).clamp(0.0, 1.0)
     }
 
     /// Returns true if there is one span, so that the functions are Bernstein polynomials.
-    fn is_bezier(&self) -> bool {
+    pub(super) fn is_bezier(&self) -> bool {
         self.count() == self.degree + 1
     }
 
     /// The multiplications for the functions at a site, with their derivatives.
-    fn multiplications(&self) -> usize {
+    pub(super) fn multiplications(&self) -> usize {
         let width = self.degree + 1;
         if self.is_bezier() {
             4 * width
@@ -147,7 +152,7 @@ struct BasisValues {
 }
 
 /// A point in homogeneous coordinates `(w x, w y, w z, w)`.
-type Homogeneous = [f64; 4];
+pub(super) type Homogeneous = [f64; 4];
 
 impl Nurbs {
     /// Points and derivatives on the grid `u × v`, row by row, in space. A curve ignores `v`.
@@ -238,7 +243,7 @@ impl Nurbs {
         }
     }
 
-    fn lift(&self, first: usize, index: usize) -> Homogeneous {
+    pub(super) fn lift(&self, first: usize, index: usize) -> Homogeneous {
         let [x, y, z] = in_space(self.points.point(index).skip(first));
         let w = self.weight(index);
         [w * x, w * y, w * z, w]

@@ -1,18 +1,18 @@
 //! Arc length: samples of a curve at equal distances along it.
 
 use super::nurbs::Nurbs;
-use piad_fit::engine::interrupt;
-use piad_fit::engine::nurbs::SpanParameter;
+use super::nurbs::sampling::SpanParameter;
+use crate::interrupt;
 
 /// Nodes and weights of the Gauss–Legendre rule with five nodes, on [0, 1].
-const NODES: [f64; 5] = [
+pub(super) const NODES: [f64; 5] = [
     0.046_910_077_030_668_004,
     0.230_765_344_947_158_45,
     0.5,
     0.769_234_655_052_841_6,
     0.953_089_922_969_332,
 ];
-const WEIGHTS: [f64; 5] = [
+pub(super) const WEIGHTS: [f64; 5] = [
     0.118_463_442_528_094_54,
     0.239_314_335_249_683_24,
     0.284_444_444_444_444_44,
@@ -35,11 +35,12 @@ const MOST_STEPS: usize = 60;
 /// Coordinates that are evaluated at a time.
 const TOGETHER: usize = 3;
 
-/// The number of evaluations between checks whether the file is still wanted: about a millisecond.
+/// The number of evaluations between checks for an abandoned computation: about a millisecond.
 const BETWEEN_CHECKS: usize = 1 << 8;
 
 /// The lengths of pieces of a curve, each short enough for the quadrature.
-pub(super) struct ArcLength<'a> {
+#[derive(Debug)]
+pub struct ArcLength<'a> {
     nurbs: &'a Nurbs,
     pieces: Vec<Piece>,
     total: f64,
@@ -60,7 +61,7 @@ struct Piece {
 
 impl<'a> ArcLength<'a> {
     /// The lengths of a curve.
-    pub(super) fn new(nurbs: &'a Nurbs) -> Self {
+    pub fn new(nurbs: &'a Nurbs) -> Self {
         let mut lengths = Self {
             nurbs,
             pieces: Vec::new(),
@@ -72,7 +73,9 @@ impl<'a> ArcLength<'a> {
             .iter()
             .map(|&span| lengths.of(span, ends(nurbs, span)))
             .collect();
-        let tolerance = ACCURACY * rough.iter().sum::<f64>();
+        // Far from the origin rounding is more than that.
+        let rounding = f64::EPSILON * nurbs.points.magnitude();
+        let tolerance = (ACCURACY * rough.iter().sum::<f64>()).max(rounding);
         for (span, rough) in spans.into_iter().zip(rough) {
             lengths.add(span, ends(nurbs, span), rough, tolerance);
         }
@@ -80,12 +83,12 @@ impl<'a> ArcLength<'a> {
     }
 
     /// The length of the whole curve.
-    pub(super) fn total(&self) -> f64 {
+    pub fn total(&self) -> f64 {
         self.total
     }
 
     /// `steps + 1` sites with equal distances along the curve, from one end to the other.
-    pub(super) fn sites(&mut self, steps: usize) -> Vec<SpanParameter> {
+    pub fn sites(&mut self, steps: usize) -> Vec<SpanParameter> {
         let knots = &self.nurbs.u;
         let (Some(&first), Some(&last)) = (knots.spans().first(), knots.spans().last()) else {
             return Vec::new();
@@ -194,14 +197,18 @@ fn ends(nurbs: &Nurbs, span: usize) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::cylinder::line_of;
-    use piad_fit::data::Points;
+    use crate::data::points::Points;
+    use crate::geometry::nurbs::KnotVector;
 
     fn curve(degree: usize, knots: &[f64], places: &[[f64; 2]]) -> Nurbs {
         let mut points = Points::new(2);
         places.iter().for_each(|place| points.push(place));
         Nurbs {
-            u: line_of(degree, knots),
+            u: KnotVector {
+                degree,
+                knots: knots.to_vec(),
+                closed: false,
+            },
             v: None,
             points,
             weights: None,
@@ -279,7 +286,7 @@ mod tests {
         let polygon: f64 = {
             let jets = cusp.evaluate(&cusp.u.sites(100_000), &[]);
             let steps = jets.windows(2);
-            let step = |c: usize, pair: &[piad_fit::engine::nurbs::Jet]| {
+            let step = |c: usize, pair: &[crate::geometry::nurbs::sampling::Jet]| {
                 pair[1].point[c] - pair[0].point[c]
             };
             steps.map(|pair| step(0, pair).hypot(step(1, pair))).sum()

@@ -1,7 +1,7 @@
 //! Vectors of space.
 
 /// `a × b`
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -10,23 +10,23 @@ pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// The Euclidean length.
-pub(super) fn length(a: [f64; 3]) -> f64 {
+pub fn length(a: [f64; 3]) -> f64 {
     a[0].hypot(a[1]).hypot(a[2])
 }
 
 /// `a / ‖a‖`, if that is finite.
-pub(super) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
+pub fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
     let length = length(a);
     let unit = a.map(|x| x / length);
     unit.iter().all(|x| x.is_finite()).then_some(unit)
 }
 
 /// `a − b`
-pub(super) fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// `a · b`
-pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

@@ -1,0 +1,26 @@
+//! The shape of curves and surfaces: curvature and its extremes, length, area, and continuity at knots.
+//!
+//! - `curve` and `surface`: what is measured of each; `jets`: curvature of curves; `principal`: of surfaces;
+//! - `extremes`: where it is least and largest; `degenerate`: where there is none;
+//! - `joints` and `lines`: continuity at knots of curves and across knot lines of surfaces; `area`: areas.
+//!
+//! Curvatures that do not exist, where a derivative vanishes or a surface has no normal, are NaN.
+
+mod area;
+mod curve;
+mod degenerate;
+mod extremes;
+mod jets;
+mod joints;
+mod lines;
+mod principal;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+pub use curve::{CurveSamples, CurveShape};
+pub use degenerate::MOST_DEGENERATE;
+pub use extremes::{Extreme, Extremes};
+pub use joints::{Joint, MOST_JOINTS, Sides};
+pub use lines::KnotLine;
+pub use surface::{SurfaceSamples, SurfaceShape};
