@@ -172,13 +172,15 @@ chromium:
 	@command -v chromium >/dev/null && command -v chromedriver >/dev/null && command -v openssl >/dev/null && \
 	  command -v curl >/dev/null || $(INSTALL) chromium chromium-driver openssl curl
 
-# Kernels, HTTP and other programs, measured side by side: about ten minutes on a quiet machine.
+# Kernels, HTTP and other programs, measured side by side: about a quarter of an hour on a quiet machine.
 bench: $(VENV)/benches
 	cargo bench --locked --bench kernels
 	$(PYTHON) benches/http/compare.py target/release/piad
 	$(PYTHON) benches/http/neighbours.py target/release/piad
 	$(PYTHON) benches/http/bodies.py target/release/piad
+	$(PYTHON) benches/batch/compare.py target/release/piad
 	$(PYTHON) benches/files/reading.py target/release/piad
+	$(PYTHON) benches/files/memory.py target/release/piad
 	$(PYTHON) benches/scipy/compare.py target/release/piad
 
 # As few control points as a tolerance needs, beside scipy and OpenCASCADE: half an hour.
@@ -215,8 +217,16 @@ fuzz-%:
 	mkdir -p fuzz/corpus/$*
 	PIAD_WRITE_SEEDS=1 cargo test --locked --lib fuzzing
 	cargo +nightly fuzz run $* fuzz/corpus/$* $(wildcard fuzz/seeds/$*) -- \
-	  $(if $(wildcard fuzz/seeds/$*),-dict=fuzz/json.dict) -max_total_time=$(FUZZ_SECONDS) \
+	  $(if $(wildcard fuzz/seeds/$*),-dict=$(or $(wildcard fuzz/$*.dict),fuzz/json.dict)) -max_total_time=$(FUZZ_SECONDS) \
 	  -max_len=4096 -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=64 -print_final_stats=1
+
+# Files of one format after another, each from its own seed.
+fuzz-files:
+	for seed in fuzz/seeds/file/*; do \
+	  mkdir -p fuzz/corpus/$$(basename $$seed) && cp $$seed fuzz/corpus/$$(basename $$seed)/ && \
+	  cargo +nightly fuzz run file fuzz/corpus/$$(basename $$seed) -- -dict=fuzz/file.dict -max_total_time=$(FUZZ_SECONDS) \
+	    -max_len=4096 -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=64 -print_final_stats=1 || exit 1; \
+	done
 
 # Also that the documentation of the crates has no broken links, and that they can be packaged.
 lint: tools

@@ -419,7 +419,7 @@ struct ListOptions {
 // Of files.
 struct FileOptions {
     std::optional<std::uint64_t> iteration;  // instead of the result
-    std::string samples;                     // of gltf, stl, dxf, svg and csv
+    std::string samples;                     // of gltf, stl, ply, dxf, svg, geojson, gpx and csv
     std::string units;                       // "mm", "m" or "in": what step and iges declare
     std::string dots;                        // "on" or "off": whether svg shows the data points
     StopToken stop;
@@ -1764,7 +1764,7 @@ public:
     // The job as it was asked for. Sent again, it makes the same job.
     Json input(const StopToken& stop = {}) const { return connection_->json(get("/input", {}, stop)); }
 
-    // The result, or an iteration, as a file: "step", "iges", "obj", "gltf", "stl", "dxf", "svg" or "csv".
+    // The result, or an iteration, as a file: "step" or another format of docs/FILES.md.
     File file(const std::string& format, const FileOptions& options = {}) const {
         const auto part = options.iteration ? "/iterations/" + std::to_string(*options.iteration) : std::string("/result");
         auto call = get(part + "/" + detail::escaped(format), {}, options.stop);

@@ -343,8 +343,9 @@ namespace Piad
             return GetAsync("/input", cancellation);
         }
 
-        /// <summary>The result, or an iteration, as a file: step, iges, obj, gltf, stl, dxf, svg or csv. `samples` is how
-        /// many points gltf, stl, dxf, svg and csv take, `units` what step and iges declare: mm, m or in.</summary>
+        /// <summary>The result, or an iteration, as a file: step or another format of docs/FILES.md. `samples` is
+        /// how many points gltf, stl, ply, dxf, svg, geojson, gpx and csv take, `units` what step and iges
+        /// declare: mm, m or in.</summary>
         public async Task<FitFile> FileAsync(
             string format, long? iteration = null, string samples = null, string units = null,
             CancellationToken cancellation = default(CancellationToken))

@@ -129,6 +129,72 @@ fn many_files_go_to_a_directory() {
     assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 26);
 }
 
+/// A section of the NACA series of four digits, from its trailing edge over the upper side and back.
+fn naca(digits: &str) -> String {
+    let number = |range: std::ops::Range<usize>| digits[range].parse::<f64>().unwrap();
+    let (camber, place, thickness) = (
+        number(0..1) / 100.0,
+        number(1..2) / 10.0,
+        number(2..4) / 100.0,
+    );
+    let point = |i: i32| {
+        let x = (1.0 - (f64::from(i) * std::f64::consts::PI / 40.0).cos()) / 2.0;
+        let root = 0.2969 * x.sqrt();
+        let half =
+            5.0 * thickness * (root - x * (0.126 + x * (0.3516 - x * (0.2843 - x * 0.1015))));
+        let (reach, from) = match x < place {
+            true => (place, x),
+            false => (1.0 - place, 1.0 - x),
+        };
+        let line = camber * from * (2.0 * reach - from) / (reach * reach);
+        format!("{x:.6} {:.6}\n", line - half.copysign(f64::from(i)))
+    };
+    let points: String = (-40..=40).map(point).collect();
+    format!("NACA {digits}\n{points}")
+}
+
+#[test]
+fn a_hundred_airfoils_take_one_command() {
+    let folder = Folder::new();
+    let of_camber =
+        |camber: usize| (8..28).map(move |thickness| format!("{camber}4{thickness:02}"));
+    let names: Vec<String> = (1..6).flat_map(of_camber).collect();
+    let files: Vec<String> = names.iter().map(|name| format!("naca{name}.dat")).collect();
+    for (file, name) in files.iter().zip(&names) {
+        folder.write(file, &naca(name));
+    }
+    let how = [
+        "--control-points",
+        "auto",
+        "--tolerance",
+        "1e-3",
+        "--format",
+        "json",
+    ];
+    let all: Vec<&str> = files.iter().map(String::as_str).collect();
+    let told = folder.fit(&[&all[..], &["-o", "out/"], &how].concat());
+    assert_eq!(told.status, 0, "{}", told.err);
+    let totals = "100 files: 100 converged, 0 did not";
+    assert!(told.err.contains(totals), "{}", told.err);
+    for name in &names {
+        let result: Value =
+            serde_json::from_slice(&folder.read(&format!("out/naca{name}.json"))).unwrap();
+        assert_eq!(result["name"], format!("NACA {name}"));
+        let count = result["control_points"].as_array().unwrap().len();
+        assert!((6..40).contains(&count), "{name}: {count} control points");
+    }
+    // Each is what it is alone.
+    for name in [&names[0], &names[57]] {
+        let file = format!("naca{name}.dat");
+        let alone = folder.result(&[&[file.as_str()][..], &how].concat());
+        let result: Value =
+            serde_json::from_slice(&folder.read(&format!("out/naca{name}.json"))).unwrap();
+        for field in ["knots", "control_points", "error"] {
+            assert_eq!(result[field], alone[field], "{name}: {field}");
+        }
+    }
+}
+
 #[test]
 fn parts_of_many_files_are_named_after_their_files() {
     let folder = Folder::new();

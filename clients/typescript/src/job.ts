@@ -93,7 +93,7 @@ export class Job {
     return resultOf(await this.#get<api.FitResult>("/result", { encoding: options.encoding ?? "base64" }, options));
   }
 
-  /** The result, or an iteration, as a file such as STEP for CAD systems. `samples` is for gltf, stl, dxf, svg and csv, `dots` for svg, `units` for step and iges. */
+  /** The result, or an iteration, as a file such as STEP for CAD systems. Formats are those of docs/FILES.md. `samples` is for gltf, stl, ply, dxf, svg, geojson, gpx and csv, `dots` for svg, `units` for step and iges. */
   async file(
     format: api.ParameterFormat,
     options: Pick<Looking, "samples" | "signal"> & { readonly iteration?: api.ParameterK | undefined; readonly dots?: api.ParameterDots | undefined; readonly units?: api.ParameterUnits | undefined } = {},

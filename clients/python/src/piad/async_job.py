@@ -21,7 +21,7 @@ from .status import Status
 
 View = Literal["control_points", "samples", "errors"]
 Encoding = Literal["json", "base64", "base64_f32"]
-Format = Literal["json", "step", "iges", "obj", "gltf", "stl", "dxf", "svg", "csv"]
+Format = Literal["json", "step", "iges", "obj", "gltf", "stl", "ply", "dxf", "svg", "geojson", "gpx", "csv"]
 Dots = Literal["auto", "on", "off"]
 Units = Literal["mm", "m", "in"]
 
@@ -335,10 +335,10 @@ class AsyncJob:
         dots: Optional[Dots] = None,
         units: Optional[Units] = None,
     ) -> Path:
-        """Writes the result (or an iteration) to a file, such as STEP for CAD systems.
+        """Writes the result (or an iteration) to a file, such as STEP for CAD systems; docs/FILES.md has the formats.
 
-        `samples` says how many points gltf, stl, dxf, svg and csv take, `dots` whether svg shows data points,
-        `units` which unit step and iges declare. The file is there as a whole or not at all.
+        `samples` is the number of points in gltf, stl, ply, dxf, svg, geojson, gpx and csv, `dots` shows data points
+        in svg or hides them, `units` is the unit that step and iges declare. The file is there as a whole or not at all.
         """
         part = "result" if iteration is None else f"iterations/{iteration}"
         parameters: dict[str, str] = {}

@@ -336,8 +336,22 @@ impl Banded {
     /// `y = Bᵀ x` for a line x of `rows` numbers and y of `columns` numbers.
     pub fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
-        for (i, j, value) in self.entries() {
-            y[j] += value * x[i];
+        for (offset, span) in self.spans(0..self.rows) {
+            for i in span {
+                let factor = x[i];
+                let first = (i as i64 + i64::from(offset)) as usize;
+                // A row that does not go around the end; of others `first` can be far beyond it.
+                let place = first..first.saturating_add(self.width);
+                if let Some(y) = y.get_mut(place) {
+                    for (y, lane) in y.iter_mut().zip(&self.entries) {
+                        *y += lane[i] * factor;
+                    }
+                } else {
+                    for (j, value) in self.row_from(i, offset) {
+                        y[j] += value * factor;
+                    }
+                }
+            }
         }
     }
 

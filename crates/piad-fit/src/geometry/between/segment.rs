@@ -2,10 +2,7 @@
 
 use super::line::Place;
 use crate::data::points::{Points, normalizing_scale};
-use crate::geometry::freedom::length_of;
-
-/// Squares that are below this part of another one are so in spite of their rounding errors.
-const SURELY_LESS: f64 = 1.0 - 1e-12;
+use crate::geometry::freedom::{is_surely_shorter, length_of};
 
 /// A gap, and what all places in it have in common.
 struct Segment<'a> {
@@ -60,13 +57,10 @@ impl<'a> Segment<'a> {
             let lanes = fit.lanes().iter().zip(self.points.lanes());
             lanes.map(|(fit, data)| fit[index] - self.at(part, data))
         };
-        // Most are less far than the first: a root, which is slow, says nothing new there.
-        let square = most * most;
-        let sum: f64 = differences().map(|x| x * x).sum();
-        if square.is_normal() && sum < SURELY_LESS * square {
-            return most;
+        match is_surely_shorter(differences(), most) {
+            true => most,
+            false => most.max(length_of(differences())),
         }
-        most.max(length_of(differences()))
     }
 
     fn at(&self, part: f64, data: &[f64]) -> f64 {
