@@ -322,21 +322,16 @@ impl SurfaceData {
                     "pairs, projections and foot points are parameters of scattered points; rows and columns have rules or lists of numbers",
                 );
             }
-            (None, Some(_), None) => {
-                return wrong(
-                    "",
-                    "scattered points need parameters: [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
-                );
-            }
             (None, Some(_), Some(P::Grid(_))) => {
                 return wrong(
                     "/parameters",
-                    "scattered points have no rows and columns: their parameters are [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
+                    "scattered points have no rows and columns: their parameters are [[u, v], …], \"auto\", \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
                 );
             }
             (Some(points), None, Some(P::Grid(parameters))) => (points, None, Some(parameters)),
             (Some(points), None, None) => (points, None, None),
             (None, Some(points), Some(P::Scattered(it))) => (points.into(), Some(it), None),
+            (None, Some(points), None) => (points.into(), Some(Scattered::Auto), None),
             (None, Some(points), Some(P::FootPoints(_))) => (points.into(), None, None),
         };
         Ok(Self {

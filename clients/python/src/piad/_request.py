@@ -45,13 +45,15 @@ Corners = Union[Literal["auto"], Mapping[Literal["angle"], float], Sequence[int]
 """The points at which a curve may turn: "auto", by an angle in degrees, or by their indices."""
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
 ScatteredParameters = Union[
-    Literal["project"],
-    Mapping[Literal["project"], Literal["nearest", "xy", "xz", "yz"]],
+    Literal["auto", "project"],
+    Mapping[Literal["project", "axis", "center"], Any],
+    Mapping[Literal["pairs", "domains"], Any],
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]
-"""Of scattered points: u and v of each, shape (n, 2), the plane in which they are, or a job on whose surface
-their foot points are: `{"foot_points": {"job": job.id}}`."""
+"""Of scattered points: u and v of each, shape (n, 2), `"auto"`, the surface on which they are, such as
+`{"project": "cylinder", "axis": [0, 0, 1]}`, or a job on whose surface their foot points are:
+`{"foot_points": {"job": job.id}}`."""
 
 SampleCount = Union[int, tuple[int, int]]
 """The number of points of a curve, or the numbers in u and in v of a surface."""

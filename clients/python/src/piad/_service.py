@@ -67,8 +67,8 @@ class Service:
 
         `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
         an array or nested lists, in any unit. `scattered` points of a surface have the shape (n,
-        dimension), and as `parameters` an array (n, 2), `"project"`, `{"project": "xy"}` or
-        `{"foot_points": {"job": job.id}}`; least squares fits them. On surfaces `basis`, `degree`, `knots`, `parameters`
+        dimension), and as `parameters` an array (n, 2), `"auto"`, `"project"`, `{"project": "cylinder"}`,
+        `{"project": "xy"}` or `{"foot_points": {"job": job.id}}`; least squares fits them. On surfaces `basis`, `degree`, `knots`, `parameters`
         and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
         units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
         object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
