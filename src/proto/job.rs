@@ -123,6 +123,9 @@ fn corners_message(corners: &Corners) -> pb::Corners {
     }
 }
 
+/// The number of coordinates in space.
+const SPACE: usize = 3;
+
 fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     let points = points(surface.dimension, &surface.points, most, "surface")?;
     let (rows, columns) = match (surface.rows, surface.columns, &surface.scattered) {
@@ -138,7 +141,11 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     let missing = missing(&surface.missing, points.len())?;
     let (u, v) = (surface.u.unwrap_or_default(), surface.v.unwrap_or_default());
     let given = u.parameters.is_some() || v.parameters.is_some();
-    let dimension = points.dimension();
+    // Heights with a place become points of space.
+    let dimension = match &surface.placement {
+        None => points.dimension(),
+        Some(_) => SPACE,
+    };
     let points = Arc::new(points);
     let ends = |ends, count, field| {
         let ends = ends::read(ends, (count, dimension), field)?;
@@ -161,6 +168,8 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
             u: lines(&u.creases),
             v: lines(&v.creases),
         }),
+        spacing: surface.placement.map(|it| [it.dx, it.dy]),
+        origin: surface.placement.map(|it| [it.x, it.y]),
         ..SurfaceInput::default()
     };
     let weights = pb::Weights {
@@ -515,6 +524,7 @@ fn surface_message(request: &Request, v: &DirectionChoice) -> pb::Surface {
         u: Some(direction(&request.u, scattered)),
         v: Some(direction(v, scattered)),
         weights: grid_weights(&request.weights).unwrap_or_default(),
+        placement: None,
     }
 }
 
