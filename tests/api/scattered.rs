@@ -174,7 +174,7 @@ fn saddle() -> Value {
 #[tokio::test]
 async fn mistakes_name_the_field_and_the_index() {
     let server = Server::start().await;
-    let changes: [(&str, Value, &str, &str); 25] = [
+    let changes: [(&str, Value, &str, &str); 24] = [
         ("/method", json!("global"), "/method", "least_squares"),
         (
             "/method",
