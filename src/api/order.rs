@@ -23,6 +23,7 @@ use crate::model::edit::{EditRequest, ParentFit};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::{JobRequest, Limits};
 use crate::model::mistakes::{Mistake, SpecPart};
+use crate::model::scattered;
 use crate::model::stream::StreamSpec;
 use crate::model::stream::choices::ChoiceMistake;
 use crate::model::stream::options::{self, StreamOptions};
@@ -88,13 +89,19 @@ impl Order {
         let ReadJob {
             request,
             words,
-            notices,
+            mut notices,
         } = compute(app, is_small, move || read(&config)).await?;
         let base = Base::of(app, request.base()).await?;
         // Foot points take long enough even for small jobs.
         let is_short = is_small && !base.is_given();
         let validate = move || base.validate(request, limits, &words);
         let valid = compute(app, is_short, validate).await?;
+        notices.extend(
+            valid
+                .problem
+                .chosen_parameters()
+                .and_then(scattered::notice),
+        );
         Ok(Self {
             label: Label {
                 name: valid.name,

@@ -74,6 +74,12 @@ impl Asked {
         Ok(asked)
     }
 
+    /// Returns true if heights get a place in space.
+    pub(super) fn places_heights(&self) -> bool {
+        let surface = self.fields.get("surface");
+        surface.is_some_and(|surface| surface.get("spacing").is_some())
+    }
+
     /// Refuses foot points on the surface of another job, which only a server has.
     pub(super) fn check_foot_points(&self, input: &Input) -> Result<(), Failure> {
         let is_one =

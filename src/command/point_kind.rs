@@ -7,6 +7,9 @@ use super::pointer;
 use piad_files::export::Origin;
 use piad_files::import::{self, Hints, Kind};
 
+/// The number of coordinates in space.
+const SPACE: usize = 3;
+
 /// What points are of, and how many coordinates they have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PointKind {
@@ -37,6 +40,17 @@ impl PointKind {
         }
     }
 
+    /// That with a place for heights, if they get one.
+    pub(super) fn placed(self, is_placed: bool) -> Self {
+        match self {
+            Self { dimension: 1, .. } if is_placed && self.surface => Self {
+                dimension: SPACE,
+                ..self
+            },
+            _ => self,
+        }
+    }
+
     /// That of a job in JSON.
     fn of_job(json: &[u8]) -> Option<Self> {
         let lists = [
@@ -50,11 +64,12 @@ impl PointKind {
                 Value::Number(_) => 1,
                 _ => return None,
             };
-            Some(Self {
+            let points = Self {
                 surface,
                 dimension,
                 origin: None,
-            })
+            };
+            Some(points.placed(pointer::value(json, "/surface/spacing").is_some()))
         })
     }
 }

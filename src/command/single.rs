@@ -112,7 +112,8 @@ fn prepare(
     let request = Request::new(&input, &asked)?;
     let mut query = FileQuery::new(arguments);
     outputs::check_formats(outputs, &mut query, || {
-        PointKind::of(&input, &asked.hints())
+        let points = PointKind::of(&input, &asked.hints())?;
+        Some(points.placed(asked.places_heights()))
     })?;
     Ok(Prepared {
         input,

@@ -26,6 +26,10 @@ pub enum SpecPart {
     MaxIterations,
     /// A choice of the streams, or an element of its list.
     Stream(Choice, Option<usize>),
+    /// The steps between heights, or one of them: along x or y.
+    Spacing(Option<usize>),
+    /// Where heights start, or a coordinate of that.
+    Origin(Option<usize>),
     /// The job on whose surface scattered points have their foot points.
     FootPoints,
     /// Its iteration.

@@ -1,7 +1,7 @@
 //! What clients ask for: its JSON is what serde makes of these types, and protobuf messages are read into
 //! them.
 //!
-//! - [`job`]: a job, with its `shape` (`points`, `basis`, `corners`, `ends`, [`scattered`] points), its `weights`, its
+//! - [`job`]: a job, with its `shape` (`points`, `heights`, `basis`, `corners`, `ends`, [`scattered`] points), its `weights`, its
 //!   `method` with `settings`, and when it ends (`stop`); `edit`: changes of one, from an `iteration`;
 //! - `stream`: what the event streams of a job are like;
 //! - `mistakes`: all that is wrong with a request, each at a part of the model; `mathematics`: what is
@@ -17,6 +17,7 @@ pub(crate) mod edit;
 pub(crate) mod either;
 pub(crate) mod ends;
 mod files;
+mod heights;
 pub(crate) mod iteration;
 pub mod job;
 pub(crate) mod list_limits;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use schemars::{JsonSchema, Schema, json_schema};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer, StrDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
 
@@ -19,7 +20,9 @@ use super::per_direction::PerDirection;
 use super::schema::schema_of;
 use piad_fit::data::Points;
 use piad_fit::geometry::{Nurbs, foot_points};
-use piad_fit::parameters::{CoordinatePlane, Parametrization, Scattered};
+use piad_fit::parameters::{
+    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sphere,
+};
 
 /// The parameters of the data points of a surface.
 #[derive(Clone, Debug)]
@@ -32,40 +35,151 @@ pub(crate) enum SurfaceParameters {
     FootPoints(FootPoints),
 }
 
-/// The plane in which scattered points have their parameters.
+/// The surface on which scattered points have their parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ProjectionPlane {
-    Nearest,
+enum ProjectionSurface {
+    Plane,
+    Cylinder,
+    Sphere,
     Xy,
     Xz,
     Yz,
 }
 
-names!(ProjectionPlane, "plane", [
-    "nearest" => Nearest,
+names!(ProjectionSurface, "projection", [
+    "plane" => Plane,
+    "cylinder" => Cylinder,
+    "sphere" => Sphere,
     "xy" => Xy,
     "xz" => Xz,
     "yz" => Yz,
 ]);
 
-impl From<ProjectionPlane> for Scattered {
-    fn from(plane: ProjectionPlane) -> Self {
-        match plane {
-            ProjectionPlane::Nearest => Self::Plane,
-            ProjectionPlane::Xy => Self::Coordinates(CoordinatePlane::Xy),
-            ProjectionPlane::Xz => Self::Coordinates(CoordinatePlane::Xz),
-            ProjectionPlane::Yz => Self::Coordinates(CoordinatePlane::Yz),
+/// A projection with what is known of its surface.
+#[derive(Deserialize, Serialize)]
+struct Projection {
+    project: ProjectionSurface,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    center: Option<[f64; 3]>,
+}
+
+impl Projection {
+    /// The rule, or what is given that it does not have.
+    fn rule(self) -> Result<Scattered, &'static str> {
+        use ProjectionSurface as S;
+        let Self {
+            project,
+            axis,
+            center,
+        } = self;
+        Ok(match project {
+            S::Cylinder => Scattered::Cylinder(Cylinder { axis, center }),
+            S::Sphere => Scattered::Sphere(Sphere { axis, center }),
+            _ if axis.is_some() => return Err("only a cylinder and a sphere have an axis"),
+            _ if center.is_some() => return Err("only a cylinder and a sphere have a center"),
+            S::Plane => Scattered::Plane,
+            S::Xy => Scattered::Coordinates(CoordinatePlane::Xy),
+            S::Xz => Scattered::Coordinates(CoordinatePlane::Xz),
+            S::Yz => Scattered::Coordinates(CoordinatePlane::Yz),
+        })
+    }
+
+    /// That of a rule; `None` of pairs and of `auto`.
+    fn of(rule: &Scattered) -> Option<Self> {
+        use ProjectionSurface as S;
+        let (project, axis, center) = match *rule {
+            Scattered::Given(_) | Scattered::Auto => return None,
+            Scattered::Plane => (S::Plane, None, None),
+            Scattered::Coordinates(CoordinatePlane::Xy) => (S::Xy, None, None),
+            Scattered::Coordinates(CoordinatePlane::Xz) => (S::Xz, None, None),
+            Scattered::Coordinates(CoordinatePlane::Yz) => (S::Yz, None, None),
+            Scattered::Cylinder(Cylinder { axis, center }) => (S::Cylinder, axis, center),
+            Scattered::Sphere(Sphere { axis, center }) => (S::Sphere, axis, center),
+        };
+        Some(Self {
+            project,
+            axis,
+            center,
+        })
+    }
+}
+
+/// How far the directions of pairs go that do not end at the data.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(rename = "ParameterDomains")]
+#[schemars(example = json!({"u": {"period": 94.2}}))]
+struct Domains {
+    /// That of u; without it from the least to the largest parameter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    u: Option<DomainInput>,
+    /// That of v.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    v: Option<DomainInput>,
+}
+
+object!(Domains, "an object with u or v");
+
+/// How far a direction goes: a period, or both ends.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[schemars(rename = "ParameterDomain")]
+#[schemars(example = json!({"ends": [-39.3, 39.3], "poles": [true, true]}))]
+struct DomainInput {
+    /// The direction is closed, and repeats after this length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    period: Option<f64>,
+    /// Where the direction begins and ends.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ends: Option<[f64; 2]>,
+    /// Of v: which ends are poles, at which all control points are one. With `control_points` "auto".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    poles: Option<[bool; 2]>,
+}
+
+object!(DomainInput, "an object with a period or with ends");
+
+impl DomainInput {
+    fn domain(self) -> Result<Domain, &'static str> {
+        match (self.period, self.ends, self.poles) {
+            (None, None, None) => Ok(Domain::Data),
+            (Some(period), None, None) => Ok(Domain::Closed(period)),
+            (None, Some(ends), poles) => Ok(Domain::Between {
+                ends,
+                poles: poles.unwrap_or_default(),
+            }),
+            (Some(_), ..) => Err("a direction with a period has neither ends nor poles"),
+            (None, None, Some(_)) => Err("poles are at ends: give both ends"),
+        }
+    }
+
+    fn of(domain: Domain) -> Option<Self> {
+        match domain {
+            Domain::Data => None,
+            Domain::Closed(period) => Some(Self {
+                period: Some(period),
+                ..Self::default()
+            }),
+            Domain::Between { ends, poles } => Some(Self {
+                ends: Some(ends),
+                poles: (poles != [false; 2]).then_some(poles),
+                ..Self::default()
+            }),
         }
     }
 }
 
-impl From<CoordinatePlane> for ProjectionPlane {
-    fn from(plane: CoordinatePlane) -> Self {
-        match plane {
-            CoordinatePlane::Xy => Self::Xy,
-            CoordinatePlane::Xz => Self::Xz,
-            CoordinatePlane::Yz => Self::Yz,
-        }
+impl Domains {
+    fn domains(self) -> Result<[Domain; 2], &'static str> {
+        let [u, v] = [self.u, self.v].map(|it| it.unwrap_or_default().domain());
+        Ok([u?, v?])
+    }
+
+    fn of([u, v]: [Domain; 2]) -> Self {
+        let [u, v] = [u, v].map(DomainInput::of);
+        Self { u, v }
     }
 }
 
@@ -91,9 +205,38 @@ pub(super) fn on_surface(
     surface: Result<&Nurbs, Mistake>,
 ) -> Result<Scattered, Mistake> {
     match foot_points(surface?, points) {
-        Ok(pairs) => Ok(Scattered::Given(Arc::new(pairs))),
+        Ok(pairs) => Ok(Scattered::Given(pairs)),
         Err(reason) => Err(Mistake::at(SpecPart::FootPoints, reason.to_string())),
     }
+}
+
+/// What is said of parameters that the fit has chosen.
+pub(crate) fn notice(chosen: &Scattered) -> Option<String> {
+    let place = |place: Option<[f64; 3]>| {
+        let [x, y, z] = place.unwrap_or_default();
+        format!("({x:.6}, {y:.6}, {z:.6})")
+    };
+    let surface = match chosen {
+        Scattered::Given(_) | Scattered::Auto | Scattered::Coordinates(_) => return None,
+        Scattered::Plane => "the plane nearest to them".to_owned(),
+        Scattered::Cylinder(Cylinder { axis, center }) => {
+            format!(
+                "a cylinder along {} through {}",
+                place(*axis),
+                place(*center)
+            )
+        }
+        Scattered::Sphere(Sphere { axis, center }) => {
+            format!(
+                "a sphere around {} with a pole in direction {}",
+                place(*center),
+                place(*axis)
+            )
+        }
+    };
+    Some(format!(
+        "the parameters of the points are their places on {surface}"
+    ))
 }
 
 /// What is said of a surface that nobody has looked for.
@@ -116,13 +259,15 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         let (what, names) = (ParametersInput::WHAT, ParametersInput::names().join(", "));
         write!(
             f,
-            "the name of a {what}: {names}; or a list of numbers; or one for each direction, {{\"u\": …, \"v\": …}}; of scattered points pairs, [[u, v], …], \"project\" or foot_points"
+            "the name of a {what}: {names}; or a list of numbers; or one for each direction, {{\"u\": …, \"v\": …}}; of scattered points pairs, [[u, v], …], \"auto\", \"project\" or foot_points"
         )
     }
 
     fn visit_str<E: Error>(self, name: &str) -> Result<SurfaceParameters, E> {
-        if name == "project" {
-            return Ok(SurfaceParameters::Scattered(Scattered::Plane));
+        match name {
+            "auto" => return Ok(SurfaceParameters::Scattered(Scattered::Auto)),
+            "project" => return Ok(SurfaceParameters::Scattered(Scattered::Plane)),
+            _ => {}
         }
         let rule = ParametersInput::deserialize(StrDeserializer::new(name))?;
         Ok(SurfaceParameters::Grid(PerDirection::Both(rule)))
@@ -137,7 +282,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
                 Ok(SurfaceParameters::Grid(PerDirection::Both(numbers)))
             }
             [_, 2] => {
-                let pairs = Arc::new(Points::from_flat(2, &values));
+                let pairs = Pairs::open(Arc::new(Points::from_flat(2, &values)));
                 Ok(SurfaceParameters::Scattered(Scattered::Given(pairs)))
             }
             // All have the same length.
@@ -154,20 +299,45 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             u,
             v,
             project,
+            axis,
+            center,
+            pairs,
+            domains,
             foot_points,
         } = Each::deserialize(MapAccessDeserializer::new(map))?;
         let missing = |name| Err(A::Error::missing_field(name));
-        match (project, foot_points, u, v) {
-            (Some(plane), None, None, None) => Ok(SurfaceParameters::Scattered(plane.into())),
-            (None, Some(base), None, None) => Ok(SurfaceParameters::FootPoints(base)),
-            (None, None, Some(u), Some(v)) => {
+        let wrong = |detail| Err(A::Error::custom(detail));
+        if project.is_none() && (axis.is_some() || center.is_some()) {
+            return wrong("axis and center are those of the surface of project");
+        }
+        if pairs.is_none() && domains.is_some() {
+            return wrong("domains are those of pairs");
+        }
+        match (project, pairs, foot_points, u, v) {
+            (Some(project), None, None, None, None) => {
+                let projection = Projection {
+                    project,
+                    axis,
+                    center,
+                };
+                projection
+                    .rule()
+                    .map_or_else(wrong, |rule| Ok(SurfaceParameters::Scattered(rule)))
+            }
+            (None, Some(PairList(values)), None, None, None) => {
+                let domains = domains.unwrap_or_default().domains();
+                domains.map_or_else(wrong, |domains| {
+                    let pairs = Pairs { values, domains };
+                    Ok(SurfaceParameters::Scattered(Scattered::Given(pairs)))
+                })
+            }
+            (None, None, Some(base), None, None) => Ok(SurfaceParameters::FootPoints(base)),
+            (None, None, None, Some(u), Some(v)) => {
                 Ok(SurfaceParameters::Grid(PerDirection::Each { u, v }))
             }
-            (None, None, None, _) => missing("u"),
-            (None, None, _, None) => missing("v"),
-            _ => Err(A::Error::custom(
-                "parameters are u and v, or project, or foot_points",
-            )),
+            (None, None, None, None, _) => missing("u"),
+            (None, None, None, _, None) => missing("v"),
+            _ => wrong("parameters are u and v, or project, or pairs, or foot_points"),
         }
     }
 }
@@ -178,21 +348,54 @@ impl<'de> Visitor<'de> for ParametersVisitor {
 struct Each {
     u: Option<ParametersInput>,
     v: Option<ParametersInput>,
-    project: Option<ProjectionPlane>,
+    project: Option<ProjectionSurface>,
+    axis: Option<[f64; 3]>,
+    center: Option<[f64; 3]>,
+    pairs: Option<PairList>,
+    domains: Option<Domains>,
     foot_points: Option<FootPoints>,
+}
+
+/// u and v of each point.
+struct PairList(Arc<Points>);
+
+impl<'de> Deserialize<'de> for PairList {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match SurfaceParameters::deserialize(deserializer)? {
+            SurfaceParameters::Scattered(Scattered::Given(Pairs { values, .. })) => {
+                Ok(Self(values))
+            }
+            _ => Err(D::Error::custom("pairs are a list, [[u, v], …]")),
+        }
+    }
+}
+
+/// Writes u and v of each point.
+fn pair_list(values: &Points) -> Vec<Vec<f64>> {
+    (0..values.len())
+        .map(|k| values.point(k).collect())
+        .collect()
 }
 
 impl Serialize for SurfaceParameters {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Self::Grid(parameters) => parameters.serialize(serializer),
-            Self::Scattered(Scattered::Given(pairs)) => {
-                serializer.collect_seq((0..pairs.len()).map(|k| pairs.point(k).collect::<Vec<_>>()))
+            Self::Scattered(Scattered::Given(Pairs { values, domains })) => {
+                let pairs = pair_list(values);
+                match domains {
+                    [Domain::Data, Domain::Data] => pairs.serialize(serializer),
+                    domains => {
+                        let mut map = serializer.serialize_map(Some(2))?;
+                        map.serialize_entry("pairs", &pairs)?;
+                        map.serialize_entry("domains", &Domains::of(*domains))?;
+                        map.end()
+                    }
+                }
             }
+            Self::Scattered(Scattered::Auto) => serializer.serialize_str("auto"),
             Self::Scattered(Scattered::Plane) => serializer.serialize_str("project"),
-            Self::Scattered(Scattered::Coordinates(plane)) => {
-                serializer.collect_map([("project", ProjectionPlane::from(*plane))])
-            }
+            Self::Scattered(rule) => Projection::of(rule).serialize(serializer),
             Self::FootPoints(base) => serializer.collect_map([("foot_points", base)]),
         }
     }
@@ -206,6 +409,8 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
     };
     let mut base = generator.subschema_for::<FootPoints>();
     base.insert("description".to_owned(), "The other job.".into());
+    let mut domains = generator.subschema_for::<Domains>();
+    domains.insert("description".to_owned(), "How far they go where that is not from the least to the largest parameter.".into());
     let scattered = [
         json_schema!({
             "title": "Pairs",
@@ -215,20 +420,43 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
             "minItems": 2,
         }),
         json_schema!({
-            "description": "Of scattered points: their coordinates in the plane that lies nearest to them, along their principal axes.",
+            "description": "Of scattered points: their places on a plane, a cylinder or a sphere near them, whichever unfolds them best; so it is where no parameters are given. The notices of the job have the choice.",
+            "type": "string",
+            "const": "auto",
+        }),
+        json_schema!({
+            "description": "Of scattered points: their coordinates in the plane that lies nearest to them, along the sides of the least rectangle around them.",
             "type": "string",
             "const": "project",
         }),
         json_schema!({
             "title": "Projection",
-            "description": "Of scattered points: `nearest` is the same, `xy`, `xz` and `yz` are two of their coordinates.",
+            "description": "Of scattered points: `plane` is the same; of `cylinder` u goes around the cylinder nearest to them, and v along it; of `sphere` u is the longitude and v the latitude on the sphere nearest to them, both as lengths; `xy`, `xz` and `yz` are two of their coordinates. Where the points go all around, u is closed; where they come to a pole of the sphere, all control points there are one.",
             "type": "object",
             "properties": {
-                "project": {"type": "string", "enum": ProjectionPlane::names(), "description": "The plane.", "examples": ["xy"]},
+                "project": {"type": "string", "enum": ProjectionSurface::names(), "description": "The surface.", "examples": ["cylinder"]},
+                "axis": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3, "description": "The direction of the axis of a cylinder, or of a pole of a sphere.", "examples": [[0, 0, 1]]},
+                "center": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3, "description": "A point on the axis of a cylinder, or the centre of a sphere.", "examples": [[0, 0, 0]]},
             },
             "required": ["project"],
             "additionalProperties": false,
-            "examples": [{"project": "xy"}],
+            "examples": [{"project": "xy"}, {"project": "cylinder", "axis": [0, 0, 1]}],
+        }),
+        json_schema!({
+            "title": "PairsAndDomains",
+            "description": "Of scattered points: u and v of each, and how far the directions go.",
+            "type": "object",
+            "properties": {
+                "pairs": {
+                    "type": "array",
+                    "items": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
+                    "minItems": 2,
+                    "description": "u and v of each point.",
+                },
+                "domains": domains,
+            },
+            "required": ["pairs"],
+            "additionalProperties": false,
         }),
         json_schema!({
             "title": "FootPointParameters",

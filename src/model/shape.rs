@@ -9,6 +9,7 @@ use super::basis::{Basis, Degree, ParametersInput};
 use super::corners::{CornersInput, Creases};
 use super::either::{Whole, object, whole};
 use super::ends::{CurveEnds, DirectionEnds, EndsInput, SurfaceEnds};
+use super::heights::Placement;
 use super::lists::PointNumbers;
 use super::mistakes::{Mistake, Mistakes};
 use super::named::names;
@@ -112,6 +113,14 @@ pub(crate) struct SurfaceInput {
     /// Rows (u) of columns (v) of data points, or of heights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<PointGrid>,
+    /// Heights alone: the steps from column to column along x and from row to row along y, in the units of the heights.
+    /// They become points [x, y, z] with it, so that the surface has a place in space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<[f64; 2]>,
+    /// With `spacing`: x and y of the first height.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = [0, 0]))]
+    pub origin: Option<[f64; 2]>,
     /// Points without rows and columns, for least-squares fits; `parameters` says where each of them is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ScatteredPoints>")]
@@ -322,21 +331,16 @@ impl SurfaceData {
                     "pairs, projections and foot points are parameters of scattered points; rows and columns have rules or lists of numbers",
                 );
             }
-            (None, Some(_), None) => {
-                return wrong(
-                    "",
-                    "scattered points need parameters: [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
-                );
-            }
             (None, Some(_), Some(P::Grid(_))) => {
                 return wrong(
                     "/parameters",
-                    "scattered points have no rows and columns: their parameters are [[u, v], …], \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
+                    "scattered points have no rows and columns: their parameters are [[u, v], …], \"auto\", \"project\", {\"project\": \"xy\"} or {\"foot_points\": {\"job\": …}}",
                 );
             }
             (Some(points), None, Some(P::Grid(parameters))) => (points, None, Some(parameters)),
             (Some(points), None, None) => (points, None, None),
             (None, Some(points), Some(P::Scattered(it))) => (points.into(), Some(it), None),
+            (None, Some(points), None) => (points.into(), Some(Scattered::Auto), None),
             (None, Some(points), Some(P::FootPoints(_))) => (points.into(), None, None),
         };
         Ok(Self {
@@ -370,17 +374,15 @@ impl SurfaceInput {
         rational: Option<Rational>,
         mistakes: &mut Mistakes,
     ) -> Option<Request> {
+        let is_scattered = self.scattered.is_some();
+        let placement = mistakes.keep(Placement::new(self.spacing, self.origin, is_scattered))?;
         let data = SurfaceData::new(self.points, self.scattered, self.parameters);
         let SurfaceData {
-            points:
-                PointGrid {
-                    points,
-                    missing,
-                    grid,
-                },
+            points: given,
             scattered,
             parameters,
         } = mistakes.keep(data)?;
+        let grid = given.grid;
         let weights = resolved(self.weights, rational, (grid, true), mistakes);
         check_degree(
             self.degree.is_some() && self.basis.is_some(),
@@ -407,15 +409,21 @@ impl SurfaceInput {
             closed: closed_v,
             ends: ends_v.and_then(|ends| ends.0),
         };
-        let usual = || Parametrization::usual_of_surface(&points);
+        // Heights have the parameters of heights, wherever they are.
+        let usual = || Parametrization::usual_of_surface(&given.points);
         let u = u.choice(Axis::U, usual(), true, mistakes);
         let v = v.choice(Axis::V, usual(), true, mistakes);
         let (mut u, mut v) = u.zip(v)?;
         [u.corners, v.corners] = self.creases.unwrap_or_default().corners();
+        let is_closed = u.closed || v.closed;
+        let placed = match placement {
+            None => given,
+            Some(placement) => mistakes.keep(placement.points(given, is_closed))?,
+        };
         Some(Request {
-            missing,
+            missing: placed.missing,
             scattered,
-            ..problem(points, grid, (u, Some(v)), weights)
+            ..problem(placed.points, grid, (u, Some(v)), weights)
         })
     }
 
@@ -458,6 +466,8 @@ impl SurfaceInput {
             weights: weights::asked(request),
             closed: Some(PerDirection::of(u.closed, Some(v.closed))),
             creases: Creases::of(u, v),
+            spacing: None,
+            origin: None,
             ends: has_ends.then(|| PerDirection::of(ends(u), Some(ends(v)))),
         }
     }

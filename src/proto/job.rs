@@ -26,7 +26,9 @@ use crate::model::weights::Rational;
 use piad_fit::basis::Corners;
 use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 use piad_fit::engine::{DirectionChoice, Request, Tolerance, Weights};
-use piad_fit::parameters::{CoordinatePlane, Parametrization, Scattered};
+use piad_fit::parameters::{
+    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sphere,
+};
 
 const RATIONALS: [(Rational, pb::Rational); 2] = [
     (Rational::Homogeneous, pb::Rational::Homogeneous),
@@ -121,6 +123,9 @@ fn corners_message(corners: &Corners) -> pb::Corners {
     }
 }
 
+/// The number of coordinates in space.
+const SPACE: usize = 3;
+
 fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     let points = points(surface.dimension, &surface.points, most, "surface")?;
     let (rows, columns) = match (surface.rows, surface.columns, &surface.scattered) {
@@ -136,7 +141,11 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     let missing = missing(&surface.missing, points.len())?;
     let (u, v) = (surface.u.unwrap_or_default(), surface.v.unwrap_or_default());
     let given = u.parameters.is_some() || v.parameters.is_some();
-    let dimension = points.dimension();
+    // Heights with a place become points of space.
+    let dimension = match &surface.placement {
+        None => points.dimension(),
+        Some(_) => SPACE,
+    };
     let points = Arc::new(points);
     let ends = |ends, count, field| {
         let ends = ends::read(ends, (count, dimension), field)?;
@@ -159,6 +168,8 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
             u: lines(&u.creases),
             v: lines(&v.creases),
         }),
+        spacing: surface.placement.map(|it| [it.dx, it.dy]),
+        origin: surface.placement.map(|it| [it.x, it.y]),
         ..SurfaceInput::default()
     };
     let weights = pb::Weights {
@@ -204,6 +215,10 @@ fn scattered(
         projection,
         values,
         foot_points,
+        axis,
+        center,
+        u,
+        v,
     } = parameters;
     if grid.is_rows() {
         let detail = "scattered points have one column, or neither rows nor columns";
@@ -219,27 +234,49 @@ fn scattered(
         let iteration = iteration.map(IterationChoice::of);
         return Ok(SurfaceParameters::FootPoints(FootPoints { job, iteration }));
     }
-    let plane = match projection {
-        pb::Projection::Unspecified if values.is_empty() => {
-            let detail = "scattered points need parameters, a projection, or foot points";
-            return Err(Mistake::at_text("surface.scattered", detail));
-        }
+    let domains = match [u, v] {
+        [None, None] => None,
+        [u, v] => Some([
+            domain(u, "surface.scattered.u")?,
+            domain(v, "surface.scattered.v")?,
+        ]),
+    };
+    if domains.is_some() && values.is_empty() {
+        let detail = "domains are those of values";
+        return Err(Mistake::at_text("surface.scattered.u", detail));
+    }
+    let axis = vector(&axis, "surface.scattered.axis")?;
+    let center = vector(&center, "surface.scattered.center")?;
+    let has_axis = matches!(
+        projection,
+        pb::Projection::Cylinder | pb::Projection::Sphere
+    );
+    if !has_axis && (axis.is_some() || center.is_some()) {
+        let detail = "only a cylinder and a sphere have an axis and a center";
+        return Err(Mistake::at_text("surface.scattered.axis", detail));
+    }
+    let rule = match projection {
+        pb::Projection::Unspecified if values.is_empty() => Scattered::Auto,
         pb::Projection::Unspecified if !values.len().is_multiple_of(2) => {
             let count = values.len();
             let detail = format!("{count} numbers are no pairs u, v");
             return Err(Mistake::at_text(field, detail));
         }
         pb::Projection::Unspecified => {
-            let pairs = Arc::new(Points::from_flat(2, &values));
+            let values = Arc::new(Points::from_flat(2, &values));
+            let domains = domains.unwrap_or_default();
+            let pairs = Pairs { values, domains };
             return Ok(SurfaceParameters::Scattered(Scattered::Given(pairs)));
         }
-        pb::Projection::Nearest => Scattered::Plane,
+        pb::Projection::Plane => Scattered::Plane,
+        pb::Projection::Cylinder => Scattered::Cylinder(Cylinder { axis, center }),
+        pb::Projection::Sphere => Scattered::Sphere(Sphere { axis, center }),
         pb::Projection::Xy => Scattered::Coordinates(CoordinatePlane::Xy),
         pb::Projection::Xz => Scattered::Coordinates(CoordinatePlane::Xz),
         pb::Projection::Yz => Scattered::Coordinates(CoordinatePlane::Yz),
     };
     match values.is_empty() {
-        true => Ok(SurfaceParameters::Scattered(plane)),
+        true => Ok(SurfaceParameters::Scattered(rule)),
         false => {
             let detail = "numbers are given, but there is a projection";
             Err(Mistake::at_text(field, detail))
@@ -247,23 +284,102 @@ fn scattered(
     }
 }
 
+/// How far a direction of explicit parameters goes.
+fn domain(domain: Option<pb::ParameterDomain>, field: &str) -> Result<Domain, Mistake> {
+    let Some(domain) = domain else {
+        return Ok(Domain::Data);
+    };
+    let pb::ParameterDomain {
+        period,
+        low,
+        high,
+        pole_low,
+        pole_high,
+    } = domain;
+    let poles = [pole_low, pole_high];
+    match (period, low, high) {
+        (Some(period), None, None) if poles == [false; 2] => Ok(Domain::Closed(period)),
+        (None, Some(low), Some(high)) => Ok(Domain::Between {
+            ends: [low, high],
+            poles,
+        }),
+        (None, None, None) if poles == [false; 2] => Ok(Domain::Data),
+        _ => {
+            let detail = "a direction has a period, or low and high with their poles";
+            Err(Mistake::at_text(field, detail))
+        }
+    }
+}
+
+fn domain_message(domain: Domain) -> Option<pb::ParameterDomain> {
+    match domain {
+        Domain::Data => None,
+        Domain::Closed(period) => Some(pb::ParameterDomain {
+            period: Some(period),
+            ..Default::default()
+        }),
+        Domain::Between {
+            ends: [low, high],
+            poles: [pole_low, pole_high],
+        } => Some(pb::ParameterDomain {
+            period: None,
+            low: Some(low),
+            high: Some(high),
+            pole_low,
+            pole_high,
+        }),
+    }
+}
+
+/// Three numbers, or none.
+fn vector(numbers: &[f64], field: &str) -> Result<Option<[f64; 3]>, Mistake> {
+    match numbers {
+        [] => Ok(None),
+        &[x, y, z] => Ok(Some([x, y, z])),
+        _ => {
+            let detail = format!(
+                "{} numbers are no direction or place of space",
+                numbers.len()
+            );
+            Err(Mistake::at_text(field, detail))
+        }
+    }
+}
+
 fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
-    let (projection, values) = match scattered {
-        Scattered::Given(pairs) => (pb::Projection::Unspecified, pairs.to_flat()),
-        Scattered::Plane => (pb::Projection::Nearest, Vec::new()),
-        Scattered::Coordinates(plane) => {
-            let projection = match plane {
-                CoordinatePlane::Xy => pb::Projection::Xy,
-                CoordinatePlane::Xz => pb::Projection::Xz,
-                CoordinatePlane::Yz => pb::Projection::Yz,
-            };
-            (projection, Vec::new())
+    let on = |projection: pb::Projection| pb::ScatteredParameters {
+        projection: projection.into(),
+        ..Default::default()
+    };
+    let around = |projection, axis: Option<[f64; 3]>, center: Option<[f64; 3]>| {
+        let numbers = |vector: Option<[f64; 3]>| vector.map_or(Vec::new(), Vec::from);
+        pb::ScatteredParameters {
+            axis: numbers(axis),
+            center: numbers(center),
+            ..on(projection)
         }
     };
-    pb::ScatteredParameters {
-        projection: projection.into(),
-        values,
-        foot_points: None,
+    match scattered {
+        Scattered::Given(Pairs { values, domains }) => {
+            let [u, v] = domains.map(domain_message);
+            pb::ScatteredParameters {
+                values: values.to_flat(),
+                u,
+                v,
+                ..Default::default()
+            }
+        }
+        Scattered::Auto => pb::ScatteredParameters::default(),
+        Scattered::Plane => on(pb::Projection::Plane),
+        Scattered::Coordinates(CoordinatePlane::Xy) => on(pb::Projection::Xy),
+        Scattered::Coordinates(CoordinatePlane::Xz) => on(pb::Projection::Xz),
+        Scattered::Coordinates(CoordinatePlane::Yz) => on(pb::Projection::Yz),
+        Scattered::Cylinder(Cylinder { axis, center }) => {
+            around(pb::Projection::Cylinder, *axis, *center)
+        }
+        Scattered::Sphere(Sphere { axis, center }) => {
+            around(pb::Projection::Sphere, *axis, *center)
+        }
     }
 }
 
@@ -408,6 +524,7 @@ fn surface_message(request: &Request, v: &DirectionChoice) -> pb::Surface {
         u: Some(direction(&request.u, scattered)),
         v: Some(direction(v, scattered)),
         weights: grid_weights(&request.weights).unwrap_or_default(),
+        placement: None,
     }
 }
 

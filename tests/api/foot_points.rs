@@ -48,7 +48,10 @@ async fn samples(server: &Server, job: &Value, grid: &str) -> (Value, Vec<[f64; 
 /// The parameters that a job says its points have.
 async fn parameters(server: &Server, job: &Value) -> Vec<[f64; 2]> {
     let input = server.json(&format!("{}/input", base(job))).await;
-    let pairs = input["surface"]["parameters"].as_array().unwrap().iter();
+    let parameters = &input["surface"]["parameters"];
+    // Those of closed surfaces have periods beside them.
+    let pairs = parameters.get("pairs").unwrap_or(parameters);
+    let pairs = pairs.as_array().unwrap().iter();
     pairs
         .map(|pair| [0, 1].map(|k| pair[k].as_f64().unwrap()))
         .collect()

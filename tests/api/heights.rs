@@ -6,7 +6,161 @@ use serde_json::{Value, json};
 
 use crate::data;
 use crate::messages as pb;
-use crate::support::{Server, base};
+use crate::support::{Server, base, problem};
+
+/// Heights with a spacing are points of space, so that their surface has a place in CAD systems.
+#[tokio::test]
+async fn heights_get_a_place() {
+    let server = Server::start().await;
+    let height = |i: usize, j: usize| (0.4 * i as f64).sin() + 0.1 * (j * j) as f64;
+    let rows: Vec<Vec<f64>> = (0..7)
+        .map(|i| (0..9).map(|j| height(i, j)).collect())
+        .collect();
+    let surface = json!({"points": rows, "spacing": [2.5, -10], "origin": [100, 70]});
+    let job = server
+        .fit(&json!({"surface": surface, "method": "direct"}))
+        .await;
+    assert_eq!(job["state"], "converged", "{job:#}");
+    let path = base(&job).to_owned();
+    // x and y are those of the plane at equal steps of the parameters, and the corners those of the grid.
+    let samples = server
+        .json(&format!("{path}/result?view=samples&samples=13x17"))
+        .await;
+    for i in 0..13 {
+        for j in 0..17 {
+            let point = &samples["samples"][i][j];
+            let [x, y] = [0, 1].map(|c| point[c].as_f64().unwrap());
+            assert!(
+                (x - (100.0 + 20.0 * j as f64 / 16.0)).abs() < 1e-10,
+                "{point}"
+            );
+            assert!(
+                (y - (70.0 - 60.0 * i as f64 / 12.0)).abs() < 1e-10,
+                "{point}"
+            );
+        }
+    }
+    let alone = server
+        .fit(&json!({"surface": {"points": rows}, "method": "direct"}))
+        .await;
+    let alone = server
+        .json(&format!(
+            "{}/result?view=samples&samples=13x17",
+            base(&alone)
+        ))
+        .await;
+    let z = [&samples, &alone].map(|it| it["samples"][5][7].as_array().unwrap().last().cloned());
+    let [placed, plain] = z.map(|z| z.unwrap().as_f64().unwrap());
+    assert!((placed - plain).abs() < 1e-12);
+    let step = server.get(&format!("{path}/result/step")).send().await;
+    let step = step.unwrap().text().await.unwrap();
+    assert!(step.contains("(100.0,70.0,"), "{step}");
+    let shape = server.json(&format!("{path}/shape")).await;
+    assert!(shape["area"].as_f64().unwrap() > 20.0 * 60.0);
+    // The input has points, which ask for the same again.
+    let input = server.json(&format!("{path}/input")).await;
+    assert_eq!(input["surface"]["points"][1][1][1], 60.0);
+    assert_eq!(input["surface"]["spacing"], Value::Null);
+    assert_eq!(server.fit(&input).await["error"], job["error"]);
+    // Missing heights stay missing.
+    let mut holed = json!(rows);
+    holed[2][3] = Value::Null;
+    let holed = json!({
+        "surface": {"points": holed, "spacing": [1, 1]},
+        "method": {"kind": "least_squares", "control_points": 5},
+    });
+    assert_eq!(server.fit(&holed).await["state"], "converged");
+}
+
+/// The same by messages.
+#[tokio::test]
+async fn heights_get_a_place_in_messages() {
+    let server = Server::start().await;
+    let heights = |placement| pb::Surface {
+        dimension: 1,
+        rows: 4,
+        columns: 5,
+        points: (0..20).map(|i| f64::from(i * i % 7)).collect(),
+        placement,
+        ..pb::Surface::default()
+    };
+    let input = |placement| pb::JobInput {
+        geometry: Some(pb::job_input::Geometry::Surface(heights(placement))),
+        ..pb::JobInput::default()
+    };
+    let post = async |placement| {
+        let body = input(Some(placement)).encode_to_vec();
+        let request = server
+            .post("/v1/jobs")
+            .header("content-type", "application/x-protobuf")
+            .header("prefer", "wait=10");
+        request.body(body).send().await.unwrap()
+    };
+    let place = pb::HeightPlacement {
+        dx: 2.0,
+        dy: 3.0,
+        x: -1.0,
+        y: 0.5,
+    };
+    let answer = post(place).await;
+    assert_eq!(answer.status(), 201);
+    let job: Value = answer.json().await.unwrap();
+    let input = server.json(&format!("{}/input", base(&job))).await;
+    assert_eq!(input["surface"]["points"][3][4], json!([7.0, 9.5, 4.0]));
+    let flat = post(pb::HeightPlacement { dy: 0.0, ..place }).await;
+    let (status, problem) = problem(flat).await;
+    assert_eq!(
+        (status, &problem["errors"][0]["field"]),
+        (422, &json!("surface.placement.dy")),
+        "{problem:#}"
+    );
+}
+
+#[tokio::test]
+async fn places_of_heights_are_checked() {
+    let server = Server::start().await;
+    let heights = json!([[0, 1, 3, 4], [1, 2, 4, 6], [3, 5, 9, 1]]);
+    for (more, pointer, reason) in [
+        (
+            json!({"spacing": [0, 1]}),
+            "/surface/spacing/0",
+            "the step is 0",
+        ),
+        (json!({"spacing": [1]}), "/surface/spacing", "2"),
+        (json!({"spacing": 1}), "/surface/spacing", ""),
+        (json!({"origin": [1, 1]}), "/surface/origin", "is missing"),
+        (
+            json!({"spacing": [1, 1], "closed": {"u": true, "v": false}}),
+            "/surface/spacing",
+            "the surface is closed",
+        ),
+        (
+            json!({"spacing": [1, 1], "points": data::peaks(5)}),
+            "/surface/spacing",
+            "these points have 3 coordinates",
+        ),
+        (
+            json!({"spacing": [1e308, 1], "origin": [1.7e308, 0]}),
+            "/surface/spacing",
+            "range of numbers",
+        ),
+    ] {
+        let mut surface = json!({"points": heights});
+        for (name, value) in more.as_object().unwrap() {
+            surface[name] = value.clone();
+        }
+        server
+            .assert_refused(&json!({"surface": surface}), pointer, reason)
+            .await;
+    }
+    let scattered = json!({
+        "surface": {"scattered": [[0, 0, 1], [1, 0, 2], [1, 1, 4]], "parameters": "project", "spacing": [1, 1]},
+        "method": {"kind": "least_squares", "control_points": 4},
+    });
+    server
+        .assert_refused(&scattered, "/surface/spacing", "these points are scattered")
+        .await;
+}
 
 /// Heights of m × n points are a surface of one coordinate at equal steps of the parameters.
 #[tokio::test]

@@ -237,6 +237,16 @@ fn arrays_are_read_as_tables_are() {
     let told = folder.fit(&["heights.json", "-o", "out.step"]);
     assert_eq!(told.status, 2, "{}", told.err);
     assert!(told.err.starts_with("out.step: step holds"), "{}", told.err);
+    // With a spacing they are points of space.
+    let spacing = "surface.spacing=[10,10]";
+    let told = folder.fit(&["heights.json", "--set", spacing, "-o", "out.step"]);
+    assert_eq!(told.status, 0, "{}", told.err);
+    folder.write(
+        "job.json",
+        r#"{"surface": {"points": [[1,2,3,4],[2,3,1,2],[1,0,1,2]], "spacing": [1, 1], "degree": 2}}"#,
+    );
+    let told = folder.fit(&["job.json", "-o", "out.step"]);
+    assert_eq!(told.status, 0, "{}", told.err);
 }
 
 #[test]

@@ -160,6 +160,16 @@ def test_cubic_ball_points() -> None:
         assert np.allclose(bezier, [1, 5 / 3, 16 / 3, 8], rtol=1e-15)
 
 
+def test_heights_get_a_place(client: piad.Client) -> None:
+    heights = np.sin(np.arange(5.0))[:, None] + np.arange(3.0) ** 2
+    surface = client.fit(heights, spacing=(10, -2), origin=(100, 50), method="direct").surface
+    places = surface.evaluate(*(np.linspace(*domain, count) for domain, count in zip(surface.domain, (5, 3))))
+    x, y = np.meshgrid(100 + 10 * np.arange(3), 50 - 2 * np.arange(5))
+    assert np.allclose(places, np.stack([x, y, heights], axis=-1), atol=1e-9)
+    with pytest.raises(ValueError, match="heights with a spacing"):
+        client.create(heights[0], spacing=(1, 1))
+
+
 def test_surfaces_turn_across_creases(client: piad.Client) -> None:
     x, y = np.meshgrid(np.arange(21.0), np.arange(9.0), indexing="ij")
     points = np.stack([x, y, -np.abs(x - 8)], axis=-1)

@@ -54,7 +54,7 @@ def test_scattered_points_are_fitted(client: piad.Client) -> None:
     uv = random.random((400, 2))
     points = np.column_stack([uv, 0.2 * np.sin(3 * uv[:, 0]) * uv[:, 1]])
     method = {"kind": "least_squares", "control_points": 7, "variant": "direct"}
-    for parameters in (uv, "project", {"project": "xy"}):
+    for parameters in (uv, "auto", None, "project", {"project": "xy"}):
         result = client.fit(points, scattered=True, parameters=parameters, method=method)
         assert result.surface.degrees == (3, 3)
         assert result.error.max < 0.002
@@ -247,3 +247,14 @@ def test_keys_make_one_job(client: piad.Client) -> None:
     with pytest.raises(piad.ApiError) as refused:
         client.create(CURVE, degree=2, idempotency_key="one-key")
     assert refused.value.problem.type == "/problems/key-taken"
+
+
+def test_a_tube_is_closed(client: piad.Client) -> None:
+    random = np.random.default_rng(11)
+    angle, height = random.uniform(0, 2 * np.pi, 900), random.uniform(0, 40, 900)
+    points = np.column_stack([10 * np.cos(angle), 10 * np.sin(angle), height])
+    for parameters in (None, {"project": "cylinder", "axis": np.array([0.0, 0.0, 1.0])}):
+        result = client.fit(points, scattered=True, parameters=parameters, control_points="auto", tolerance=0.01)
+        (start, end), (low, high) = result.surface.domain
+        rows = result.surface.evaluate([start, end], np.linspace(low, high, 9))
+        assert np.allclose(rows[0], rows[1], atol=1e-10)

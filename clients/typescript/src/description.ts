@@ -995,6 +995,13 @@ export interface components {
         SurfaceInput: {
             /** @description Rows (u) of columns (v) of data points, or of heights. */
             points?: components["schemas"]["PointGrid"] | null;
+            /**
+             * @description Heights alone: the steps from column to column along x and from row to row along y, in the units of the heights.
+             *     They become points [x, y, z] with it, so that the surface has a place in space.
+             */
+            spacing?: number[] | null;
+            /** @description With `spacing`: x and y of the first height. Default: `[0,0]`. */
+            origin?: number[] | null;
             /** @description Points without rows and columns, for least-squares fits; `parameters` says where each of them is. */
             scattered?: components["schemas"]["ScatteredPoints"] | null;
             /** @description The bases; without them cubic B-splines. */

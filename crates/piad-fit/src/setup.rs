@@ -11,6 +11,7 @@ use crate::data::points::{self, Points};
 use crate::matrix::operator::Operator;
 use crate::matrix::sparse::Sparse;
 use crate::matrix::tensor::Tensor;
+use crate::parameters::Domain;
 
 /// How many eliminations are counted for the preparation of a fit: λ_min takes some, and the method
 /// one more.
@@ -37,8 +38,8 @@ pub struct Setup {
     pub(super) extents: Vec<Extent>,
     /// Which points are missing or left out, for least-squares fits.
     pub(super) missing: Option<Missing>,
-    /// Whether the points of the surface are scattered.
-    pub(super) scattered: bool,
+    /// How far both directions go if the points of the surface are scattered.
+    pub(super) scattered: Option<[Domain; 2]>,
     /// True if the edges between the points of the curve are data, too.
     pub(super) polyline: bool,
     /// The direction of a curve, or u of a surface.
@@ -65,7 +66,7 @@ impl Setup {
     /// The collocation matrix.
     pub(super) fn collocation(&self) -> Operator {
         match &self.v {
-            Some(v) if self.scattered => Operator::Sparse(Arc::new(Sparse::new(&self.u, v))),
+            Some(v) if self.is_scattered() => Operator::Sparse(Arc::new(Sparse::new(&self.u, v))),
             _ => Operator::Tensor(Arc::new(self.tensor())),
         }
     }
@@ -110,7 +111,12 @@ impl Setup {
     /// Whether the points of the surface are scattered: then the grid has one column, and directions
     /// have a parameter for each point, in any order.
     pub fn is_scattered(&self) -> bool {
-        self.scattered
+        self.scattered.is_some()
+    }
+
+    /// Which ends of v are poles, where all control points are one.
+    pub(crate) fn poles(&self) -> [bool; 2] {
+        self.scattered.map_or([false; 2], |[_, v]| v.poles())
     }
 
     /// The number of coordinates of the data points.
@@ -161,7 +167,7 @@ impl Setup {
         let Some(v) = &self.v else {
             return [self.u.parameters[index], 0.0];
         };
-        let (row, column) = match self.scattered {
+        let (row, column) = match self.is_scattered() {
             true => (index, index),
             false => (index / self.grid.columns, index % self.grid.columns),
         };
@@ -221,7 +227,7 @@ impl Setup {
         let widths = self
             .directions()
             .map(|direction| direction.basis.support_width());
-        let width = match self.scattered {
+        let width = match self.is_scattered() {
             true => widths.product::<usize>(),
             false => widths.sum(),
         };

@@ -160,6 +160,9 @@ impl Words for MessageLayout {
             SpecPart::Stream(choice, Some(index)) => {
                 format!("stream.{}[{index}]", stream::field(choice))
             }
+            SpecPart::Spacing(None) | SpecPart::Origin(None) => "surface.placement".to_owned(),
+            SpecPart::Spacing(Some(axis)) => format!("surface.placement.d{}", coordinate(axis)),
+            SpecPart::Origin(Some(axis)) => format!("surface.placement.{}", coordinate(axis)),
             SpecPart::FootPoints => "surface.scattered.foot_points.job".to_owned(),
             SpecPart::FootPointsIteration => "surface.scattered.foot_points.iteration".to_owned(),
             SpecPart::Iteration => "iteration".to_owned(),
@@ -186,6 +189,13 @@ pub(crate) fn wrong_choice(mistake: ChoiceMistake, within: &str) -> Problem {
             Problem::at_field(format!("{within}{}", stream::field(choice)), detail)
         }
         None => mistake.into(),
+    }
+}
+
+fn coordinate(axis: usize) -> &'static str {
+    match axis {
+        0 => "x",
+        _ => "y",
     }
 }
 

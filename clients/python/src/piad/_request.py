@@ -45,13 +45,15 @@ Corners = Union[Literal["auto"], Mapping[Literal["angle"], float], Sequence[int]
 """The points at which a curve may turn: "auto", by an angle in degrees, or by their indices."""
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
 ScatteredParameters = Union[
-    Literal["project"],
-    Mapping[Literal["project"], Literal["nearest", "xy", "xz", "yz"]],
+    Literal["auto", "project"],
+    Mapping[Literal["project", "axis", "center"], Any],
+    Mapping[Literal["pairs", "domains"], Any],
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]
-"""Of scattered points: u and v of each, shape (n, 2), the plane in which they are, or a job on whose surface
-their foot points are: `{"foot_points": {"job": job.id}}`."""
+"""Of scattered points: u and v of each, shape (n, 2), `"auto"`, the surface on which they are, such as
+`{"project": "cylinder", "axis": [0, 0, 1]}`, or a job on whose surface their foot points are:
+`{"foot_points": {"job": job.id}}`."""
 
 SampleCount = Union[int, tuple[int, int]]
 """The number of points of a curve, or the numbers in u and in v of a surface."""
@@ -65,6 +67,8 @@ def job(
     knots: Optional[PerDirection[Knots]],
     parameters: Union[PerDirection[Parameters], ScatteredParameters, None],
     scattered: bool,
+    spacing: Optional[Sequence[float]],
+    origin: Optional[Sequence[float]],
     closed: PerDirection[bool],
     corners: Optional[Corners],
     creases: Optional[Mapping[str, Sequence[int]]],
@@ -80,11 +84,13 @@ def job(
     stream: Optional[Mapping[str, Any]],
 ) -> dict[str, Any]:
     """A body for `POST /v1/jobs`. What is None is left to the server."""
-    kind = "surface" if scattered else _kind(points)
+    kind = "surface" if scattered or spacing is not None else _kind(points)
     if scattered and depth(points) != 2:
         raise ValueError(f"scattered points are a list of points (2 dimensions), these have {depth(points)}")
     shape = {
-        "scattered" if scattered else "points": as_lists(points),
+        "scattered" if scattered else "points": as_lists(points) if spacing is None else _heights(points),
+        "spacing": plain(spacing),
+        "origin": plain(origin),
         "basis": _bases(basis, degree, knots),
         "parameters": plain(parameters),
         "closed": plain(closed),
@@ -106,6 +112,13 @@ def job(
             "stream": stream,
         }
     )
+
+
+def _heights(heights: Any) -> Any:
+    """Rows of heights as rows of points of one coordinate, which short rows are no points of the plane as."""
+    if depth(heights) != 2:
+        raise ValueError(f"heights with a spacing are rows of numbers (2 dimensions), these have {depth(heights)}")
+    return [[None if z is None else [z] for z in row] for row in as_lists(heights)]
 
 
 def shape_alone(points: Any) -> dict[str, Any]:

@@ -45,6 +45,8 @@ class Service:
         knots: Optional[PerDirection[Knots]] = None,
         parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
         scattered: bool = False,
+        spacing: Optional[Sequence[float]] = None,
+        origin: Optional[Sequence[float]] = None,
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
         creases: Optional[Mapping[str, Sequence[int]]] = None,
@@ -67,8 +69,10 @@ class Service:
 
         `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
         an array or nested lists, in any unit. `scattered` points of a surface have the shape (n,
-        dimension), and as `parameters` an array (n, 2), `"project"`, `{"project": "xy"}` or
-        `{"foot_points": {"job": job.id}}`; least squares fits them. On surfaces `basis`, `degree`, `knots`, `parameters`
+        dimension), and as `parameters` an array (n, 2), `"auto"`, `"project"`, `{"project": "cylinder"}`,
+        `{"project": "xy"}` or `{"foot_points": {"job": job.id}}`; least squares fits them. With a `spacing` `(dx, dy)`
+        they are heights, of the shape (rows, columns), None where one is missing: x grows by dx from column to column
+        and y by dy from row to row, from an `origin` `(x, y)` on. On surfaces `basis`, `degree`, `knots`, `parameters`
         and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
         units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
         object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
@@ -90,6 +94,8 @@ class Service:
             knots=knots,
             parameters=parameters,
             scattered=scattered,
+            spacing=spacing,
+            origin=origin,
             closed=closed,
             corners=corners,
             creases=creases,
@@ -115,6 +121,8 @@ class Service:
         knots: Optional[PerDirection[Knots]] = None,
         parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
         scattered: bool = False,
+        spacing: Optional[Sequence[float]] = None,
+        origin: Optional[Sequence[float]] = None,
         closed: PerDirection[bool] = False,
         corners: Optional[Corners] = None,
         creases: Optional[Mapping[str, Sequence[int]]] = None,
@@ -146,6 +154,8 @@ class Service:
             knots=knots,
             parameters=parameters,
             scattered=scattered,
+            spacing=spacing,
+            origin=origin,
             closed=closed,
             corners=corners,
             creases=creases,

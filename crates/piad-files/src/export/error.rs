@@ -13,7 +13,7 @@ pub enum ExportError {
     /// Values of a function have no place in the plane or in space.
     #[error(
         "{format} holds curves and surfaces of the plane or of space, and these points have one coordinate: \
-         export csv, or fit points that have their argument as a coordinate"
+         export csv, or fit points that have their argument as a coordinate; give heights a spacing"
     )]
     OneCoordinate {
         /// The format asked for.

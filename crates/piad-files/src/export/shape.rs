@@ -38,7 +38,7 @@ pub enum NoShape {
     /// Values of a function have no place in the plane or in space.
     #[error(
         "the points have one coordinate, and curvature, length and area are those of curves and surfaces of the plane \
-         or of space: fit points that have their argument as a coordinate"
+         or of space: fit points that have their argument as a coordinate; give heights a spacing"
     )]
     OneCoordinate,
     /// Weights of rational curves and surfaces are positive, or they may have poles.

@@ -71,6 +71,11 @@ impl Monitor {
         self.closed
     }
 
+    /// The start of the parameters.
+    pub(crate) fn start(&self) -> f64 {
+        self.breaks[0]
+    }
+
     /// The end of the parameters.
     pub(crate) fn end(&self) -> f64 {
         self.breaks[self.breaks.len() - 1]

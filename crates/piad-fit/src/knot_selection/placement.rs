@@ -50,7 +50,11 @@ pub(super) fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Optio
         } else {
             knots::piegl_tiller(t, degree, control_points)
         };
-        all[degree..=degree + spans].to_vec()
+        let mut breaks = all[degree..=degree + spans].to_vec();
+        // The line can go beyond the data.
+        breaks[0] = monitor.start().min(breaks[0]);
+        breaks[spans] = monitor.end().max(breaks[spans]);
+        breaks
     };
     Breaks::new(degree, closed, breaks)
 }

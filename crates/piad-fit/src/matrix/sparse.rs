@@ -5,13 +5,16 @@
 //! ```
 //!
 //! A row has (p + 1)(q + 1) entries, which are products: of each point the values of the functions
-//! of both directions are kept, p + q + 2 numbers. Both directions are open, and each function has a
-//! control point of its own.
+//! of both directions are kept, p + q + 2 numbers. Around a closed direction the first control points follow the last
+//! ones: products have a margin of p more of them, so that those of a point are always next to each other.
+
+use std::borrow::Cow;
 
 use rayon::prelude::*;
 
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
+use crate::linear::folded;
 
 /// The most multiplications of a factorization of the normal equations.
 const MOST_WORK: usize = 4_000_000_000;
@@ -33,6 +36,8 @@ pub struct Sparse {
 /// The functions of a direction that can differ from zero, at each point.
 #[derive(Clone, Debug)]
 struct Line {
+    /// The control point of each function.
+    control_points: Vec<u32>,
     /// The first of them.
     starts: Vec<u32>,
     /// How many there are.
@@ -47,7 +52,9 @@ impl Line {
         let mut values = vec![0.0; width * direction.parameters.len()];
         let places = values.chunks_exact_mut(width);
         let starts = places.zip(direction.parameters.iter());
+        let functions = 0..direction.basis.functions();
         Self {
+            control_points: functions.map(|j| direction.free_index(j) as u32).collect(),
             starts: starts
                 .map(|(values, &t)| direction.evaluate(t, values) as u32)
                 .collect(),
@@ -114,17 +121,57 @@ impl Sparse {
     /// The entries of row `i`, columns and values.
     pub(crate) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
         let ((first, along), (start, across)) = (self.u.at(i), self.v.at(i));
-        let columns = self.control.columns;
         along.iter().enumerate().flat_map(move |(k, a)| {
-            let place = (first + k) * columns + start;
             let across = across.iter().enumerate();
-            across.map(move |(l, b)| (place + l, a * b))
+            across.map(move |(l, b)| (self.control_point(first + k, start + l), a * b))
         })
+    }
+
+    /// The control point of two functions, one of u and one of v.
+    pub(crate) fn control_point(&self, k: usize, l: usize) -> usize {
+        let [row, column] = [self.u.control_points[k], self.v.control_points[l]];
+        row as usize * self.control.columns + column as usize
+    }
+
+    /// The places of the control points in the order in which rows are narrow: that of a closed u is folded.
+    pub(crate) fn places(&self) -> Vec<u32> {
+        let Grid { rows, columns } = self.control;
+        let fold = folded(rows);
+        let line = |row: usize| if self.folds() { fold(row) } else { row };
+        let places = (0..rows * columns).map(|j| line(j / columns) * columns + j % columns);
+        places.map(|place| place as u32).collect()
+    }
+
+    /// The most places from the first to the last entry of a row.
+    pub(crate) fn band(&self) -> usize {
+        let lines = if self.folds() { 2 } else { 1 } * self.u.width;
+        lines * self.control.columns
+    }
+
+    fn folds(&self) -> bool {
+        self.u.control_points.len() != self.control.rows
+    }
+
+    /// Returns true if each function has a control point of its own.
+    fn is_open(&self) -> bool {
+        let functions = self.u.control_points.len() * self.v.control_points.len();
+        functions == self.control.count()
+    }
+
+    /// The numbers of control points with those of the margins.
+    fn with_margin<'a>(&self, x: &'a [f64]) -> Cow<'a, [f64]> {
+        if self.is_open() {
+            return Cow::Borrowed(x);
+        }
+        let columns = self.v.control_points.len();
+        let functions = self.u.control_points.len() * columns;
+        let all = (0..functions).map(|k| x[self.control_point(k / columns, k % columns)]);
+        Cow::Owned(all.collect())
     }
 
     /// `y = A x` for one coordinate x of all control points.
     pub(crate) fn apply(&self, x: &[f64], y: &mut [f64]) {
-        let columns = self.control.columns;
+        let (x, columns) = (self.with_margin(x), self.v.control_points.len());
         let sum = |i: usize| {
             let ((first, along), (start, across)) = (self.u.at(i), self.v.at(i));
             let line = |(k, a): (usize, &f64)| {
@@ -144,8 +191,22 @@ impl Sparse {
     /// `y = Aᵀ x` for one coordinate x of all points. The order of the sums does not depend on the
     /// number of threads.
     pub(crate) fn apply_transposed(&self, x: &[f64], y: &mut [f64]) {
+        if self.is_open() {
+            return self.add_by_functions(x, y);
+        }
+        let columns = self.v.control_points.len();
+        let mut sums = vec![0.0; self.u.control_points.len() * columns];
+        self.add_by_functions(x, &mut sums);
         y.fill(0.0);
-        let columns = self.control.columns;
+        for (k, sum) in sums.into_iter().enumerate() {
+            y[self.control_point(k / columns, k % columns)] += sum;
+        }
+    }
+
+    /// The same for each function of u and each of v.
+    fn add_by_functions(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        let columns = self.v.control_points.len();
         for (i, &x) in x.iter().enumerate().filter(|(_, x)| **x != 0.0) {
             let ((first, along), (start, across)) = (self.u.at(i), self.v.at(i));
             for (k, a) in along.iter().enumerate() {
@@ -163,7 +224,7 @@ mod tests {
     use crate::basis::choice::{BasisChoice, DirectionChoice};
     use crate::basis::knots::Knots;
     use crate::invalid::Axis;
-    use crate::parameters::Parametrization;
+    use crate::parameters::{Domain, Parametrization};
     use nalgebra::{DMatrix, DVector};
 
     fn direction(degree: usize, free: usize, phase: f64, axis: Axis) -> Direction {
@@ -175,7 +236,7 @@ mod tests {
             Parametrization::ChordLength,
         );
         let parameters = (0..60).map(|i| (f64::from(i) * phase).sin()).collect();
-        Direction::scattered(&choice, (parameters, free), axis).unwrap()
+        Direction::scattered(&choice, (parameters, Domain::Data), free, axis).unwrap()
     }
 
     /// Both products, the rows and the columns, against the matrix of products of all functions.

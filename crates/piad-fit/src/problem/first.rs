@@ -11,22 +11,26 @@ use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::edges::Edges;
 use crate::method::{Automatic as Settings, LEAST_NUMBERS, LeastSquares};
+use crate::parameters::{Domain, Pairs};
 use crate::setup::Setup;
 
 /// The directions with which a fit begins that chooses its knots.
 pub(crate) fn first_directions(
     request: &Request,
+    pairs: Option<&Pairs>,
     (settings, _): (&LeastSquares, &Settings),
 ) -> Result<(Direction, Option<Direction>), Invalid> {
     let breaks = |place: usize| {
         let all = request.start_breaks.as_ref();
         all.and_then(|all| all.get(place)).map(|breaks| &breaks[..])
     };
-    if let Some(scattered) = &request.scattered {
-        let [along, across] = scattered.parameters(&request.points)?;
-        let u = first_scattered(&request.u, (along, breaks(0)), settings.u, Axis::U)?;
+    if let Some(pairs) = pairs {
+        let first = |choice: &DirectionChoice, at: usize, most: usize, axis: Axis| {
+            first_scattered(choice, (pairs.direction(at), breaks(at)), most, axis)
+        };
+        let u = first(&request.u, 0, settings.u, Axis::U)?;
         let v = request.v.as_ref();
-        let v = v.map(|v| first_scattered(v, (across, breaks(1)), settings.v, Axis::V));
+        let v = v.map(|v| first(v, 1, settings.v, Axis::V));
         return Ok((u, v.transpose()?));
     }
     let data = (&*request.points, request.grid);
@@ -43,7 +47,7 @@ pub(crate) fn first_directions(
 /// The direction with which a fit of scattered points begins.
 fn first_scattered(
     choice: &DirectionChoice,
-    (parameters, breaks): (Vec<f64>, Option<&[f64]>),
+    (parameters, breaks): ((Vec<f64>, Domain), Option<&[f64]>),
     most: usize,
     axis: Axis,
 ) -> Result<Direction, Invalid> {
@@ -55,9 +59,9 @@ fn first_scattered(
         let free = most;
         return Err(Invalid::too_few_control_points(axis, free, degree));
     }
-    let direction = Direction::scattered(choice, (parameters, free), axis)?;
+    let direction = Direction::scattered(choice, parameters, free, axis)?;
     let line = match breaks {
-        Some(breaks) => Breaks::new(degree, false, breaks.to_vec()),
+        Some(breaks) => Breaks::new(degree, direction.is_closed(), breaks.to_vec()),
         None => Breaks::of(&direction),
     };
     let line = line.ok_or(Invalid::parameter_range(axis))?;

@@ -43,7 +43,7 @@ use crate::data::points::{self, Points};
 use crate::data::weights;
 use crate::matrix::collocation::Collocation;
 use crate::matrix::sparse::Sparse;
-use crate::parameters::scattered::Scattered;
+use crate::parameters::{Domain, Pairs, Scattered};
 use admission::Admission;
 
 use checks::{
@@ -64,6 +64,8 @@ pub struct Problem {
     tolerance: f64,
     /// Of a robust fit that leaves points out.
     robust: Option<Robust>,
+    /// How scattered points get their parameters, if that was chosen by the fit.
+    chosen: Option<Scattered>,
 }
 
 /// What a robust fit leaves out.
@@ -128,11 +130,13 @@ impl Problem {
         adaptive_knots::check(&request)?;
         settle(&mut request);
         let alone = inliers.as_ref().map(|it| it.alone(&request));
+        let chosen = chosen(alone.as_ref().unwrap_or(&request))?;
+        let pairs = pairs(alone.as_ref().unwrap_or(&request), chosen.as_ref())?;
         let (u, v) = match inliers.as_ref().zip(alone.as_ref()) {
-            None => all_directions(&request, missing.as_ref())?,
+            None => all_directions(&request, pairs.as_ref(), missing.as_ref())?,
             Some((inliers, alone)) => {
                 alone.method.scheme().check(&scope(alone))?;
-                let (u, v) = all_directions(alone, None)?;
+                let (u, v) = all_directions(alone, pairs.as_ref(), None)?;
                 let with_outliers = |it: &Direction| inliers.with_outliers(it, v.is_some());
                 (with_outliers(&u), v.as_ref().map(with_outliers))
             }
@@ -150,7 +154,7 @@ impl Problem {
             extents: lifted.as_ref().map_or(extents, |it| it.extents()),
             lifted,
             missing: missing.or_else(|| inliers.as_ref()?.missing()),
-            scattered: request.scattered.is_some(),
+            scattered: pairs.map(|pairs| pairs.domains),
             polyline: request.polyline,
             offsets,
             target,
@@ -169,6 +173,7 @@ impl Problem {
             setup: Arc::new(setup),
             tolerance,
             robust: None,
+            chosen,
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
@@ -200,6 +205,11 @@ impl Problem {
         &self.request
     }
 
+    /// How scattered points get their parameters, if the fit has chosen that.
+    pub fn chosen_parameters(&self) -> Option<&Scattered> {
+        self.chosen.as_ref()
+    }
+
     /// The same problem as it would be asked for with all that was derived from its points:
     /// parameters, a tolerance that was asked for, and which points are left out, stay as they are when points move.
     pub fn restated(&self) -> Request {
@@ -208,10 +218,11 @@ impl Problem {
             .tolerance
             .and(Some(Tolerance::Absolute(self.tolerance)));
         request.outliers = Some(self.outliers().into());
-        if let (Some(_), Some(v)) = (&request.scattered, self.v()) {
+        if let (Some(domains), Some(v)) = (self.scattered, self.v()) {
             let lanes = [&self.u().parameters, &v.parameters];
-            let pairs = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
-            request.scattered = Some(Scattered::Given(Arc::new(pairs)));
+            let values = Points::from_lanes(lanes.map(|lane| lane.as_slice()));
+            let values = Arc::new(values);
+            request.scattered = Some(Scattered::Given(Pairs { values, domains }));
             return request;
         }
         let restate = |choice: &mut DirectionChoice, direction: &Direction| {
@@ -383,14 +394,43 @@ impl Problem {
     }
 }
 
+/// How scattered points get their parameters, if that is to be chosen.
+fn chosen(request: &Request) -> Result<Option<Scattered>, Invalid> {
+    match &request.scattered {
+        Some(Scattered::Auto) => Scattered::Auto.chosen(&request.points).map(Some),
+        _ => Ok(None),
+    }
+}
+
+/// The parameters of scattered points. Surfaces with a pole end at the data unless they are as those of `auto` without
+/// conditions, of which all control points of a pole are one.
+fn pairs(request: &Request, chosen: Option<&Scattered>) -> Result<Option<Pairs>, Invalid> {
+    let closed = [Some(&request.u), request.v.as_ref()].map(|it| it.is_some_and(|it| it.closed));
+    let scattered = chosen.or(request.scattered.as_ref());
+    let pairs = scattered.map(|it| it.parameters(&request.points, closed));
+    let Some(mut pairs) = pairs.transpose()? else {
+        return Ok(None);
+    };
+    let settings = request.method.automatic();
+    if settings.is_none_or(|(settings, _)| !settings.allows_poles()) {
+        for domain in &mut pairs.domains {
+            if domain.poles() != [false; 2] {
+                *domain = Domain::Data;
+            }
+        }
+    }
+    Ok(Some(pairs))
+}
+
 /// The directions of what was asked for.
 fn all_directions(
     request: &Request,
+    pairs: Option<&Pairs>,
     missing: Option<&Missing>,
 ) -> Result<(Direction, Option<Direction>), Invalid> {
-    match (&request.scattered, request.method.automatic()) {
-        (_, Some(settings)) => first::first_directions(request, settings),
-        (Some(scattered), None) => scattered_directions(request, scattered),
+    match (pairs, request.method.automatic()) {
+        (_, Some(settings)) => first::first_directions(request, pairs, settings),
+        (Some(pairs), None) => scattered_directions(request, pairs),
         (None, None) => directions(request, missing),
     }
 }
@@ -398,14 +438,13 @@ fn all_directions(
 /// The directions of scattered points.
 fn scattered_directions(
     request: &Request,
-    scattered: &Scattered,
+    pairs: &Pairs,
 ) -> Result<(Direction, Option<Direction>), Invalid> {
-    let [along, across] = scattered.parameters(&request.points)?;
     let counts = request.method.scheme().control_points();
     let (rows, columns) = counts.unwrap_or_default();
-    let u = Direction::scattered(&request.u, (along, rows), Axis::U)?;
+    let u = Direction::scattered(&request.u, pairs.direction(0), rows, Axis::U)?;
     let v = request.v.as_ref();
-    let v = v.map(|v| Direction::scattered(v, (across, columns), Axis::V));
+    let v = v.map(|v| Direction::scattered(v, pairs.direction(1), columns, Axis::V));
     Ok((u, v.transpose()?))
 }
 

@@ -122,9 +122,7 @@ impl Inliers {
                 columns: 1,
             },
             scattered: request.scattered.as_ref().map(|scattered| match scattered {
-                Scattered::Given(pairs) => {
-                    Scattered::Given(Arc::new(pairs.selected(self.indices.iter().copied())))
-                }
+                Scattered::Given(pairs) => Scattered::Given(pairs.of(self.indices.iter().copied())),
                 rule => rule.clone(),
             }),
             u,
@@ -203,10 +201,13 @@ fn outliers(request: &Request, settings: &LeastSquares) -> Result<Vec<usize>, In
         corners.contains(&index) || settings.constraints.iter().any(is_at)
     };
     if let Some(rule) = &request.scattered {
-        let parameters = match rule {
-            Scattered::Plane => rule.parameters_by(points, &nearest_to_their_plane(points)?)?,
-            _ => rule.parameters(points)?,
+        let rule = rule.chosen(points)?;
+        let some: Vec<usize> = match rule {
+            Scattered::Plane => nearest_to_their_plane(points)?,
+            _ => (0..points.len()).collect(),
         };
+        let pairs = rule.parameters_by(points, &some, [false; 2])?;
+        let parameters = [0, 1].map(|axis| pairs.direction(axis).0);
         return Ok(find(&Cloud::new(points, &parameters), least, is_kept));
     }
     let choice = request.u.parameters.clone();

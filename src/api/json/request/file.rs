@@ -213,7 +213,7 @@ fn parts_of_job(
             shape.entry("parameters").or_insert_with(parameters);
         }
         if list == "scattered" && file.unordered {
-            shape.entry("parameters").or_insert("project".into());
+            shape.entry("parameters").or_insert("auto".into());
         }
         if list == "scattered" && !shape.contains_key("parameters") {
             let detail = "the file does not show the rows of a surface: say how many rows and columns there are, such as 40x60, or give surface.parameters for scattered points, such as project";

@@ -217,6 +217,11 @@ fn method_form(method: Option<&MethodInput>) -> MethodForm {
     method.map(MethodInput::form).unwrap_or_default()
 }
 
+/// The pointer of a list, or of an element of it.
+fn numbered(list: &str, index: Option<usize>) -> String {
+    index.map_or_else(|| list.to_owned(), |index| format!("{list}/{index}"))
+}
+
 impl Words for Places {
     fn of(&self, place: SpecPart) -> String {
         match place {
@@ -227,6 +232,8 @@ impl Words for Places {
             SpecPart::MaxIterations => "/stop/max_iterations".to_owned(),
             SpecPart::Stream(choice, None) => format!("/stream/{}", choice.name()),
             SpecPart::Stream(choice, Some(index)) => format!("/stream/{}/{index}", choice.name()),
+            SpecPart::Spacing(axis) => numbered("/surface/spacing", axis),
+            SpecPart::Origin(axis) => numbered("/surface/origin", axis),
             SpecPart::FootPoints => "/surface/parameters/foot_points/job".to_owned(),
             SpecPart::FootPointsIteration => "/surface/parameters/foot_points/iteration".to_owned(),
             SpecPart::Iteration => "/iteration".to_owned(),

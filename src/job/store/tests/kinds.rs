@@ -16,7 +16,9 @@ use piad_fit::method::{
     AS_MANY_AS_DATA, Adaptive, Automatic, Convex, Custom, Extended, LeastSquares, Local, Method,
     Omega, Start, Sweeps, Threshold, Variant, Weighted,
 };
-use piad_fit::parameters::{CoordinatePlane, Parametrization, Scattered};
+use piad_fit::parameters::{
+    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sphere,
+};
 
 const CURVE: Grid = Grid {
     rows: 12,
@@ -139,11 +141,27 @@ fn automatic(surface: bool) -> impl Iterator<Item = Problem> {
 fn scattered() -> impl Iterator<Item = Problem> {
     let pairs = (0..SURFACE.count()).map(|i| [0.1 * i as f64, 1e-300 * i as f64]);
     let pairs: Vec<f64> = pairs.flatten().collect();
+    let values = Arc::new(Points::from_flat(2, &pairs));
+    let between = Domain::Between {
+        ends: [-1.0, 30.0],
+        poles: [false; 2],
+    };
+    let axis = Some([0.1, 0.2, 1.0]);
     let kinds = [
-        Scattered::Given(Arc::new(Points::from_flat(2, &pairs))),
+        Scattered::Given(Pairs::open(Arc::clone(&values))),
+        Scattered::Given(Pairs {
+            values,
+            domains: [Domain::Closed(30.0), between],
+        }),
+        Scattered::Auto,
         Scattered::Plane,
         Scattered::Coordinates(CoordinatePlane::Xy),
         Scattered::Coordinates(CoordinatePlane::Yz),
+        Scattered::Cylinder(Cylinder { axis, center: None }),
+        Scattered::Sphere(Sphere {
+            axis: None,
+            center: axis,
+        }),
     ];
     kinds.into_iter().map(|kind| {
         let mut request = request(true, 4, 0, 7);

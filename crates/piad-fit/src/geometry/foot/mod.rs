@@ -20,12 +20,15 @@ pub(crate) mod deviation;
 mod parts;
 mod patch;
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use thiserror::Error;
 
 use super::nurbs::{KnotVector, Nurbs};
 use crate::data::points::{Points, normalizing_scale};
 use crate::interrupt;
+use crate::parameters::{Domain, Pairs};
 use crate::setup::Setup;
 use cells::{Cells, MAX_DEGREE};
 
@@ -77,18 +80,39 @@ pub(crate) struct FootPoints {
     distances: Vec<f64>,
 }
 
-/// The parameters (u, v) of the foot points of all points. Points that are infinite or NaN have NaN.
+/// The parameters (u, v) of the foot points of all points, and the periods of closed directions. Points that are infinite
+/// or NaN have NaN.
 ///
 /// # Errors
 ///
 /// The fit is no surface that has foot points.
-pub fn foot_points(surface: &Nurbs, points: &Points) -> Result<Points, NoFootPoints> {
-    if surface.v.is_none() {
+pub fn foot_points(surface: &Nurbs, points: &Points) -> Result<Pairs, NoFootPoints> {
+    let Some(v) = &surface.v else {
         return Err(NoFootPoints::Curve);
-    }
+    };
     let found = nearest(surface, points, |_| None)?;
-    let lane = |k: usize| found.pairs.iter().map(|pair| pair[k]).collect::<Vec<_>>();
-    Ok(Points::from_lanes([lane(0), lane(1)]))
+    let knots = [&surface.u, v];
+    let lanes = [0, 1].map(|axis| {
+        let (low, high) = knots[axis].domain();
+        // The end of a closed direction is its start.
+        let inside = |t: f64| match knots[axis].closed && t >= high {
+            true => low,
+            false => t,
+        };
+        let lane = found.pairs.iter().map(|pair| inside(pair[axis]));
+        lane.collect::<Vec<_>>()
+    });
+    let domains = knots.map(|knots| {
+        let (low, high) = knots.domain();
+        match knots.closed {
+            true => Domain::Closed(high - low),
+            false => Domain::Data,
+        }
+    });
+    Ok(Pairs {
+        values: Arc::new(Points::from_lanes(lanes)),
+        domains,
+    })
 }
 
 /// The nearest points of a curve or surface to all points. Points that are infinite or NaN have NaN. None

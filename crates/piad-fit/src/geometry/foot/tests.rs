@@ -66,7 +66,7 @@ fn points(all: impl IntoIterator<Item = [f64; 3]>) -> Points {
 }
 
 fn pairs(surface: &Nurbs, all: impl IntoIterator<Item = [f64; 3]>) -> Vec<[f64; 2]> {
-    let found = foot_points(surface, &points(all)).unwrap();
+    let found = foot_points(surface, &points(all)).unwrap().values;
     (0..found.len())
         .map(|i| [found.lane(0)[i], found.lane(1)[i]])
         .collect()

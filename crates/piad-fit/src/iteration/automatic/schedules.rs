@@ -99,7 +99,12 @@ impl Schedules {
                     }
                 }
                 false => Box::new(GridData::new(points, problem.grid(), parameters)),
-                true => Box::new(ScatteredData::new(&points, &parameters, tolerance)),
+                true => Box::new(ScatteredData::new(
+                    &points,
+                    &parameters,
+                    problem.setup().poles(),
+                    tolerance,
+                )),
             };
             let options = surface_options(problem, settings, first);
             return Self::Surface(Box::new(SurfaceSchedule::new(data, options)));

@@ -190,7 +190,7 @@ impl Data for GridData {
             let fewest = options.degrees[axis] + 1;
             self.parameters[axis].len().max(fewest)
         });
-        let data = ScatteredData::new(&self.points, &parameters, options.tolerance);
+        let data = ScatteredData::new(&self.points, &parameters, [false; 2], options.tolerance);
         Some(Box::new(data.with_most(rows * columns)))
     }
 }

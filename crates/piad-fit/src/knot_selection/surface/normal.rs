@@ -28,7 +28,7 @@ pub(super) struct Normal<'a> {
 impl<'a> Normal<'a> {
     pub(super) fn new(rows: &'a Rows<'a>, energy: Option<&'a Stencil>) -> Self {
         let is_smaller = Stencil::numbers(rows.reach()) < rows.numbers();
-        let is_factorized = energy.is_some() && Band::new(rows.reach()).is_affordable();
+        let is_factorized = energy.is_some() && Band::of(rows).is_some();
         Self {
             products: (is_smaller || is_factorized).then(|| products(rows)),
             rows,
@@ -44,9 +44,8 @@ impl<'a> Normal<'a> {
     /// What directions are multiplied with: N⁻¹ where an energy determines it and it does not take too long, as an energy
     /// has most to say of what conjugate gradients find last; else the diagonal D.
     pub(super) fn preconditioner(&self) -> Preconditioner {
-        let band = Band::new(self.rows.reach());
-        match (&self.products, self.energy) {
-            (Some(products), Some(energy)) if band.is_affordable() => {
+        match (&self.products, self.energy, Band::of(self.rows)) {
+            (Some(products), Some(energy), Some(band)) => {
                 Preconditioner::Inverse(band.factor([products, energy]))
             }
             _ => Preconditioner::Diagonal(self.diagonal()),
@@ -147,6 +146,12 @@ struct Band {
 }
 
 impl Band {
+    /// That of N, if its factorization does not take too long. At poles there are fewer unknowns than control points.
+    fn of(rows: &Rows<'_>) -> Option<Self> {
+        let band = Self::new(rows.reach());
+        (band.is_affordable() && !rows.has_poles()).then_some(band)
+    }
+
     fn new(reach: [Reach; 2]) -> Self {
         let free = reach.map(|it| it.count - if it.is_closed { it.degree } else { 0 });
         let [u, v] = reach;

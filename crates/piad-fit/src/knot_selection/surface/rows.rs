@@ -27,6 +27,8 @@ pub(super) struct Sites {
     pub parameters: [Arc<Vec<f64>>; 2],
     /// Which of them is that of each point.
     pub places: [Vec<u32>; 2],
+    /// Which ends of v are poles, at which all control points are one.
+    pub poles: [bool; 2],
 }
 
 /// The functions of a direction that can differ from zero at each of its parameters.
@@ -188,14 +190,40 @@ impl<'a> Rows<'a> {
         all
     }
 
-    /// Calls back with each control point, and its places with margins.
+    /// Calls back with each control point, and its places with margins. The control points of a pole are the first of
+    /// them.
     pub(super) fn each_with_margin(&self, mut visit: impl FnMut(usize, usize)) {
         let (columns, width) = (self.v.line.control_points(), self.v.count());
         for k in 0..self.u.count() {
             let row = self.u.line.control_point(k);
             for l in 0..width {
-                visit(row * columns + self.v.line.control_point(l), k * width + l);
+                let column = self.v.line.control_point(l);
+                let row = if self.is_pole(column) { 0 } else { row };
+                visit(row * columns + column, k * width + l);
             }
+        }
+    }
+
+    /// Returns true if all control points of a column are one.
+    fn is_pole(&self, column: usize) -> bool {
+        let [first, last] = self.sites.poles;
+        first && column == 0 || last && column + 1 == self.v.line.control_points()
+    }
+
+    /// Returns true if there is a pole.
+    pub(super) fn has_poles(&self) -> bool {
+        self.sites.poles != [false; 2]
+    }
+
+    /// Makes all control points of a pole what the first of them is, in one coordinate.
+    pub(super) fn join_poles(&self, x: &mut [f64]) {
+        let columns = self.v.line.control_points();
+        for column in (0..columns).filter(|&column| self.is_pole(column)) {
+            let first = x[column];
+            x.iter_mut()
+                .skip(column)
+                .step_by(columns)
+                .for_each(|x| *x = first);
         }
     }
 }

@@ -45,7 +45,12 @@ pub(crate) struct ScatteredData {
 impl ScatteredData {
     /// Points with a u and a v each; those of a closed direction lie within one period, from the
     /// smallest of them on.
-    pub(crate) fn new(points: &Points, parameters: &[Arc<Vec<f64>>; 2], tolerance: f64) -> Self {
+    pub(crate) fn new(
+        points: &Points,
+        parameters: &[Arc<Vec<f64>>; 2],
+        poles: [bool; 2],
+        tolerance: f64,
+    ) -> Self {
         let [u, v] = parameters;
         let mut order: Vec<u32> = (0..points.len() as u32).collect();
         order.sort_by(|&i, &j| {
@@ -64,6 +69,7 @@ impl ScatteredData {
             sites: Sites {
                 parameters: [Arc::new(u.0), Arc::new(v.0)],
                 places: [u.1, v.1],
+                poles,
             },
             most: points.len(),
             order,
@@ -147,6 +153,9 @@ impl ScatteredData {
         for (x, data) in lanes.zip(self.points.lanes()) {
             let by = (&normal, &preconditioner, effort);
             descend(by, data, x, self.unit, self.enough);
+        }
+        for x in control_points.lanes_mut() {
+            rows.join_poles(x);
         }
         self.measured(&rows, control_points)
     }

@@ -27,7 +27,7 @@ fn fit(
     options: SurfaceOptions,
 ) -> (Vec<Arc<SurfaceLevel>>, Option<Outcome>) {
     let parameters = parameters.clone().map(Arc::new);
-    let data = ScatteredData::new(points, &parameters, options.tolerance);
+    let data = ScatteredData::new(points, &parameters, [false; 2], options.tolerance);
     all(SurfaceSchedule::new(Box::new(data), options))
 }
 

@@ -25,7 +25,12 @@ pub(crate) struct ConstrainedSurface {
 impl ConstrainedSurface {
     pub(crate) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Self {
         Self {
-            scattered: ScatteredData::new(setup.data(), &point_by_point(setup), setup.tolerance()),
+            scattered: ScatteredData::new(
+                setup.data(),
+                &point_by_point(setup),
+                [false; 2],
+                setup.tolerance(),
+            ),
             constrained: Constrained::new(setup, settings),
             fair: settings.has_energy(),
         }

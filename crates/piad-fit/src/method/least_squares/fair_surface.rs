@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::fairness::Energy;
-use super::settings::{EndPoints, Fairness, LeastSquares};
+use super::settings::{Fairness, LeastSquares};
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
@@ -40,15 +40,13 @@ pub(crate) struct FairSurface {
 impl FairSurface {
     /// Of scattered points whose settings ask for an energy and for nothing else besides distances.
     pub(crate) fn new(setup: &Arc<Setup>, settings: &LeastSquares) -> Option<Self> {
-        let is_plain = settings.constraints.is_empty()
-            && settings.data_weights.is_none()
-            && settings.ends != EndPoints::Interpolated
-            && setup.missing().is_none();
+        let is_plain = settings.allows_poles() && setup.missing().is_none();
         let v = setup.v().filter(|_| setup.is_scattered())?;
         (is_plain && settings.has_energy()).then(|| Self {
             scattered: ScatteredData::new(
                 setup.data(),
                 &[&setup.u().parameters, &v.parameters].map(Arc::clone),
+                setup.poles(),
                 setup.tolerance(),
             ),
             setup: Arc::clone(setup),

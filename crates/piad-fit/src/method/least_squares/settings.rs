@@ -71,6 +71,14 @@ impl LeastSquares {
         self.is_plain() && self.data_weights.is_none()
     }
 
+    /// Returns true if nothing but distances and an energy of equally weighted points matters, so that all control points
+    /// of a pole of a surface can be one.
+    pub(crate) fn allows_poles(&self) -> bool {
+        self.constraints.is_empty()
+            && self.data_weights.is_none()
+            && self.ends != EndPoints::Interpolated
+    }
+
     /// So many control points in both directions, and all else as is usual.
     pub fn new(u: usize, v: usize) -> Self {
         Self {

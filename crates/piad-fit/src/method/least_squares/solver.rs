@@ -363,15 +363,12 @@ fn surface(setup: &Setup, tensor: &Tensor, v: &Collocation, additional: &Additio
 /// another and are first reduced among themselves: however many they are, (p + 1)(q + 1) rows are
 /// left of them.
 fn scattered(sparse: &Sparse, additional: &Additional) -> Rows {
-    let Grid { rows, columns } = sparse.control_grid();
     let [along, across] = sparse.widths();
     let mut points: Vec<usize> = (0..sparse.rows()).collect();
     points.sort_by_key(|&i| sparse.cell(i));
-    let places = (0..(rows * columns) as u32).collect();
-    let mut left = additional.rows(places, along * columns);
+    let mut left = additional.rows(sparse.places(), sparse.band());
     for points in points.chunk_by(|&i, &j| sparse.cell(i) == sparse.cell(j)) {
-        let (row, column) = sparse.cell(points[0]);
-        let first = row as usize * columns + column as usize;
+        let (first, start) = sparse.cell(points[0]);
         let width = along * across;
         let mut cell = Triangular::new((0..width as u32).collect(), width);
         for &i in points {
@@ -380,7 +377,9 @@ fn scattered(sparse: &Sparse, additional: &Additional) -> Rows {
             cell.insert_row(values.enumerate());
         }
         for row in cell.rows() {
-            let place = |k: usize| first + k / across * columns + k % across;
+            let place = |k: usize| {
+                sparse.control_point(first as usize + k / across, start as usize + k % across)
+            };
             left.push(row.map(|(k, value)| (place(k), value)), 1.0);
         }
     }

@@ -1,16 +1,11 @@
-//! Parameters of scattered points of a surface: each has a (u, v) of its own.
+//! The plane nearest to points, and their coordinates in it.
 //!
-//! They are given, or they are coordinates: two of the points' own, or those in the plane
-//! that lies nearest to the points, along the principal axes of the points. The first axis, that of
-//! u, is the one along which the points spread most; the sense of each axis is that in which its
-//! largest component (the first of several) is positive. So (u, v) do not depend on the order of
-//! the points but for rounding.
-
-use std::sync::Arc;
+//! u and v run along the sides of the least rectangle around the points, so that scans of rectangles fill it; u along the
+//! longer one. The sense of each axis is that in which its largest component (the first of several) is positive.
 
 use nalgebra::DMatrix;
 
-use super::LARGEST;
+use super::rectangle;
 use crate::data::outliers::median;
 use crate::data::points::{Points, normalizing_scale};
 use crate::invalid::{Axis, Invalid, Place};
@@ -22,106 +17,8 @@ const LINE: f64 = 1e-12;
 /// How many planes are looked at for one that outliers do not turn.
 const PLANES: usize = 4;
 
-/// How scattered points get their parameters.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum Scattered {
-    /// As they are given, u and v of each point.
-    Given(Arc<Points>),
-    /// Their coordinates in the plane nearest to them.
-    Plane,
-    /// Two of their coordinates themselves.
-    Coordinates(CoordinatePlane),
-}
-
-/// A plane of two coordinates, of which the first is u.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum CoordinatePlane {
-    /// x and y.
-    Xy,
-    /// x and z.
-    Xz,
-    /// y and z.
-    Yz,
-}
-
-impl CoordinatePlane {
-    /// The indices of its coordinates.
-    fn axes(self) -> [usize; 2] {
-        match self {
-            Self::Xy => [0, 1],
-            Self::Xz => [0, 2],
-            Self::Yz => [1, 2],
-        }
-    }
-}
-
-impl Scattered {
-    /// The parameters u and v of all points, finite numbers.
-    ///
-    /// # Errors
-    ///
-    /// Names the parameter that is not a finite number, the wrong number of parameters, or why the
-    /// points have no plane.
-    pub(crate) fn parameters(&self, points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
-        let all: Vec<usize> = (0..points.len()).collect();
-        self.parameters_by(points, &all)
-    }
-
-    /// The same, where the plane is that nearest to some of the points.
-    pub(crate) fn parameters_by(
-        &self,
-        points: &Points,
-        some: &[usize],
-    ) -> Result<[Vec<f64>; 2], Invalid> {
-        let parameters = match self {
-            Self::Given(pairs) => {
-                let (given, expected) = (pairs.len(), points.len());
-                if given != expected {
-                    return Err(Invalid::parameter_count(Axis::U, given, expected));
-                }
-                [pairs.lane(0).to_vec(), pairs.lane(1).to_vec()]
-            }
-            Self::Plane => Plane::of(points, some)?.parameters(),
-            Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
-            Self::Coordinates(plane) => {
-                let axes = plane.axes();
-                if axes.iter().any(|axis| *axis >= points.dimension()) {
-                    return Err(no_third_coordinate());
-                }
-                axes.map(|axis| points.lane(axis).to_vec())
-            }
-        };
-        for (axis, values) in [Axis::U, Axis::V].into_iter().zip(&parameters) {
-            check(values, axis)?;
-        }
-        Ok(parameters)
-    }
-}
-
-/// Refuses parameters that are not finite, or all the same.
-fn check(values: &[f64], axis: Axis) -> Result<(), Invalid> {
-    if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-        let value = values[index];
-        return Err(Invalid::parameter_not_finite(axis, index, value));
-    }
-    if values.iter().any(|t| t.abs() > LARGEST) {
-        return Err(Invalid::parameter_range(axis));
-    }
-    if values.iter().all(|value| *value == values[0]) {
-        return Err(Invalid::at(
-            Place::Parameters(axis),
-            "all points have the same parameter in this direction: they are no surface",
-        ));
-    }
-    Ok(())
-}
-
 /// The plane that lies nearest to points.
-struct Plane<'a> {
+pub(super) struct Plane<'a> {
     points: &'a Points,
     /// Scaled by this, neither sums nor squares leave the range of numbers.
     scale: f64,
@@ -130,8 +27,12 @@ struct Plane<'a> {
 }
 
 impl<'a> Plane<'a> {
-    /// That of some of the points, along their principal axes.
-    fn of(points: &'a Points, some: &[usize]) -> Result<Self, Invalid> {
+    /// That of some of the points.
+    ///
+    /// # Errors
+    ///
+    /// They have one coordinate, or are on a line.
+    pub(super) fn of(points: &'a Points, some: &[usize]) -> Result<Self, Invalid> {
         let dimension = points.dimension();
         if dimension < 2 {
             return Err(no_plane());
@@ -156,7 +57,22 @@ impl<'a> Plane<'a> {
             entries.for_each(|(column, value)| matrix[(row, column)] = value);
         }
         plane.axes = principal_axes(matrix).ok_or_else(on_line)?;
+        plane.turn(some);
         Ok(plane)
+    }
+
+    /// Turns the axes along the sides of the least rectangle around some of the points.
+    fn turn(&mut self, some: &[usize]) {
+        let place = |&i: &usize| [0, 1].map(|axis| self.along(axis, i));
+        let places: Vec<[f64; 2]> = some.iter().map(place).collect();
+        let [first, second] = &self.axes;
+        let along = |[x, y]: [f64; 2]| {
+            let pairs = first.iter().zip(second);
+            towards_largest(pairs.map(|(a, b)| x * a + y * b).collect())
+        };
+        if let Some(side) = rectangle::longer_side(&places) {
+            self.axes = [along(side), along([-side[1], side[0]])];
+        }
     }
 
     /// A point relative to the mean, scaled.
@@ -174,7 +90,7 @@ impl<'a> Plane<'a> {
     }
 
     /// All points along both axes.
-    fn parameters(&self) -> [Vec<f64>; 2] {
+    pub(super) fn parameters(&self) -> [Vec<f64>; 2] {
         let all = 0..self.points.len();
         [0, 1].map(|axis| {
             all.clone()
@@ -228,25 +144,27 @@ fn principal_axes(matrix: DMatrix<f64>) -> Option<[Vec<f64>; 2]> {
     if lengths[second].is_nan() || lengths[second] <= LINE * lengths[first] {
         return None;
     }
-    Some([first, second].map(|row| {
-        let axis: Vec<f64> = rows.row(row).iter().copied().collect();
-        let largest = axis.iter().fold(0.0, |m: f64, x| x.abs().max(m));
-        // Components that differ by rounding only are equally large.
-        let near = |x: &&f64| x.abs() >= (1.0 - 1e-9) * largest;
-        let sense = axis.iter().find(near).map_or(1.0, |x| x.signum());
-        axis.into_iter().map(|x| sense * x).collect()
-    }))
+    Some([first, second].map(|row| towards_largest(rows.row(row).iter().copied().collect())))
+}
+
+/// An axis in the sense in which its largest component, the first of several, is positive.
+pub(super) fn towards_largest(axis: Vec<f64>) -> Vec<f64> {
+    let largest = axis.iter().fold(0.0, |m: f64, x| x.abs().max(m));
+    // Components that differ by rounding only are equally large.
+    let near = |x: &&f64| x.abs() >= (1.0 - 1e-9) * largest;
+    let sense = axis.iter().find(near).map_or(1.0, |x| x.signum());
+    axis.into_iter().map(|x| sense * x).collect()
 }
 
 /// Points of one coordinate have no plane.
-fn no_plane() -> Invalid {
+pub(super) fn no_plane() -> Invalid {
     let detail =
         "points of one coordinate have no plane for their parameters: give u and v of each point";
     Invalid::at(Place::Parameters(Axis::U), detail)
 }
 
 /// Points of the plane have x and y only.
-fn no_third_coordinate() -> Invalid {
+pub(super) fn no_third_coordinate() -> Invalid {
     let detail = "points of two coordinates have no z: project them to \"xy\", or give u and v of each point";
     Invalid::at(Place::Parameters(Axis::U), detail)
 }
@@ -260,6 +178,13 @@ fn on_line() -> Invalid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::{CoordinatePlane, Scattered};
+
+    /// Parameters of points of an open surface.
+    fn parameters(rule: &Scattered, points: &Points) -> Result<[Vec<f64>; 2], Invalid> {
+        let pairs = rule.parameters(points, [false; 2])?;
+        Ok([0, 1].map(|axis| pairs.direction(axis).0))
+    }
 
     /// Points of a plane, which are nowhere near its axes.
     fn tilted(count: usize) -> Points {
@@ -277,7 +202,7 @@ mod tests {
     fn the_plane_is_that_of_the_points() {
         let count = 40;
         let points = tilted(count);
-        let [u, v] = Scattered::Plane.parameters(&points).unwrap();
+        let [u, v] = parameters(&Scattered::Plane, &points).unwrap();
         for i in 1..count {
             let distance = (u[i] - u[0]).hypot(v[i] - v[0]);
             assert!((distance - points.distance(0, i)).abs() < 1e-13);
@@ -292,7 +217,7 @@ mod tests {
             let lanes = points.lanes().iter();
             let scaled = lanes.map(|lane| lane.iter().rev().map(|x| x * scale).collect::<Vec<_>>());
             let scaled = Points::from_lanes(scaled);
-            let [us, vs] = Scattered::Plane.parameters(&scaled).unwrap();
+            let [us, vs] = parameters(&Scattered::Plane, &scaled).unwrap();
             for i in 0..count {
                 let k = count - 1 - i;
                 assert!(
@@ -306,17 +231,17 @@ mod tests {
     fn points_on_a_line_have_no_plane() {
         let mut line = Points::new(3);
         (0..9).for_each(|i| line.push(&[0.1 * f64::from(i), 0.3 * f64::from(i), 7.0]));
-        assert_eq!(Scattered::Plane.parameters(&line), Err(on_line()));
+        assert_eq!(parameters(&Scattered::Plane, &line), Err(on_line()));
         let mut equal = Points::new(3);
         (0..9).for_each(|_| equal.push(&[0.1, 0.2, 0.3]));
-        assert_eq!(Scattered::Plane.parameters(&equal), Err(on_line()));
+        assert_eq!(parameters(&Scattered::Plane, &equal), Err(on_line()));
         let values = Points::zeros(1, 9);
-        assert_eq!(Scattered::Plane.parameters(&values), Err(no_plane()));
+        assert_eq!(parameters(&Scattered::Plane, &values), Err(no_plane()));
         let plane = |plane| Scattered::Coordinates(plane);
-        let found = plane(CoordinatePlane::Xy).parameters(&values);
+        let found = parameters(&plane(CoordinatePlane::Xy), &values);
         assert_eq!(found, Err(no_plane()));
         let flat = Points::from_lanes(vec![vec![1.0, 2.0], vec![3.0, 5.0]]);
-        let found = plane(CoordinatePlane::Yz).parameters(&flat);
+        let found = parameters(&plane(CoordinatePlane::Yz), &flat);
         assert_eq!(found, Err(no_third_coordinate()));
     }
 
@@ -328,7 +253,7 @@ mod tests {
             (CoordinatePlane::Xz, [0, 2]),
             (CoordinatePlane::Yz, [1, 2]),
         ] {
-            let found = Scattered::Coordinates(plane).parameters(&points).unwrap();
+            let found = parameters(&Scattered::Coordinates(plane), &points).unwrap();
             assert_eq!(found, axes.map(|axis| points.lane(axis).to_vec()));
         }
     }

@@ -1,0 +1,102 @@
+//! Which simple surface unfolds points best: neighbours in space are to be neighbours in (u, v).
+//!
+//! Of a plane, a cylinder and a sphere near the points that one is taken with which most of the nearest neighbours of
+//! points in space are among their nearest neighbours by parameters; a plane if it is nearly as good, then a cylinder.
+
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
+use super::normals::some;
+use super::{Cylinder, Domain, Pairs, Scattered, Sphere};
+use crate::data::points::Points;
+use crate::invalid::Invalid;
+
+/// The points that are looked at.
+const SAMPLES: usize = 5_000;
+
+/// The neighbours of each of them.
+const NEIGHBOURS: usize = 10;
+
+/// A simpler surface is taken if it keeps this part less of the neighbours.
+const SIMPLER: f64 = 0.03;
+
+/// The rule for the best of them.
+pub(super) fn best(points: &Points) -> Result<Scattered, Invalid> {
+    let plane = Scattered::Plane;
+    if points.dimension() != 3 {
+        return Ok(plane);
+    }
+    let cylinder = Cylinder::default().known(points).map(Scattered::Cylinder);
+    let sphere = Sphere::default().known(points).map(Scattered::Sphere);
+    let rules = [Ok(plane), cylinder, sphere];
+    let kept: Vec<(f64, Result<Scattered, Invalid>)> = rules
+        .into_iter()
+        .map(|rule| {
+            let pairs = rule.and_then(|rule| {
+                let pairs = rule.parameters(points, [false; 2])?;
+                Ok((share_kept(points, &pairs), rule))
+            });
+            match pairs {
+                Ok((share, rule)) => (share, Ok(rule)),
+                Err(invalid) => (f64::NEG_INFINITY, Err(invalid)),
+            }
+        })
+        .collect();
+    let most = kept
+        .iter()
+        .map(|(share, _)| *share)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let found = kept.into_iter().find(|(share, _)| *share >= most - SIMPLER);
+    found.map_or(Ok(Scattered::Plane), |(_, rule)| rule)
+}
+
+/// The share of the neighbours in space that are neighbours by parameters.
+fn share_kept(points: &Points, pairs: &Pairs) -> f64 {
+    let indices: Vec<usize> = (0..points.len()).collect();
+    let samples: Vec<usize> = some(&indices, SAMPLES).copied().collect();
+    let in_space = |&i: &usize| [0, 1, 2].map(|axis| points.lane(axis)[i]);
+    let by_parameters = |&i: &usize| unrolled(pairs, i);
+    let near = neighbours(samples.iter().map(in_space).collect());
+    let near_by_parameters = neighbours(samples.iter().map(by_parameters).collect());
+    let kept = near.iter().zip(&near_by_parameters);
+    let kept: usize = kept
+        .map(|(a, b)| a.iter().filter(|other| b.contains(other)).count())
+        .sum();
+    let all: usize = near.iter().map(Vec::len).sum();
+    kept as f64 / all.max(1) as f64
+}
+
+/// The place of parameters as far from others as these are on their surface: a closed direction is a circle, poles are
+/// those of a sphere.
+fn unrolled(pairs: &Pairs, i: usize) -> [f64; 3] {
+    let [u, v] = [0, 1].map(|axis| pairs.values.lane(axis)[i]);
+    let Domain::Closed(period) = pairs.domains[0] else {
+        return [u, v, 0.0];
+    };
+    let radius = period / std::f64::consts::TAU;
+    let (sin, cos) = (u / radius).sin_cos();
+    match pairs.domains[1] {
+        Domain::Between { .. } => {
+            let (height, out) = (v / radius).sin_cos();
+            [radius * out * cos, radius * out * sin, radius * height]
+        }
+        Domain::Data | Domain::Closed(_) => [radius * cos, radius * sin, v],
+    }
+}
+
+/// The nearest neighbours of each place.
+fn neighbours(places: Vec<[f64; 3]>) -> Vec<Vec<usize>> {
+    let with_index = places
+        .iter()
+        .enumerate()
+        .map(|(k, &place)| GeomWithData::new(place, k));
+    let tree = RTree::bulk_load(with_index.collect());
+    let near = |(k, place): (usize, &[f64; 3])| {
+        let others = tree
+            .nearest_neighbor_iter(*place)
+            .map(|it| it.data)
+            .filter(|other| *other != k);
+        others.take(NEIGHBOURS).collect()
+    };
+    places.iter().enumerate().map(near).collect()
+}
