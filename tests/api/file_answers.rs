@@ -89,7 +89,7 @@ async fn points_without_order_are_no_curve() {
         "{job:#}"
     );
     let input = server.json(&format!("{}/input", base(&job))).await;
-    assert_eq!(input["surface"]["parameters"], "project");
+    assert_eq!(input["surface"]["parameters"], "auto");
     let (status, answer) =
         problem(send(&server, "/v1/jobs?curve.order=x", "text/csv", &cloud).await).await;
     assert_eq!(

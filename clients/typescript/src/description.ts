@@ -1139,13 +1139,36 @@ export interface components {
          *       "project": "xy"
          *     }
          */
-        SurfaceParameters: ("chord_length" | "centripetal" | "uniform") | number[] | components["schemas"]["ParameterChoicePair"] | number[][] | "project" | {
+        SurfaceParameters: ("chord_length" | "centripetal" | "uniform") | number[] | components["schemas"]["ParameterChoicePair"] | number[][] | "auto" | "project" | {
             /**
-             * @description The plane.
-             * @example xy
+             * @description The surface.
+             * @example cylinder
              * @enum {string}
              */
-            project: "nearest" | "xy" | "xz" | "yz";
+            project: "plane" | "cylinder" | "sphere" | "xy" | "xz" | "yz";
+            /**
+             * @description The direction of the axis of a cylinder, or of a pole of a sphere.
+             * @example [
+             *       0,
+             *       0,
+             *       1
+             *     ]
+             */
+            axis?: number[];
+            /**
+             * @description A point on the axis of a cylinder, or the centre of a sphere.
+             * @example [
+             *       0,
+             *       0,
+             *       0
+             *     ]
+             */
+            center?: number[];
+        } | {
+            /** @description u and v of each point. */
+            pairs: number[][];
+            /** @description How far they go where that is not from the least to the largest parameter. */
+            domains?: components["schemas"]["ParameterDomains"];
         } | {
             /** @description The other job. */
             foot_points: components["schemas"]["FootPointsRequest"];
@@ -1183,6 +1206,44 @@ export interface components {
          * @example 5
          */
         IterationChoice: number | "last";
+        /**
+         * @description How far the directions of pairs go that do not end at the data.
+         * @example {
+         *       "u": {
+         *         "period": 94.2
+         *       }
+         *     }
+         */
+        ParameterDomains: {
+            /** @description That of u; without it from the least to the largest parameter. */
+            u?: components["schemas"]["ParameterDomain"] | null;
+            /** @description That of v. */
+            v?: components["schemas"]["ParameterDomain"] | null;
+        };
+        /**
+         * @description How far a direction goes: a period, or both ends.
+         * @example {
+         *       "ends": [
+         *         -39.3,
+         *         39.3
+         *       ],
+         *       "poles": [
+         *         true,
+         *         true
+         *       ]
+         *     }
+         */
+        ParameterDomain: {
+            /**
+             * Format: double
+             * @description The direction is closed, and repeats after this length.
+             */
+            period?: number | null;
+            /** @description Where the direction begins and ends. */
+            ends?: number[] | null;
+            /** @description Of v: which ends are poles, at which all control points are one. With `control_points` "auto". */
+            poles?: boolean[] | null;
+        };
         /**
          * @description Rows of weights, one for each data point, or weights of both directions whose products they are.
          * @example [
@@ -5592,6 +5653,8 @@ export type SurfaceParameters = components['schemas']['SurfaceParameters'];
 export type ParameterChoicePair = components['schemas']['ParameterChoicePair'];
 export type FootPointsRequest = components['schemas']['FootPointsRequest'];
 export type IterationChoice = components['schemas']['IterationChoice'];
+export type ParameterDomains = components['schemas']['ParameterDomains'];
+export type ParameterDomain = components['schemas']['ParameterDomain'];
 export type SurfaceWeights = components['schemas']['SurfaceWeights'];
 export type WeightsPair = components['schemas']['WeightsPair'];
 export type BooleanPair = components['schemas']['BooleanPair'];

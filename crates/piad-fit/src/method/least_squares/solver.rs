@@ -380,7 +380,9 @@ fn scattered(sparse: &Sparse, additional: &Additional) -> Rows {
             let place = |k: usize| {
                 sparse.control_point(first as usize + k / across, start as usize + k % across)
             };
-            left.push(row.map(|(k, value)| (place(k), value)), 1.0);
+            // Beyond the functions of the cell there are zeros.
+            let entries = row.take_while(|(k, _)| *k < width);
+            left.push(entries.map(|(k, value)| (place(k), value)), 1.0);
         }
     }
     additional.push(&mut left);

@@ -90,7 +90,7 @@ impl Cylinder {
     ///
     /// The axis is no direction, or the points are on a plane or a line.
     pub(super) fn fit(&self, cloud: &Cloud) -> Result<Fit, Invalid> {
-        let center = self.center.map(|center| cloud.from_place(center));
+        let center = self.center.map(|center| cloud.moved(center));
         let fits: Vec<Fit> = match self.axis {
             Some(axis) => {
                 let axis = Vector3::from(axis);

@@ -62,7 +62,7 @@ impl Cloud {
     }
 
     /// The place in the cloud of one where the points are.
-    pub(super) fn from_place(&self, place: [f64; 3]) -> Vector3<f64> {
+    pub(super) fn moved(&self, place: [f64; 3]) -> Vector3<f64> {
         (Vector3::from(place) - self.mean) * self.scale
     }
 

@@ -111,7 +111,7 @@ impl Sphere {
                 / count
         };
         let center = match self.center {
-            Some(center) => Some(cloud.from_place(center)),
+            Some(center) => Some(cloud.moved(center)),
             None => algebraic(cloud).map(|center| moved(cloud, center)),
         };
         let fit = center.map(|center| Fit {
