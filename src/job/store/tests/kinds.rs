@@ -164,7 +164,8 @@ fn scattered() -> impl Iterator<Item = Problem> {
         }),
     ];
     kinds.into_iter().map(|kind| {
-        let mut request = request(true, 4, 0, 7);
+        // Closed directions are B-splines.
+        let mut request = open_cubic(true);
         request.grid = Grid {
             rows: SURFACE.count(),
             columns: 1,
