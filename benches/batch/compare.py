@@ -71,7 +71,7 @@ class Server:
         lines = (re.search(r"listening on http://([\d.]+):(\d+)", line) for line in self.process.stderr)
         found = next(line for line in lines if line)
         self.address = (found[1], int(found[2]))
-        # A log that nobody reads would stop the server in the end.
+        # A full pipe would block the server.
         threading.Thread(target=self.process.stderr.read, daemon=True).start()
 
     def __enter__(self) -> "Server":

@@ -148,7 +148,7 @@ def main() -> None:
         server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
         assert server.stderr is not None
         port = next(int(found[1]) for line in server.stderr if (found := re.search(r"listening on https://[^ ]+:(\d+)", line)))
-        # A log that nobody reads would stop the server in the end.
+        # A full pipe would block the server.
         threading.Thread(target=server.stderr.read, daemon=True).start()
         try:
             asyncio.run(measure(server, port, certificate, arguments))

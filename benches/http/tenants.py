@@ -38,7 +38,7 @@ def started(program: str, folder: str, tokens: str) -> Iterator[str]:
     server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert server.stderr is not None
     address = next(found[1] for line in server.stderr if (found := re.search(r"listening on http://(\S+)", line)))
-    # A log that nobody reads would stop the server in the end.
+    # A full pipe would block the server.
     threading.Thread(target=server.stderr.read, daemon=True).start()
     try:
         yield address

@@ -70,7 +70,7 @@ class Server:
                 break
         else:
             raise SystemExit(f"{command} has not started")
-        # A log that nobody reads would stop the server in the end.
+        # A full pipe would block the server.
         threading.Thread(target=self.process.stderr.read, daemon=True).start()
         self.connection = http.client.HTTPConnection(found[1])
         self.times: dict[str, list[float]] = {name: [] for name in REQUESTS}

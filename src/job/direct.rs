@@ -85,7 +85,7 @@ impl DirectFit {
         let problem = Arc::clone(&self.problem);
         let stopped = Arc::clone(cancelled);
         let is_over = Arc::new(move || stopped.load(Ordering::Acquire));
-        // Nobody waits for the end of one of them.
+        // A batch reports no prediction.
         let start = || Iteration::start_unpredicted(Arc::new(System::new(problem)));
         let iteration = interrupt::until(is_over, start);
         resources.counters.iterations.inc();

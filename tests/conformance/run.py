@@ -59,7 +59,7 @@ class Server:
         for line in self.process.stderr:
             if found := re.search(r"listening on http://([^\s\"]+)", line):
                 self.address = found[1]
-                # A log that nobody reads would stop the server in the end.
+                # A full pipe would block the server.
                 threading.Thread(target=self.process.stderr.read, daemon=True).start()
                 return
         raise SystemExit(f"{self.program} has not started")

@@ -32,7 +32,7 @@ def server(program: str, *flags: str, store: str = ":memory:"):
                 break
         else:
             raise SystemExit(f"{program} has not started")
-        # A log that nobody reads would stop the server in the end.
+        # A full pipe would block the server.
         threading.Thread(target=process.stderr.read, daemon=True).start()
         yield found.group(1)
     finally:

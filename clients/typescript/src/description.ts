@@ -3777,7 +3777,7 @@ export interface components {
             rms: number;
             /** @description The data point with the largest distance. */
             at: components["schemas"]["PointIndex"];
-            /** @description Distances that so many per cent of the data do not exceed. */
+            /** @description Percentiles of the distances. */
             percentiles: components["schemas"]["Percentiles"];
             /** @description The distance of each data point; with `list=true`. */
             distances?: components["schemas"]["Distances"];
@@ -3788,7 +3788,7 @@ export interface components {
             between?: components["schemas"]["Distances"];
         };
         /**
-         * @description Distances that so many per cent of the data do not exceed.
+         * @description Percentiles of the distances.
          * @example {
          *       "50": 0.0007,
          *       "90": 0.0016,
@@ -4135,7 +4135,7 @@ export interface components {
             guaranteed: number;
             /**
              * Format: int64
-             * @description The order C that was found: so many derivatives are equal on both sides. It is measured up to 2, and at least what
+             * @description The order C that was measured: the number of derivatives that are equal on both sides. It is measured up to 2, and at least what
              *     is guaranteed.
              */
             parametric: number;

@@ -72,7 +72,7 @@ pub use extended::{Extended, Start};
 pub(super) use least_squares::constrained::Constrained;
 pub(super) use least_squares::constrained_surface::ConstrainedSurface;
 pub(super) use least_squares::cross_validation;
-pub(super) use least_squares::fair_surface::{FairSurface, LEAST_NUMBERS};
+pub(super) use least_squares::fair_surface::{FairSurface, MORE_NUMBERS};
 pub use least_squares::{
     AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
     MOST_CONDITIONS, Variant, Wanted,

@@ -10,7 +10,8 @@ use crate::data::grid::Grid;
 use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::edges::Edges;
-use crate::method::{Automatic as Settings, LEAST_NUMBERS, LeastSquares};
+use crate::knot_selection::surface::MOST_FACTOR;
+use crate::method::{Automatic as Settings, LeastSquares, MORE_NUMBERS};
 use crate::parameters::{Domain, Pairs};
 use crate::setup::Setup;
 
@@ -114,9 +115,12 @@ pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usi
     // residual and image of a step, weights, and what is being computed.
     let by_data = data * (2 * width + 10 + 2 * dimension + 2);
     let by_control_points = most * (5 * dimension + 4 * width);
-    // The normal equations of scattered points, and those of an energy.
+    // The normal equations of scattered points, those of an energy, and the factor of both.
     let normal = match setup.v() {
-        Some(_) if setup.is_scattered() => 2 * data * width * width + LEAST_NUMBERS,
+        Some(_) if setup.is_scattered() => {
+            let factor = most.saturating_mul(most).min(MOST_FACTOR);
+            2 * data * width * width + MORE_NUMBERS + factor
+        }
         _ => 0,
     };
     // Points one by one, the values at each of them, and the vectors of conjugate gradients.

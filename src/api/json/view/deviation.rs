@@ -26,7 +26,7 @@ pub(crate) struct DeviationView {
     rms: f64,
     /// The data point with the largest distance.
     at: Index,
-    /// Distances that so many per cent of the data do not exceed.
+    /// Percentiles of the distances.
     percentiles: Percentiles,
     /// The distance of each data point; with `list=true`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -37,7 +37,7 @@ pub(crate) struct DeviationView {
     between: Option<Distances>,
 }
 
-/// Distances that so many per cent of the data do not exceed.
+/// Percentiles of the distances.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"50": 0.0007, "90": 0.0016, "95": 0.0018, "99": 0.002}]))]
 struct Percentiles {

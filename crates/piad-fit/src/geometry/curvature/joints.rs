@@ -51,7 +51,7 @@ pub struct Joint {
     pub multiplicity: usize,
     /// The order of continuity that the multiplicity guarantees.
     pub guaranteed: i64,
-    /// The order of parametric continuity that was found: so many derivatives are equal on both sides. At least what is
+    /// The order of parametric continuity that was measured: the number of derivatives that are equal on both sides. At least what is
     /// guaranteed; more than 2 is not looked for.
     pub parametric: i64,
     /// The order of geometric continuity that was found: 0 a corner, 1 the same tangent, 2 the same curvature.

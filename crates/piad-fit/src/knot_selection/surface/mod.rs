@@ -42,6 +42,7 @@ use crate::data::points::Points;
 use transfer::following;
 
 pub(crate) use grid::GridData;
+pub(crate) use normal::MOST_FACTOR;
 pub(crate) use scattered::ScatteredData;
 pub(crate) use schedule::SurfaceSchedule;
 

@@ -25,8 +25,8 @@ const DECADES: i32 = 6;
 /// Less energy that lowers the largest distance by less than this part of it is not what the tolerance asks for.
 const GAIN: f64 = 0.01;
 
-/// The most numbers of normal equations besides those of as many rows as data.
-pub(crate) const LEAST_NUMBERS: usize = 1_000_000;
+/// Normal equations may have this many numbers more than the matrix of the data.
+pub(crate) const MORE_NUMBERS: usize = 1_000_000;
 
 /// The data of a surface, and its energy.
 #[derive(Debug)]
@@ -116,8 +116,7 @@ impl Data for FairSurface {
         let numbers = counts[0]
             .saturating_mul(counts[1])
             .saturating_mul(diagonals);
-        numbers <= LEAST_NUMBERS + of_rows * self.setup.data().len()
-            && self.scattered.allows(counts)
+        numbers <= MORE_NUMBERS + of_rows * self.setup.data().len() && self.scattered.allows(counts)
     }
 
     fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {

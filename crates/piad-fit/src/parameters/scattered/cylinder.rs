@@ -9,10 +9,10 @@ use std::sync::Arc;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::circle::counted;
-use super::normals::{Cloud, across, towards_largest};
-use super::{Domain, Pairs};
+use super::normals::{Cloud, across, direction, no_surface, towards_largest};
+use super::pairs::{Domain, Pairs};
 use crate::data::points::Points;
-use crate::invalid::{Axis, Invalid, Place};
+use crate::invalid::Invalid;
 
 /// Gauss–Newton steps.
 const STEPS: usize = 50;
@@ -90,19 +90,11 @@ impl Cylinder {
     ///
     /// The axis is no direction, or the points are on a plane or a line.
     pub(super) fn fit(&self, cloud: &Cloud) -> Result<Fit, Invalid> {
-        let center = self.center.map(|center| cloud.moved(center));
+        let center = self.center.map(|center| cloud.place_here(center));
         let fits: Vec<Fit> = match self.axis {
             Some(axis) => {
-                let axis = Vector3::from(axis);
-                let length = axis.norm();
-                if !(length > 0.0 && length.is_finite()) {
-                    return Err(wrong(
-                        "the axis of a cylinder is a direction: three finite numbers that are not all zero",
-                    ));
-                }
-                Fit::around(cloud, axis / length, center)
-                    .into_iter()
-                    .collect()
+                let axis = direction(axis, "cylinder")?;
+                Fit::around(cloud, axis, center).into_iter().collect()
             }
             None => {
                 let [of_normals, ..] = cloud.axes_of_normals();
@@ -123,7 +115,7 @@ impl Cylinder {
                 && (self.axis.is_some() || distance <= FARTHEST * fit.radius)
         };
         nearest.filter(is_near).ok_or_else(|| {
-            wrong("there is no cylinder near the points: they may be on a plane or on a line")
+            no_surface("there is no cylinder near the points: they may be on a plane or on a line")
         })
     }
 }
@@ -241,8 +233,4 @@ impl Fit {
         };
         cloud.points.iter().map(place).unzip()
     }
-}
-
-fn wrong(detail: &str) -> Invalid {
-    Invalid::at(Place::Parameters(Axis::U), detail)
 }

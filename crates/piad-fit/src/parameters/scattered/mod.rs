@@ -8,6 +8,7 @@
 mod circle;
 mod cylinder;
 mod normals;
+mod pairs;
 mod plane;
 mod rectangle;
 mod sphere;
@@ -20,6 +21,7 @@ use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 
 pub use cylinder::Cylinder;
+pub use pairs::{Domain, Pairs};
 pub(crate) use plane::nearest_to_their_plane;
 pub use sphere::Sphere;
 
@@ -68,104 +70,6 @@ impl CoordinatePlane {
     }
 }
 
-/// u and v of scattered points, and how far both directions go.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Pairs {
-    /// u and v of each point.
-    pub values: Arc<Points>,
-    /// How far u and v go.
-    pub domains: [Domain; 2],
-}
-
-/// How far a direction of scattered points goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum Domain {
-    /// From the least to the largest parameter.
-    #[default]
-    Data,
-    /// It is closed, and repeats after this length.
-    Closed(f64),
-    /// From one number to another one. At a pole all points of that edge of the surface are one.
-    Between {
-        /// Both ends.
-        ends: [f64; 2],
-        /// True at an end that is a pole.
-        poles: [bool; 2],
-    },
-}
-
-impl Domain {
-    /// The length after which a closed direction repeats.
-    pub fn period(self) -> Option<f64> {
-        match self {
-            Self::Closed(period) => Some(period),
-            Self::Data | Self::Between { .. } => None,
-        }
-    }
-
-    /// Which ends are poles.
-    pub fn poles(self) -> [bool; 2] {
-        match self {
-            Self::Between { poles, .. } => poles,
-            Self::Data | Self::Closed(_) => [false; 2],
-        }
-    }
-}
-
-impl Domain {
-    /// Refuses ends that are no range, or do not hold all parameters, and poles of u.
-    fn check(self, values: &[f64], axis: Axis) -> Result<(), Invalid> {
-        let Self::Between { ends, poles } = self else {
-            return Ok(());
-        };
-        let [low, high] = ends;
-        let wrong = |detail: String| Err(Invalid::at(Place::Parameters(axis), detail));
-        if !(low.is_finite() && high.is_finite() && low < high) {
-            return wrong(format!(
-                "{low} and {high} are no ends of a direction: the first is less than the second"
-            ));
-        }
-        if poles != [false; 2] && axis == Axis::U {
-            return wrong("poles are ends of v".to_owned());
-        }
-        match values.iter().position(|t| !(low..=high).contains(t)) {
-            Some(index) => Err(Invalid::parameter_outside(
-                axis,
-                index,
-                values[index],
-                (low, high),
-            )),
-            None => Ok(()),
-        }
-    }
-}
-
-impl Pairs {
-    /// Those of a surface that goes from the least to the largest parameter of each direction.
-    pub fn open(values: Arc<Points>) -> Self {
-        Self {
-            values,
-            domains: [Domain::Data; 2],
-        }
-    }
-
-    /// u or v of all points, and how far they go.
-    pub(crate) fn direction(&self, axis: usize) -> (Vec<f64>, Domain) {
-        (self.values.lane(axis).to_vec(), self.domains[axis])
-    }
-
-    /// Those of some of the points.
-    pub(crate) fn of(&self, indices: impl Iterator<Item = usize> + Clone) -> Self {
-        Self {
-            values: Arc::new(self.values.selected(indices)),
-            ..*self
-        }
-    }
-}
-
 impl Scattered {
     /// The parameters u and v of all points, finite numbers. A closed direction that is asked for is closed also where the
     /// points do not go all around.
@@ -194,7 +98,7 @@ impl Scattered {
                 }
                 pairs.clone()
             }
-            Self::Auto => return unfolding::best(points)?.parameters_by(points, some, closed),
+            Self::Auto => return self.chosen(points)?.parameters_by(points, some, closed),
             Self::Plane => open(Plane::of(points, some)?.parameters()),
             Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
             Self::Coordinates(plane) => {
@@ -217,18 +121,35 @@ impl Scattered {
         Ok(pairs)
     }
 
-    /// The rule that is taken for some points: that of `Auto`, or itself.
+    /// The rule that is taken for points: itself, or of `Auto` the one that unfolds them best. A plane is taken if it keeps
+    /// nearly as many neighbours together as another one, then a cylinder.
     ///
     /// # Errors
     ///
-    /// Why no plane, cylinder or sphere unfolds the points.
+    /// Why the points have not even a plane.
     pub fn chosen(&self, points: &Points) -> Result<Self, Invalid> {
         match self {
-            Self::Auto => unfolding::best(points),
-            other => Ok(other.clone()),
+            Self::Auto if points.dimension() == 3 => {}
+            Self::Auto => return Ok(Self::Plane),
+            other => return Ok(other.clone()),
         }
+        let cylinder = Cylinder::default().known(points).map(Self::Cylinder);
+        let sphere = Sphere::default().known(points).map(Self::Sphere);
+        let round = cylinder.into_iter().chain(sphere);
+        let plane = Self::Plane.parameters(points, [false; 2])?;
+        let mut kept = vec![(unfolding::share_kept(points, &plane), Self::Plane)];
+        for rule in round {
+            let pairs = rule.parameters(points, [false; 2])?;
+            kept.push((unfolding::share_kept(points, &pairs), rule));
+        }
+        let most = kept.iter().map(|(share, _)| *share).fold(0.0, f64::max);
+        let simplest = kept.into_iter().find(|(share, _)| *share >= most - SIMPLER);
+        Ok(simplest.map_or(Self::Plane, |(_, rule)| rule))
     }
 }
+
+/// A simpler surface is taken if it keeps this part less of the neighbours.
+const SIMPLER: f64 = 0.03;
 
 /// Parameters of an open surface.
 fn open(values: [Vec<f64>; 2]) -> Pairs {

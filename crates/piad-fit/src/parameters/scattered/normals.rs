@@ -28,12 +28,11 @@ impl Cloud {
     ///
     /// They have fewer coordinates, or more; or they are all equal.
     pub(super) fn new(points: &Points, what: &str) -> Result<Self, Invalid> {
-        let wrong = |detail: String| Err(Invalid::at(Place::Parameters(Axis::U), detail));
         let dimension = points.dimension();
         let [x, y, z] = points.lanes() else {
-            return wrong(format!(
+            return Err(no_surface(format!(
                 "points of {dimension} coordinates have no {what}: points of space have one"
-            ));
+            )));
         };
         let count = points.len() as f64;
         let mean = [x, y, z].map(|lane| lane.iter().map(|x| x / count).sum::<f64>());
@@ -41,7 +40,9 @@ impl Cloud {
         let at = |i: usize| Vector3::new(x[i], y[i], z[i]) - mean;
         let largest = (0..points.len()).map(|i| at(i).amax()).fold(0.0, f64::max);
         if largest <= 0.0 || !largest.is_finite() || !largest.recip().is_finite() {
-            return wrong(format!("points that are all equal have no {what}"));
+            return Err(no_surface(format!(
+                "points that are all equal have no {what}"
+            )));
         }
         let scale = largest.recip();
         Ok(Self {
@@ -62,7 +63,7 @@ impl Cloud {
     }
 
     /// The place in the cloud of one where the points are.
-    pub(super) fn moved(&self, place: [f64; 3]) -> Vector3<f64> {
+    pub(super) fn place_here(&self, place: [f64; 3]) -> Vector3<f64> {
         (Vector3::from(place) - self.mean) * self.scale
     }
 
@@ -96,9 +97,26 @@ impl Cloud {
     }
 }
 
-/// At most so many of some points, at equal distances in the list.
+/// At most this number of points, at equal distances in the list.
 pub(super) fn some<T>(points: &[T], most: usize) -> impl Iterator<Item = &T> + Clone {
     points.iter().step_by(points.len().div_ceil(most).max(1))
+}
+
+/// A surface that points do not have.
+pub(super) fn no_surface(detail: impl Into<String>) -> Invalid {
+    Invalid::at(Place::Parameters(Axis::U), detail.into())
+}
+
+/// The unit vector of an axis that is given.
+pub(super) fn direction(axis: [f64; 3], what: &str) -> Result<Vector3<f64>, Invalid> {
+    let axis = Vector3::from(axis);
+    let length = axis.norm();
+    if length > 0.0 && length.is_finite() {
+        return Ok(axis / length);
+    }
+    Err(no_surface(format!(
+        "the axis of a {what} is a direction: three finite numbers that are not all zero"
+    )))
 }
 
 /// `Σ x xᵀ`.

@@ -9,10 +9,10 @@ use std::sync::Arc;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::circle::counted;
-use super::normals::{Cloud, across, towards_largest};
-use super::{Domain, Pairs};
+use super::normals::{Cloud, across, direction, no_surface, towards_largest};
+use super::pairs::{Domain, Pairs};
 use crate::data::points::Points;
-use crate::invalid::{Axis, Invalid, Place};
+use crate::invalid::Invalid;
 
 /// Gauss–Newton steps.
 const STEPS: usize = 30;
@@ -52,13 +52,8 @@ impl Sphere {
     pub(super) fn parameters(&self, points: &Points, is_closed: bool) -> Result<Pairs, Invalid> {
         let cloud = Cloud::new(points, "sphere")?;
         let fit = self.fit(&cloud)?;
-        let axis = match self.axis.map(Vector3::from) {
-            Some(axis) if axis.norm() > 0.0 && axis.norm().is_finite() => axis.normalize(),
-            Some(_) => {
-                return Err(wrong(
-                    "the axis of a sphere is a direction: three finite numbers that are not all zero",
-                ));
-            }
+        let axis = match self.axis {
+            Some(axis) => direction(axis, "sphere")?,
             None => fit.axis(&cloud),
         };
         let [first, second] = across(axis);
@@ -111,7 +106,7 @@ impl Sphere {
                 / count
         };
         let center = match self.center {
-            Some(center) => Some(cloud.moved(center)),
+            Some(center) => Some(cloud.place_here(center)),
             None => algebraic(cloud).map(|center| moved(cloud, center)),
         };
         let fit = center.map(|center| Fit {
@@ -120,7 +115,7 @@ impl Sphere {
         });
         let fit = fit.filter(|fit| (SMALLEST_RADIUS..LARGEST_RADIUS).contains(&fit.radius));
         fit.ok_or_else(|| {
-            wrong("there is no sphere near the points: they may be on a plane or on a line")
+            no_surface("there is no sphere near the points: they may be on a plane or on a line")
         })
     }
 }
@@ -185,8 +180,4 @@ fn moved(cloud: &Cloud, mut center: Vector3<f64>) -> Vector3<f64> {
         }
     }
     center
-}
-
-fn wrong(detail: &str) -> Invalid {
-    Invalid::at(Place::Parameters(Axis::U), detail)
 }

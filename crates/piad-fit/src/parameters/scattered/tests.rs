@@ -45,7 +45,7 @@ fn tube(s: f64, t: f64) -> [f64; 3] {
     [radius * angle.cos(), radius * angle.sin(), height]
 }
 
-/// So many degrees of a pipe with radius 20.
+/// A sector of a pipe with radius 20.
 fn pipe(degrees: f64) -> impl Fn(f64, f64) -> [f64; 3] {
     move |s, t| {
         let angle = degrees.to_radians() * s;

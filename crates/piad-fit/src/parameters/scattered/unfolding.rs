@@ -1,15 +1,11 @@
-//! Which simple surface unfolds points best: neighbours in space are to be neighbours in (u, v).
-//!
-//! Of a plane, a cylinder and a sphere near the points that one is taken with which most of the nearest neighbours of
-//! points in space are among their nearest neighbours by parameters; a plane if it is nearly as good, then a cylinder.
+//! How well parameters unfold points: the share of nearest neighbours in space that are nearest neighbours in (u, v).
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::normals::some;
-use super::{Cylinder, Domain, Pairs, Scattered, Sphere};
+use super::pairs::{Domain, Pairs};
 use crate::data::points::Points;
-use crate::invalid::Invalid;
 
 /// The points that are looked at.
 const SAMPLES: usize = 5_000;
@@ -17,41 +13,8 @@ const SAMPLES: usize = 5_000;
 /// The neighbours of each of them.
 const NEIGHBOURS: usize = 10;
 
-/// A simpler surface is taken if it keeps this part less of the neighbours.
-const SIMPLER: f64 = 0.03;
-
-/// The rule for the best of them.
-pub(super) fn best(points: &Points) -> Result<Scattered, Invalid> {
-    let plane = Scattered::Plane;
-    if points.dimension() != 3 {
-        return Ok(plane);
-    }
-    let cylinder = Cylinder::default().known(points).map(Scattered::Cylinder);
-    let sphere = Sphere::default().known(points).map(Scattered::Sphere);
-    let rules = [Ok(plane), cylinder, sphere];
-    let kept: Vec<(f64, Result<Scattered, Invalid>)> = rules
-        .into_iter()
-        .map(|rule| {
-            let pairs = rule.and_then(|rule| {
-                let pairs = rule.parameters(points, [false; 2])?;
-                Ok((share_kept(points, &pairs), rule))
-            });
-            match pairs {
-                Ok((share, rule)) => (share, Ok(rule)),
-                Err(invalid) => (f64::NEG_INFINITY, Err(invalid)),
-            }
-        })
-        .collect();
-    let most = kept
-        .iter()
-        .map(|(share, _)| *share)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let found = kept.into_iter().find(|(share, _)| *share >= most - SIMPLER);
-    found.map_or(Ok(Scattered::Plane), |(_, rule)| rule)
-}
-
 /// The share of the neighbours in space that are neighbours by parameters.
-fn share_kept(points: &Points, pairs: &Pairs) -> f64 {
+pub(super) fn share_kept(points: &Points, pairs: &Pairs) -> f64 {
     let indices: Vec<usize> = (0..points.len()).collect();
     let samples: Vec<usize> = some(&indices, SAMPLES).copied().collect();
     let in_space = |&i: &usize| [0, 1, 2].map(|axis| points.lane(axis)[i]);

@@ -60,7 +60,7 @@ struct JointView {
     multiplicity: usize,
     /// The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
     guaranteed: i64,
-    /// The order C that was found: so many derivatives are equal on both sides. It is measured up to 2, and at least what
+    /// The order C that was measured: the number of derivatives that are equal on both sides. It is measured up to 2, and at least what
     /// is guaranteed.
     parametric: i64,
     /// The order G that was found: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
