@@ -536,6 +536,9 @@ namespace Piad
     /// <summary>A surface through a grid of points, or through scattered ones.</summary>
     public sealed class SurfaceRequest : FitRequest
     {
+        /// <summary>A surface of which Sections are given.</summary>
+        public SurfaceRequest() { }
+
         /// <summary>Rows (u) of columns (v); least squares may have null for missing points.</summary>
         public SurfaceRequest(double[][][] points) { Points = points; }
 
@@ -547,6 +550,9 @@ namespace Piad
 
         /// <summary>Points without an order.</summary>
         public double[][] Scattered { get; set; }
+
+        /// <summary>Curves across the surface, each with points of its own; instead of rows.</summary>
+        public double[][][] Sections { get; set; }
 
         /// <summary>The degree in u, where it is another than in v; both are given then.</summary>
         public int? DegreeU { get; set; }
@@ -569,6 +575,7 @@ namespace Piad
         {
             Json.Put(shape, "points", Json.Of(Points));
             Json.Put(shape, "scattered", Json.Of(Scattered));
+            Json.Put(shape, "sections", Json.Of(Sections));
             Json.Put(shape, "weights", Json.Of(Weights));
             if (DegreeU == null && DegreeV == null) Json.Put(shape, "degree", Json.Of(Degree));
             else Json.Put(shape, "degree", Json.Pair(Json.Of(DegreeU ?? Degree), Json.Of(DegreeV ?? Degree)));

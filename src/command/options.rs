@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::input::{Content, Input, not_json, not_read};
 use super::point_kind::PointKind;
 use super::pointer;
-use crate::api::json::request::file::{self, COLUMNS, FileHints, PART, SIZE};
+use crate::api::json::request::file::{self, COLUMNS, FileHints, PART, SECTIONS, SIZE};
 use crate::api::json::request::path::{insert, insert_value};
 use crate::config::fit_arguments::FitArguments;
 use crate::files;
@@ -49,6 +49,13 @@ impl Asked {
             asked.reading.extend(size.map(|size| (SIZE, size)));
             asked.fields.entry("surface").or_insert_with(|| json!({}));
             asked.flags.push((SIZE.to_owned(), "--surface".to_owned()));
+        }
+        if arguments.sections {
+            asked.reading.push((SECTIONS, true.to_string()));
+            asked.fields.entry("surface").or_insert_with(|| json!({}));
+            asked
+                .flags
+                .push((SECTIONS.to_owned(), "--sections".to_owned()));
         }
         for (name, flag, text) in [
             (COLUMNS, "--columns", &arguments.columns),

@@ -31,7 +31,7 @@ impl PointKind {
                 let read = read.into_iter().next()?;
                 let surface = hints.kind == Some(Kind::Surface);
                 Some(Self {
-                    surface: surface || read.grid.is_some(),
+                    surface: surface || read.grid.is_some() || !read.sections.is_empty(),
                     dimension: read.points.dimension(),
                     origin: read.origin,
                 })
@@ -57,6 +57,7 @@ impl PointKind {
             ("/curve/points/0", false),
             ("/surface/points/0/0", true),
             ("/surface/scattered/0", true),
+            ("/surface/sections/0/0", true),
         ];
         lists.into_iter().find_map(|(first, surface)| {
             let dimension = match pointer::value(json, first)? {

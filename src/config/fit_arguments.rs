@@ -67,6 +67,11 @@ pub struct FitArguments {
     #[arg(long, value_name = "ROWSxCOLUMNS", num_args = 0..=1, value_parser = size, help_heading = "Fit")]
     pub(crate) surface: Option<Option<String>>,
 
+    /// The parts of the file are sections of one surface: curves across it, with any numbers of points. Closed ones of a table
+    /// that lie one behind the other are taken as that by themselves.
+    #[arg(long, conflicts_with_all = ["surface", "part"], help_heading = "Fit")]
+    pub(crate) sections: bool,
+
     /// The order of the points of a curve: given is that of the file, also where the points seem to have none; nearest puts
     /// them in the order in which they are near each other.
     #[arg(long, value_name = "ORDER", value_parser = PossibleValuesParser::new(["given", "nearest"]), help_heading = "Fit")]

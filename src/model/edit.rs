@@ -346,7 +346,8 @@ fn in_edit(place: fit::Place, changed: &HashMap<usize, usize>) -> SpecPart {
         P::Weight(index) => entry(index, ChangePart::Weight).unwrap_or(SpecPart::Fit(place)),
         P::AxisWeights(_) | P::AxisWeight(..) => SpecPart::Fit(P::Weights),
         // What an edit leaves as it is was right in the parent.
-        P::Line(..)
+        P::Section(_)
+        | P::Line(..)
         | P::Degree(_)
         | P::Basis(_)
         | P::Knots(_)

@@ -20,6 +20,7 @@ use piad_fit::engine::{Admission, Problem, Request};
 use piad_fit::geometry::Nurbs;
 use piad_fit::invalid as fit;
 use piad_fit::method::{AS_MANY_AS_DATA, LeastSquares, Method};
+use piad_fit::parameters::Scattered;
 
 /// The most characters of a name.
 pub const LONGEST_NAME: usize = 200;
@@ -43,7 +44,7 @@ pub struct JobRequest {
     /// How weights are used; only with weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rational: Option<Rational>,
-    /// The method; without one `global`, and of polylines least squares with `control_points` `"auto"`.
+    /// The method; without one `global`, and of polylines and sections least squares with `control_points` `"auto"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<MethodInput>,
     /// When the iteration ends.
@@ -157,8 +158,7 @@ impl JobRequest {
         }
         // Without points nothing is said of the method.
         let method = match self.method {
-            // It has one method.
-            None if request.as_ref().is_some_and(|it| it.polyline) => {
+            None if request.as_ref().is_some_and(has_one_method) => {
                 let fewest = LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA);
                 Ok(Method::LeastSquares(fewest).into())
             }
@@ -174,6 +174,11 @@ impl JobRequest {
         }
         Some(request)
     }
+}
+
+/// Returns true if only least squares fits what is asked for: the edges of a polyline, and sections.
+fn has_one_method(request: &Request) -> bool {
+    request.polyline || matches!(request.scattered, Some(Scattered::Sections(_)))
 }
 
 impl ValidJob {

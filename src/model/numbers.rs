@@ -3,7 +3,7 @@
 use schemars::json_schema;
 
 use super::per_direction::Pair;
-use super::points::{PointGrid, PointList};
+use super::points::{PointGrid, PointList, SectionList};
 use super::schema::schema_of;
 use piad_fit::data::{MAX_DIMENSION, MAX_SURFACE_DIMENSION};
 
@@ -48,6 +48,27 @@ schema_of!(
         },
         "minItems": 4,
         "examples": [[[0, 0, 1], [0.3, 1.2, 2], [1, 0.7, 1], [0.6, 0.1, 3]]],
+    })
+);
+
+schema_of!(
+    SectionList,
+    "Sections",
+    json_schema!({
+        "description": "Sections of a surface, curves across it: lists of points in their order, each with as many as it has.",
+        "type": "array",
+        "items": {
+            "type": "array",
+            "items": {
+                "type": "array",
+                "items": {"type": "number"},
+                "minItems": 2,
+                "maxItems": MAX_SURFACE_DIMENSION,
+            },
+            "minItems": 2,
+        },
+        "minItems": 2,
+        "examples": [[[[0, 0, 0], [1, 0, 1], [3, 0, 0]], [[0, 2, 0], [2, 2, 2], [3, 2, 1], [4, 2, 0]]]],
     })
 );
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use piad_files::json::{Rows, read_points, read_rows};
+use piad_files::json::{Rows, read_points, read_rows, read_sections};
 use piad_fit::data::{Grid, Points};
 use serde::de::Deserializer;
 use serde::{Deserialize, Serialize, Serializer};
@@ -26,6 +26,15 @@ pub(crate) struct PointGrid {
     pub grid: Grid,
 }
 
+/// Lists of points, one after the other: the sections of a surface.
+#[derive(Clone, Debug)]
+pub(crate) struct SectionList {
+    /// The points of all sections.
+    pub points: PointList,
+    /// The number of points of each.
+    pub counts: Vec<usize>,
+}
+
 impl Serialize for PointList {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         Part(&self.0, 0..self.0.len(), &[]).serialize(serializer)
@@ -37,6 +46,16 @@ impl Serialize for PointGrid {
         let start = |row: usize| row * self.grid.columns;
         let rows = (0..self.grid.rows).map(|row| start(row)..start(row + 1));
         serializer.collect_seq(rows.map(|row| Part(&self.points, row, &self.missing)))
+    }
+}
+
+impl Serialize for SectionList {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let ends = self.counts.iter().scan(0, |end, count| {
+            *end += count;
+            Some(*end - count..*end)
+        });
+        serializer.collect_seq(ends.map(|section| Part(&self.points.0, section, &[])))
     }
 }
 
@@ -89,6 +108,16 @@ impl<'de> Deserialize<'de> for PointList {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let points = read_points(deserializer, list_limits::current())?;
         Ok(Self(Arc::new(points)))
+    }
+}
+
+impl<'de> Deserialize<'de> for SectionList {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let (points, counts) = read_sections(deserializer, list_limits::current())?;
+        Ok(Self {
+            points: PointList(Arc::new(points)),
+            counts,
+        })
     }
 }
 

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::basis::ParametersInput;
-use super::either::{below, object};
+use super::either::{Whole, below, object};
 use super::iteration::IterationChoice;
 use super::lists::{LISTS, Lists};
 use super::mistakes::{Mistake, SpecPart};
@@ -21,7 +21,7 @@ use super::schema::schema_of;
 use piad_fit::data::Points;
 use piad_fit::geometry::{Nurbs, foot_points};
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sphere,
+    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sections, Sphere,
 };
 
 /// The parameters of the data points of a surface.
@@ -90,7 +90,7 @@ impl Projection {
     fn of(rule: &Scattered) -> Option<Self> {
         use ProjectionSurface as S;
         let (project, axis, center) = match *rule {
-            Scattered::Given(_) | Scattered::Auto => return None,
+            Scattered::Given(_) | Scattered::Auto | Scattered::Sections(_) => return None,
             Scattered::Plane => (S::Plane, None, None),
             Scattered::Coordinates(CoordinatePlane::Xy) => (S::Xy, None, None),
             Scattered::Coordinates(CoordinatePlane::Xz) => (S::Xz, None, None),
@@ -218,6 +218,13 @@ pub(crate) fn notice(chosen: &Scattered) -> Option<String> {
     };
     let surface = match chosen {
         Scattered::Given(_) | Scattered::Auto | Scattered::Coordinates(_) => return None,
+        Scattered::Sections(sections) => {
+            let (count, kind) = match sections.closed {
+                Some(true) => (sections.counts.len(), "closed"),
+                _ => (sections.counts.len(), "open"),
+            };
+            return Some(format!("the points are {count} {kind} sections"));
+        }
         Scattered::Plane => "the plane nearest to them".to_owned(),
         Scattered::Cylinder(Cylinder { axis, center }) => {
             format!(
@@ -303,6 +310,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             center,
             pairs,
             domains,
+            sections,
             foot_points,
         } = Each::deserialize(MapAccessDeserializer::new(map))?;
         let missing = |name| Err(A::Error::missing_field(name));
@@ -312,6 +320,17 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         }
         if pairs.is_none() && domains.is_some() {
             return wrong("domains are those of pairs");
+        }
+        if let Some(counts) = sections {
+            let others = project.is_some() || pairs.is_some() || foot_points.is_some();
+            return match others || u.is_some() || v.is_some() {
+                true => wrong("sections have parameters of their own"),
+                false => {
+                    let counts: Vec<usize> = counts.iter().map(|Whole(count)| *count).collect();
+                    let sections = Scattered::Sections(Sections::new(counts));
+                    Ok(SurfaceParameters::Scattered(sections))
+                }
+            };
         }
         match (project, pairs, foot_points, u, v) {
             (Some(project), None, None, None, None) => {
@@ -337,7 +356,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             }
             (None, None, None, None, _) => missing("u"),
             (None, None, None, _, None) => missing("v"),
-            _ => wrong("parameters are u and v, or project, or pairs, or foot_points"),
+            _ => wrong("parameters are u and v, or project, or pairs, or sections, or foot_points"),
         }
     }
 }
@@ -353,6 +372,7 @@ struct Each {
     center: Option<[f64; 3]>,
     pairs: Option<PairList>,
     domains: Option<Domains>,
+    sections: Option<Vec<Whole>>,
     foot_points: Option<FootPoints>,
 }
 
@@ -392,6 +412,9 @@ impl Serialize for SurfaceParameters {
                         map.end()
                     }
                 }
+            }
+            Self::Scattered(Scattered::Sections(sections)) => {
+                serializer.collect_map([("sections", &*sections.counts)])
             }
             Self::Scattered(Scattered::Auto) => serializer.serialize_str("auto"),
             Self::Scattered(Scattered::Plane) => serializer.serialize_str("project"),
@@ -459,6 +482,22 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
             "additionalProperties": false,
         }),
         json_schema!({
+            "title": "SectionCounts",
+            "description": "Of scattered points that are sections, one after the other: the number of points of each.",
+            "type": "object",
+            "properties": {
+                "sections": {
+                    "type": "array",
+                    "items": {"type": "integer", "minimum": 2},
+                    "minItems": 2,
+                    "description": "The number of points of each section.",
+                    "examples": [[24, 40, 31]],
+                },
+            },
+            "required": ["sections"],
+            "additionalProperties": false,
+        }),
+        json_schema!({
             "title": "FootPointParameters",
             "description": "Of scattered points: the parameters of the nearest points of the surface of another job.",
             "type": "object",
@@ -471,7 +510,7 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
     ];
     choices.extend(scattered.into_iter().map(Schema::to_value));
     json_schema!({
-        "description": "How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection or by their foot points on another surface.",
+        "description": "How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection, as sections or by their foot points on another surface.",
         "oneOf": choices,
         "examples": ["centripetal", [[0, 0], [0.3, 1.2], [1, 0.7]], {"project": "xy"}],
     })

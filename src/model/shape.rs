@@ -15,7 +15,7 @@ use super::mistakes::{Mistake, Mistakes};
 use super::named::names;
 use super::numbers::{CurveWeights, ScatteredPoints, SurfaceWeights};
 use super::per_direction::PerDirection;
-use super::points::{PointGrid, PointList};
+use super::points::{PointGrid, PointList, SectionList};
 use super::scattered::{FootPoints, SurfaceParameters};
 use super::schema;
 use super::weights::{self, Rational, Resolved, check_unused};
@@ -23,7 +23,7 @@ use piad_fit::basis::MAX_DEGREE;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::{DirectionChoice, Request, Weights};
 use piad_fit::invalid::Axis;
-use piad_fit::parameters::{Parametrization, Scattered};
+use piad_fit::parameters::{Parametrization, Scattered, Sections};
 
 /// A curve through data points.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -103,8 +103,8 @@ names!(RepeatedPoints, "treatment of repeated points", [
     "merge" => Merge,
 ]);
 
-/// A surface through a grid of data points, or near scattered ones, which only least squares fits: one
-/// of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
+/// A surface through a grid of data points, through sections, or near scattered points, which only least squares fits: one
+/// of `points`, `sections` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
 /// directions, or one for each.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
@@ -125,7 +125,12 @@ pub(crate) struct SurfaceInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ScatteredPoints>")]
     pub scattered: Option<PointList>,
-    /// The bases; without them cubic B-splines.
+    /// Curves across the surface: u goes from one to the next, and v along them. They are scattered points whose
+    /// `parameters` are `{"sections": […]}`, the number of points of each. Closed sections may start anywhere and go either
+    /// way around; without `closed` they are those whose ends are near each other in all of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sections: Option<SectionList>,
+    /// The bases; without them cubic B-splines, of few sections of a lower degree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basis: Option<PerDirection<Basis>>,
     /// Short for B-splines of this degree, instead of `basis`.
@@ -323,7 +328,10 @@ impl SurfaceData {
                 );
             }
             (None, None, _) => {
-                return wrong("", "the field \"points\" is missing, or \"scattered\" ones");
+                return wrong(
+                    "",
+                    "the field \"points\" is missing, or \"scattered\" ones, or \"sections\"",
+                );
             }
             (Some(_), None, Some(P::Scattered(_) | P::FootPoints(_))) => {
                 return wrong(
@@ -354,9 +362,37 @@ impl SurfaceData {
 impl SurfaceInput {
     /// How its points are arranged, if there are any.
     pub(crate) fn grid(&self) -> Option<Grid> {
-        let scattered = self.scattered.as_ref().map(PointList::grid);
+        let sections = self.sections.as_ref().map(|it| &it.points);
+        let scattered = self.scattered.as_ref().or(sections).map(PointList::grid);
         let points = self.points.as_ref().map(|points| points.grid);
         points.or(scattered)
+    }
+
+    /// The same with sections as scattered points, and with what is usual of them.
+    fn with_sections_scattered(mut self) -> Result<Self, Mistake> {
+        let wrong = |detail| Err(Mistake::at_text("/surface/sections", detail));
+        if let Some(SectionList { points, counts }) = self.sections.take() {
+            if self.points.is_some() || self.scattered.is_some() {
+                return wrong("the surface has other points, so it cannot have sections as well");
+            }
+            if self.parameters.is_some() {
+                return wrong("sections have parameters of their own: leave parameters out");
+            }
+            self.scattered = Some(points);
+            let sections = Scattered::Sections(Sections::new(counts));
+            self.parameters = Some(SurfaceParameters::Scattered(sections));
+        }
+        if let Some(SurfaceParameters::Scattered(Scattered::Sections(sections))) =
+            &mut self.parameters
+        {
+            let closed = self.closed.clone().map(PerDirection::split);
+            sections.closed = closed.map(|(_, v)| v).or(sections.closed);
+            if self.basis.is_none() && self.degree.is_none() {
+                let [u, v] = sections.usual_degrees().map(Whole);
+                self.degree = Some(PerDirection::Each { u, v });
+            }
+        }
+        Ok(self)
     }
 
     /// The surface of another job on which scattered points have their foot points.
@@ -370,6 +406,16 @@ impl SurfaceInput {
     /// The problem of fitting it, also if there are mistakes beside the points; foot points get their
     /// parameters later.
     pub(super) fn request(
+        self,
+        rational: Option<Rational>,
+        mistakes: &mut Mistakes,
+    ) -> Option<Request> {
+        let surface = mistakes.keep(self.with_sections_scattered())?;
+        surface.scattered_request(rational, mistakes)
+    }
+
+    /// The same where sections are scattered points.
+    fn scattered_request(
         self,
         rational: Option<Rational>,
         mistakes: &mut Mistakes,
@@ -439,6 +485,11 @@ impl SurfaceInput {
             let [u, v] = [u, v].map(|it| ParametersInput(it.parameters.clone()));
             PerDirection::of(u, Some(v))
         };
+        // Sections of which it is not said are closed where their ends are near each other.
+        let is_decided = match &request.scattered {
+            Some(Scattered::Sections(sections)) => sections.closed.is_some(),
+            _ => true,
+        };
         let (points, scattered, parameters) = match &request.scattered {
             None => {
                 let points = PointGrid {
@@ -457,6 +508,7 @@ impl SurfaceInput {
         Self {
             points,
             scattered,
+            sections: None,
             basis: Some(PerDirection::of(
                 Basis::from(&u.basis),
                 Some(Basis::from(&v.basis)),
@@ -464,7 +516,7 @@ impl SurfaceInput {
             degree: None,
             parameters: Some(parameters),
             weights: weights::asked(request),
-            closed: Some(PerDirection::of(u.closed, Some(v.closed))),
+            closed: is_decided.then(|| PerDirection::of(u.closed, Some(v.closed))),
             creases: Creases::of(u, v),
             spacing: None,
             origin: None,

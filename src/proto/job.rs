@@ -27,7 +27,7 @@ use piad_fit::basis::Corners;
 use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 use piad_fit::engine::{DirectionChoice, Request, Tolerance, Weights};
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sphere,
+    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sections, Sphere,
 };
 
 const RATIONALS: [(Rational, pb::Rational); 2] = [
@@ -151,15 +151,14 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
         let ends = ends::read(ends, (count, dimension), field)?;
         Ok::<_, Mistake>(DirectionEnds(ends.map(|ends| EndsInput::of(&ends, true))))
     };
+    let has_basis = u.basis.is_some() || v.basis.is_some();
+    let bases = PerDirection::Each {
+        u: basis::read(u.basis, "surface.u.basis")?,
+        v: basis::read(v.basis, "surface.v.basis")?,
+    };
     let mut input = SurfaceInput {
-        basis: Some(PerDirection::Each {
-            u: basis::read(u.basis, "surface.u.basis")?,
-            v: basis::read(v.basis, "surface.v.basis")?,
-        }),
-        closed: Some(PerDirection::Each {
-            u: u.closed,
-            v: v.closed,
-        }),
+        basis: has_basis.then_some(bases),
+        closed: closed(&surface.scattered, [u.closed, v.closed]),
         ends: Some(PerDirection::Each {
             u: ends(u.ends, columns, "surface.u.ends")?,
             v: ends(v.ends, rows, "surface.v.ends")?,
@@ -206,6 +205,19 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     Ok(input)
 }
 
+/// Which directions are closed. Sections say it themselves, or their ends do.
+fn closed(
+    scattered: &Option<pb::ScatteredParameters>,
+    [u, v]: [bool; 2],
+) -> Option<PerDirection<bool>> {
+    let sections = scattered.as_ref().filter(|it| !it.sections.is_empty());
+    let (is_said, v) = match sections.map(|it| it.closed_sections) {
+        None => (true, v),
+        Some(said) => (u || v || said.is_some(), said.unwrap_or(v)),
+    };
+    is_said.then_some(PerDirection::Each { u, v })
+}
+
 /// The parameters of scattered points.
 fn scattered(
     parameters: pb::ScatteredParameters,
@@ -219,10 +231,26 @@ fn scattered(
         center,
         u,
         v,
+        sections,
+        closed_sections,
     } = parameters;
     if grid.is_rows() {
         let detail = "scattered points have one column, or neither rows nor columns";
         return Err(Mistake::at_text("surface.columns", detail));
+    }
+    if !sections.is_empty() {
+        let others = foot_points.is_some() || !values.is_empty() || projection != 0;
+        if others || !axis.is_empty() || !center.is_empty() || u.is_some() || v.is_some() {
+            let detail = "sections have parameters of their own";
+            return Err(Mistake::at_text("surface.scattered.sections", detail));
+        }
+        let counts: Vec<usize> = sections.iter().map(|&count| count as usize).collect();
+        return Ok(SurfaceParameters::Scattered(Scattered::Sections(
+            Sections {
+                closed: closed_sections,
+                ..Sections::new(counts)
+            },
+        )));
     }
     let field = "surface.scattered.values";
     let projection = known(projection, "surface.scattered.projection")?;
@@ -369,6 +397,11 @@ fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
                 ..Default::default()
             }
         }
+        Scattered::Sections(Sections { counts, closed }) => pb::ScatteredParameters {
+            sections: counts.iter().map(|&it| count(it)).collect(),
+            closed_sections: *closed,
+            ..Default::default()
+        },
         Scattered::Auto => pb::ScatteredParameters::default(),
         Scattered::Plane => on(pb::Projection::Plane),
         Scattered::Coordinates(CoordinatePlane::Xy) => on(pb::Projection::Xy),

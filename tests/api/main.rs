@@ -116,6 +116,7 @@ mod rpc_operations;
 mod salvage;
 mod scales;
 mod scattered;
+mod sections;
 mod secure;
 mod settings;
 mod shape;

@@ -258,3 +258,19 @@ def test_a_tube_is_closed(client: piad.Client) -> None:
         (start, end), (low, high) = result.surface.domain
         rows = result.surface.evaluate([start, end], np.linspace(low, high, 9))
         assert np.allclose(rows[0], rows[1], atol=1e-10)
+
+
+def test_sections_have_any_number_of_points(client: piad.Client) -> None:
+    def ring(count: int, height: float, start: float) -> Array:
+        angle = start + 2 * np.pi * np.arange(count) / count
+        return np.stack([3 * np.cos(angle), 2 * np.sin(angle), np.full(count, height)], axis=1)
+
+    sections = [ring(20, 0, 0), ring(31, 2, 1)[::-1], ring(24, 4, 2), ring(26, 6, 5)]
+    result = client.fit(sections, sections=True, tolerance=0.001)
+    assert result.converged
+    assert result.closed == (False, True)
+    u, v = result.domain
+    mid = result.point(sum(u) / 2, v[0])
+    assert abs((mid[0] / 3) ** 2 + (mid[1] / 2) ** 2 - 1) < 0.01
+    with pytest.raises(piad.PiadError, match="section 1 is the same"):
+        client.fit([sections[0], sections[0]], sections=True)

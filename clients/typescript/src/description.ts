@@ -685,7 +685,7 @@ export interface components {
             surface?: components["schemas"]["SurfaceInput"] | null;
             /** @description How weights are used; only with weights. */
             rational?: components["schemas"]["Rational"] | null;
-            /** @description The method; without one `global`, and of polylines least squares with `control_points` `"auto"`. */
+            /** @description The method; without one `global`, and of polylines and sections least squares with `control_points` `"auto"`. */
             method?: components["schemas"]["Method"] | null;
             /** @description When the iteration ends. */
             stop?: components["schemas"]["StopRules"] | null;
@@ -923,8 +923,8 @@ export interface components {
          */
         RepeatedPoints: "refuse" | "merge";
         /**
-         * @description A surface through a grid of data points, or near scattered ones, which only least squares fits: one
-         *     of `points` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
+         * @description A surface through a grid of data points, through sections, or near scattered points, which only least squares fits: one
+         *     of `points`, `sections` and `scattered` is given. `basis`, `parameters` and `closed` are one value for both
          *     directions, or one for each.
          * @example {
          *       "points": [
@@ -1004,7 +1004,13 @@ export interface components {
             origin?: number[] | null;
             /** @description Points without rows and columns, for least-squares fits; `parameters` says where each of them is. */
             scattered?: components["schemas"]["ScatteredPoints"] | null;
-            /** @description The bases; without them cubic B-splines. */
+            /**
+             * @description Curves across the surface: u goes from one to the next, and v along them. They are scattered points whose
+             *     `parameters` are `{"sections": […]}`, the number of points of each. Closed sections may start anywhere and go either
+             *     way around; without `closed` they are those whose ends are near each other in all of them.
+             */
+            sections?: components["schemas"]["Sections"] | null;
+            /** @description The bases; without them cubic B-splines, of few sections of a lower degree. */
             basis?: components["schemas"]["Basis"] | components["schemas"]["BasisPair"] | null;
             /** @description Short for B-splines of this degree, instead of `basis`. */
             degree?: number | components["schemas"]["DegreePair"] | null;
@@ -1079,6 +1085,51 @@ export interface components {
          */
         ScatteredPoints: number[][];
         /**
+         * @description Sections of a surface, curves across it: lists of points in their order, each with as many as it has.
+         * @example [
+         *       [
+         *         [
+         *           0,
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           1,
+         *           0,
+         *           1
+         *         ],
+         *         [
+         *           3,
+         *           0,
+         *           0
+         *         ]
+         *       ],
+         *       [
+         *         [
+         *           0,
+         *           2,
+         *           0
+         *         ],
+         *         [
+         *           2,
+         *           2,
+         *           2
+         *         ],
+         *         [
+         *           3,
+         *           2,
+         *           1
+         *         ],
+         *         [
+         *           4,
+         *           2,
+         *           0
+         *         ]
+         *       ]
+         *     ]
+         */
+        Sections: number[][][];
+        /**
          * @description A value for each direction of a surface.
          * @example {
          *       "u": {
@@ -1119,7 +1170,7 @@ export interface components {
             v: components["schemas"]["Degree"];
         };
         /**
-         * @description How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection or by their foot points on another surface.
+         * @description How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection, as sections or by their foot points on another surface.
          * @example centripetal
          * @example [
          *       [
@@ -1169,6 +1220,16 @@ export interface components {
             pairs: number[][];
             /** @description How far they go where that is not from the least to the largest parameter. */
             domains?: components["schemas"]["ParameterDomains"];
+        } | {
+            /**
+             * @description The number of points of each section.
+             * @example [
+             *       24,
+             *       40,
+             *       31
+             *     ]
+             */
+            sections: number[];
         } | {
             /** @description The other job. */
             foot_points: components["schemas"]["FootPointsRequest"];
@@ -3678,7 +3739,7 @@ export interface components {
             parameters?: number[];
         };
         /**
-         * @description The points of a surface.
+         * @description The points of a surface: in rows, or those of sections.
          * @example {
          *       "points": [
          *         [
@@ -3710,7 +3771,11 @@ export interface components {
          */
         SurfacePoints: {
             /** @description Rows of points. */
-            points: components["schemas"]["PointGrid"];
+            points?: components["schemas"]["PointGrid"];
+            /** @description The points of sections, one after the other. */
+            scattered?: components["schemas"]["ScatteredPoints"];
+            /** @description How many of them each section has. */
+            parameters?: components["schemas"]["SurfaceParameters"];
         };
         /**
          * @description Where the difference vectors of the fixed points of a local fit end.
@@ -5646,6 +5711,7 @@ export type RepeatedPoints = components['schemas']['RepeatedPoints'];
 export type SurfaceInput = components['schemas']['SurfaceInput'];
 export type PointGrid = components['schemas']['PointGrid'];
 export type ScatteredPoints = components['schemas']['ScatteredPoints'];
+export type Sections = components['schemas']['Sections'];
 export type BasisPair = components['schemas']['BasisPair'];
 export type Degree = components['schemas']['Degree'];
 export type DegreePair = components['schemas']['DegreePair'];

@@ -12,7 +12,7 @@ pub use crate::iteration::{Iteration, Level};
 pub use crate::matrix::forecast::Forecast;
 pub use crate::matrix::spectrum::least_eigenvalue;
 pub use crate::matrix::tensor::Tensor;
-pub use crate::parameters::{Parametrized, parameters};
+pub use crate::parameters::{Parametrized, is_stack, parameters};
 pub use crate::problem::Problem;
 pub use crate::problem::admission::Admission;
 pub use crate::problem::request::{Request, Tolerance, Weights};

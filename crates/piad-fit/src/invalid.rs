@@ -203,6 +203,8 @@ pub enum Place {
     Points,
     /// The data point with this index; on surfaces `row · columns + column`.
     Point(usize),
+    /// One of the sections of a surface.
+    Section(usize),
     /// A row (u) or a column (v) of the data of a surface; a data point of a curve.
     Line(Axis, usize),
     /// The degree of a direction.

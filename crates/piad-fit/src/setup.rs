@@ -40,6 +40,8 @@ pub struct Setup {
     pub(super) missing: Option<Missing>,
     /// How far both directions go if the points of the surface are scattered.
     pub(super) scattered: Option<[Domain; 2]>,
+    /// The numbers of points of the sections that the points of the surface are, if they are some.
+    pub(super) sections: Option<Arc<Vec<usize>>>,
     /// True if the edges between the points of the curve are data, too.
     pub(super) polyline: bool,
     /// The direction of a curve, or u of a surface.
@@ -112,6 +114,13 @@ impl Setup {
     /// have a parameter for each point, in any order.
     pub fn is_scattered(&self) -> bool {
         self.scattered.is_some()
+    }
+
+    /// The most control points of a surface through sections: twice as many along each as the longest one has points.
+    pub(super) fn most_of_sections(&self) -> Option<usize> {
+        let counts = self.sections.as_ref()?;
+        let most = counts.iter().max().copied().unwrap_or_default();
+        Some(counts.len().saturating_mul(2 * most))
     }
 
     /// Which ends of v are poles, where all control points are one.

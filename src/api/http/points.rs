@@ -19,7 +19,9 @@ use super::answer::whole;
 use super::body_limits::ReceivedBody;
 use super::{body, negotiate};
 use crate::api::app::App;
-use crate::api::json::request::file::{self, COLUMNS, FileHints, FileWords, ORDER, PART, SIZE};
+use crate::api::json::request::file::{
+    self, COLUMNS, FileHints, FileWords, ORDER, PART, SECTIONS, SIZE,
+};
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
 use crate::api::json::view::to_bytes;
@@ -48,6 +50,8 @@ const SHORTEST: usize = 4;
 struct PointsQuery {
     #[serde(rename = "surface.size")]
     size: Option<String>,
+    #[serde(rename = "surface.sections")]
+    sections: Option<String>,
     #[serde(rename = "curve.order")]
     order: Option<String>,
     #[serde(rename = "curve.parameters")]
@@ -63,6 +67,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     let mut reading = FileHints::default();
     for (name, text) in [
         (SIZE, query.size),
+        (SECTIONS, query.sections),
         (ORDER, query.order),
         (COLUMNS, query.columns),
         (PART, query.part),

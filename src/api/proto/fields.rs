@@ -93,6 +93,7 @@ impl MessageLayout {
             P::Points => format!("{root}.points"),
             P::Point(index) | P::Line(Axis::V, index) => self.point(index),
             P::Line(Axis::U, index) => self.point(index * self.columns.max(1)),
+            P::Section(index) => format!("{root}.scattered.sections[{index}]"),
             P::Basis(axis) => self.direction(axis, "basis"),
             P::Degree(axis) => self.direction(axis, "basis.degree"),
             P::Knots(axis) => self.direction(axis, "basis.knots"),

@@ -48,6 +48,7 @@ ScatteredParameters = Union[
     Literal["auto", "project"],
     Mapping[Literal["project", "axis", "center"], Any],
     Mapping[Literal["pairs", "domains"], Any],
+    Mapping[Literal["sections"], Sequence[int]],
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]
@@ -67,9 +68,10 @@ def job(
     knots: Optional[PerDirection[Knots]],
     parameters: Union[PerDirection[Parameters], ScatteredParameters, None],
     scattered: bool,
+    sections: bool,
     spacing: Optional[Sequence[float]],
     origin: Optional[Sequence[float]],
-    closed: PerDirection[bool],
+    closed: Optional[PerDirection[bool]],
     corners: Optional[Corners],
     creases: Optional[Mapping[str, Sequence[int]]],
     polyline: bool,
@@ -84,11 +86,11 @@ def job(
     stream: Optional[Mapping[str, Any]],
 ) -> dict[str, Any]:
     """A body for `POST /v1/jobs`. What is None is left to the server."""
-    kind = "surface" if scattered or spacing is not None else _kind(points)
+    kind = "surface" if scattered or sections or spacing is not None else _kind(points)
     if scattered and depth(points) != 2:
         raise ValueError(f"scattered points are a list of points (2 dimensions), these have {depth(points)}")
     shape = {
-        "scattered" if scattered else "points": as_lists(points) if spacing is None else _heights(points),
+        "sections" if sections else "scattered" if scattered else "points": _lists(points, sections, spacing),
         "spacing": plain(spacing),
         "origin": plain(origin),
         "basis": _bases(basis, degree, knots),
@@ -112,6 +114,13 @@ def job(
             "stream": stream,
         }
     )
+
+
+def _lists(points: Any, sections: bool, spacing: Optional[Sequence[float]]) -> Any:
+    """Points as lists; sections have different numbers of them."""
+    if sections:
+        return [as_lists(section) for section in points]
+    return as_lists(points) if spacing is None else _heights(points)
 
 
 def _heights(heights: Any) -> Any:

@@ -5,6 +5,7 @@ use super::error::FileError;
 use super::imported::{Hints, Imported, Kind};
 use super::part::{Order, Part};
 use super::repeated;
+use super::sections;
 use super::times;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::is_unordered;
@@ -21,11 +22,12 @@ const SCATTERED: &str = "The points have no order, and are scattered points of a
 ///
 /// If they are neither: no order, another number of rows than is asked for, times that do not increase.
 pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileError> {
-    let surface = hints.kind == Some(Kind::Surface);
+    let are_sections = part.order == Order::Sections;
+    let surface = hints.kind == Some(Kind::Surface) || are_sections;
     let grid = grid(&mut part, hints)?;
     let looked_at = match part.order {
         Order::Unsaid => grid.is_none() && !hints.ordered && is_unordered(&part.points),
-        Order::Curve | Order::Rows(_) => false,
+        Order::Curve | Order::Rows(_) | Order::Sections => false,
         Order::None => !hints.ordered,
     };
     let unordered = looked_at || (part.order == Order::None && surface);
@@ -39,12 +41,17 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
     if curve {
         repeated::leave_out(&mut part);
     }
-    let closed = grid.is_none() && closed_outline::closed(&mut part, hints);
+    let closed = grid.is_none() && !are_sections && closed_outline::closed(&mut part, hints);
     let parameters = match curve {
         true => times::parameters(&mut part, hints)?,
         false => None,
     };
+    let sections = match are_sections {
+        true => sections::counts(&part),
+        false => Vec::new(),
+    };
     Ok(Imported {
+        sections,
         points: part.points,
         grid,
         missing: part.missing,
@@ -64,6 +71,9 @@ fn grid(part: &mut Part, hints: &Hints) -> Result<Option<Grid>, FileError> {
     if let Order::Rows(grid) = part.order {
         check_rows(grid, hints)?;
         return Ok(Some(grid));
+    }
+    if part.order == Order::Sections {
+        return Ok(None);
     }
     Ok(match (hints.size, hints.kind) {
         (Some(size), _) => Some(asked_for(part, size)?),
@@ -96,6 +106,13 @@ pub(super) fn is_several(table: &Part, hints: &Hints) -> bool {
     // A blank line after each point parts nothing.
     let spaced = table.breaks.len() + 1 == table.points.len();
     !table.breaks.is_empty() && !surface && !rows && !spaced
+}
+
+/// Returns true if blank lines are between rows of different lengths.
+pub(super) fn are_uneven_rows(table: &Part, hints: &Hints) -> bool {
+    let is_grid = hints.size.is_some() || rows(table).is_some() || lattice(&table.points).is_some();
+    let least = sections::counts(table).into_iter().min();
+    !table.breaks.is_empty() && table.points.dimension() == 3 && !is_grid && least >= Some(2)
 }
 
 fn asked_for(part: &Part, size: Grid) -> Result<Grid, FileError> {

@@ -19,6 +19,8 @@ pub struct Hints {
     pub columns: Option<Columns>,
     /// Which part is read of a file with several.
     pub part: Option<PartChoice>,
+    /// True if the parts of the file are sections of a surface; the file shows it where nobody says it.
+    pub sections: Option<bool>,
     /// True if the times of points are the parameters of a curve.
     pub times: bool,
     /// The most points that may be in it.
@@ -35,6 +37,7 @@ impl Default for Hints {
             ordered: false,
             columns: None,
             part: None,
+            sections: None,
             times: false,
             most: usize::MAX,
         }
@@ -75,6 +78,8 @@ pub struct Imported {
     pub points: Points,
     /// The rows and columns of a surface.
     pub grid: Option<Grid>,
+    /// The numbers of points of the sections of a surface, if the points are sections.
+    pub sections: Vec<usize>,
     /// The indices of missing points of a surface, increasing.
     pub missing: Vec<usize>,
     /// True if the curve is closed; its first point is there once.

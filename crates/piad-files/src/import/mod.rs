@@ -28,7 +28,7 @@
 //!   MSES has above the points is known;
 //! - `closed_outline`: an outline that comes back to its first point is closed;
 //! - `repeated`: points that equal the one before them are kept once;
-//! - `grid_detection`: rows of points become a surface.
+//! - `grid_detection`: rows of points become a surface; `sections`: curves that are sections of one.
 
 mod airfoil;
 mod array;
@@ -70,6 +70,7 @@ mod repeated;
 mod sample;
 mod sampled;
 mod scattered;
+mod sections;
 mod stl;
 mod svg;
 mod table;
@@ -121,17 +122,24 @@ pub fn read_parts(file: &[u8], hints: &Hints) -> Result<Vec<Imported>, FileError
     Ok(all.collect::<Result<_, _>>()?)
 }
 
-/// The parts of a file as its format has them.
+/// The parts of a file, sections as one.
 fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
+    let (parts, is_table) = parts_of_format(file, hints)?;
+    Ok(sections::joined(parts, is_table, hints)?)
+}
+
+/// The parts of a file as its format has them, and true if that is a table.
+fn parts_of_format(file: &[u8], hints: &Hints) -> Result<(Parts, bool), FileErrors> {
     let file = encoding::as_utf8(file)?;
     if let Some(format) = ByteFormat::of(&file) {
         check_no_columns(hints)?;
-        return Ok(match format {
-            ByteFormat::Las => las::read(&file, hints)?.into(),
-            ByteFormat::Pcd => pcd::read(&file, hints)?.into(),
-            ByteFormat::Ply => ply::read(&file, hints)?.into(),
-            ByteFormat::Stl => stl::read_binary(&file, hints)?.into(),
-        });
+        let part = match format {
+            ByteFormat::Las => las::read(&file, hints)?,
+            ByteFormat::Pcd => pcd::read(&file, hints)?,
+            ByteFormat::Ply => ply::read(&file, hints)?,
+            ByteFormat::Stl => stl::read_binary(&file, hints)?,
+        };
+        return Ok((part.into(), false));
     }
     unread::check(&file)?;
     let text = unread::without_padding(&file);
@@ -143,7 +151,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     if format != Format::Table {
         check_no_columns(hints)?;
     }
-    match format {
+    let parts = match format {
         Format::Array => Ok(array::read(&text, hints)?.into()),
         Format::Dxf => dxf::read(&text, hints),
         Format::GCode => gcode::read(&text, hints),
@@ -156,7 +164,8 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
         Format::EsriGrid => Ok(esri_grid::read(&text, hints)?.into()),
         Format::Svg => svg::read(&text, hints),
         Format::Table => tables(airfoil::around(lines::read(&text, hints)?), hints),
-    }
+    };
+    Ok((parts?, format == Format::Table))
 }
 
 /// Refuses columns where there is no table.

@@ -46,6 +46,8 @@ pub(super) enum Order {
     Curve,
     /// They are rows of a surface.
     Rows(Grid),
+    /// They are sections of a surface, between which are the breaks.
+    Sections,
     /// None: they are a cloud, or the vertices of a mesh.
     None,
 }

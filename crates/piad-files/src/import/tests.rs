@@ -13,6 +13,7 @@ pub(super) const HINTS: Hints = Hints {
     ordered: false,
     columns: None,
     part: None,
+    sections: None,
     times: false,
     most: 100,
 };

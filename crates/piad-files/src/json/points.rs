@@ -78,6 +78,44 @@ pub fn read_rows<'de, D: Deserializer<'de>>(
     deserializer.deserialize_any(RowsVisitor(limits))
 }
 
+/// Reads sections, `[[[x, y, z], …], …]`, lists of points that need not be of the same length: all points, and how many of
+/// them each section has.
+///
+/// # Errors
+///
+/// Anything else, a section without points, and more points than the limits allow.
+pub fn read_sections<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    limits: ListLimits,
+) -> Result<(Points, Vec<usize>), D::Error> {
+    struct SectionsVisitor(ListLimits);
+
+    impl<'de> Visitor<'de> for SectionsVisitor {
+        type Value = (Points, Vec<usize>);
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("sections, [[[x, y, z], …], …]")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+            let gathered = RefCell::new(Gathered::new(self.0));
+            let mut counts = Vec::new();
+            while let Some(count) = list.next_element_seed(Row(&gathered, Under::Edit))? {
+                if count == 0 {
+                    let index = counts.len();
+                    return Err(A::Error::custom(format_args!(
+                        "section {index} has no points"
+                    )));
+                }
+                counts.push(count);
+            }
+            Ok((gathered.into_inner().points()?, counts))
+        }
+    }
+
+    deserializer.deserialize_any(SectionsVisitor(limits))
+}
+
 /// The coordinates of a point.
 #[derive(Clone, Debug, Serialize)]
 #[serde(transparent)]

@@ -42,6 +42,13 @@ impl Distances {
         Self::by_blocks(squares, unit, |_, _| ())
     }
 
+    /// Those of the first data alone.
+    pub(crate) fn of_first(&self, count: usize, unit: f64) -> Self {
+        let first = self.each[..count].iter();
+        let squares = first.map(|distance| (distance * unit) * (distance * unit));
+        Self::of_squares(squares.collect(), unit)
+    }
+
     /// The same without what is free of each.
     pub(crate) fn beyond(&self, freedom: &[f64], unit: f64) -> Self {
         let left = |(distance, free): (&f64, &f64)| match distance - free {

@@ -10,7 +10,7 @@ use crate::data::grid::Grid;
 use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::edges::Edges;
-use crate::knot_selection::surface::MOST_FACTOR;
+use crate::knot_selection::surface::{MOST_FACTOR, sections};
 use crate::method::{Automatic as Settings, LeastSquares, MORE_NUMBERS};
 use crate::parameters::{Domain, Pairs};
 use crate::setup::Setup;
@@ -107,9 +107,10 @@ pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usi
         .map(|it| it.basis.degree() + 1)
         .max()
         .unwrap_or(1);
-    let data = match setup.polyline {
-        true => Edges::most(setup.grid().count()),
-        false => setup.grid().count(),
+    let data = match (&setup.sections, setup.polyline) {
+        (Some(counts), _) => sections::most_points(counts),
+        (None, true) => Edges::most(setup.grid().count()),
+        (None, false) => setup.grid().count(),
     };
     // A value of each function at each parameter twice, distances and parameters of five levels,
     // residual and image of a step, weights, and what is being computed.

@@ -155,6 +155,10 @@ impl Problem {
             lifted,
             missing: missing.or_else(|| inliers.as_ref()?.missing()),
             scattered: pairs.map(|pairs| pairs.domains),
+            sections: match &alone.as_ref().unwrap_or(&request).scattered {
+                Some(Scattered::Sections(sections)) => Some(Arc::clone(&sections.counts)),
+                _ => None,
+            },
             polyline: request.polyline,
             offsets,
             target,
@@ -284,7 +288,8 @@ impl Problem {
             Some(_) => grid.rows,
         };
         let most = settings.u.min(rows).saturating_mul(columns);
-        most.max(self.control_grid().count())
+        most.max(self.most_of_sections().unwrap_or_default())
+            .max(self.control_grid().count())
     }
 
     /// What is fitted, whatever the method.
@@ -397,7 +402,9 @@ impl Problem {
 /// How scattered points get their parameters, if that is to be chosen.
 fn chosen(request: &Request) -> Result<Option<Scattered>, Invalid> {
     match &request.scattered {
-        Some(Scattered::Auto) => Scattered::Auto.chosen(&request.points).map(Some),
+        Some(rule @ (Scattered::Auto | Scattered::Sections(_))) => {
+            rule.chosen(&request.points).map(Some)
+        }
         _ => Ok(None),
     }
 }

@@ -123,6 +123,7 @@ impl Inliers {
             },
             scattered: request.scattered.as_ref().map(|scattered| match scattered {
                 Scattered::Given(pairs) => Scattered::Given(pairs.of(self.indices.iter().copied())),
+                Scattered::Sections(sections) => Scattered::Sections(sections.of(&self.indices)),
                 rule => rule.clone(),
             }),
             u,

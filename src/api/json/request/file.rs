@@ -24,6 +24,9 @@ use piad_fit::data::Grid;
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 pub(crate) const SIZE: &str = "surface.size";
 
+/// True if the parts of a file are sections of one surface.
+pub(crate) const SECTIONS: &str = "surface.sections";
+
 /// The order of the points of a curve.
 pub(crate) const ORDER: &str = "curve.order";
 
@@ -47,6 +50,8 @@ pub(crate) struct FileHints {
     pub columns: Option<Columns>,
     /// Which part is read of a file with several.
     pub part: Option<PartChoice>,
+    /// True if the parts are sections of one surface.
+    pub sections: Option<bool>,
 }
 
 impl FileHints {
@@ -58,6 +63,10 @@ impl FileHints {
     pub(crate) fn take(&mut self, name: &str, text: &str) -> Result<bool, String> {
         match name {
             SIZE => self.size = Some(size(text)?),
+            SECTIONS => {
+                let wrong = |_| format!("{} is neither true nor false", short::quoted(text));
+                self.sections = Some(text.parse::<bool>().map_err(wrong)?);
+            }
             PART => self.part = Some(PartChoice::of_text(text)),
             COLUMNS => self.columns = Some(Columns::of_text(text)?),
             ORDER if ORDERS.contains(&text) => self.ordered = true,
@@ -97,10 +106,12 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         ordered,
         columns,
         part,
+        sections,
     } = reading;
     let has = |name| fields.contains_key(name);
     let of_curve = |name| fields.get("curve").and_then(|curve| curve.get(name));
-    let kind = match (has("curve"), has("surface") || size.is_some()) {
+    let is_surface = has("surface") || size.is_some() || sections == Some(true);
+    let kind = match (has("curve"), is_surface) {
         (true, _) => Some(FileKind::Curve),
         (false, true) => Some(FileKind::Surface),
         (false, false) => None,
@@ -112,6 +123,7 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         ordered: ordered || of_curve("order").is_some(),
         columns,
         part,
+        sections,
         times: of_curve("parameters").is_some_and(|it| it == TIME),
         most,
     }
@@ -194,9 +206,13 @@ fn parts_of_job(
 ) -> Result<(Map<String, Value>, Data, Lines), Problem> {
     let lines = Lines {
         columns: file.grid.map_or(1, |grid| grid.columns),
+        sections: file.sections.clone(),
         lines: file.lines,
     };
-    let shown = file.grid.map_or(FileKind::Curve, |_| FileKind::Surface);
+    let shown = match file.grid.is_some() || !file.sections.is_empty() {
+        true => FileKind::Surface,
+        false => FileKind::Curve,
+    };
     let kind = hints.kind.unwrap_or(shown);
     let (name, list, data) = match (kind, file.grid) {
         (FileKind::Curve, _) => ("curve", "points", Data::Curve(file.points)),
@@ -210,6 +226,10 @@ fn parts_of_job(
     if let Some(shape) = shape.as_object_mut() {
         if let Some(parameters) = file.surface_parameters {
             let parameters = || json!(parameters);
+            shape.entry("parameters").or_insert_with(parameters);
+        }
+        if !file.sections.is_empty() {
+            let parameters = || json!({"sections": file.sections});
             shape.entry("parameters").or_insert_with(parameters);
         }
         if list == "scattered" && file.unordered {
@@ -256,6 +276,8 @@ impl Words for FileWords {
 #[derive(Debug)]
 struct Lines {
     columns: usize,
+    /// The numbers of points of sections.
+    sections: Vec<usize>,
     lines: Vec<u32>,
 }
 
@@ -263,14 +285,19 @@ impl Lines {
     /// The line of a point of the JSON at a pointer, or the parameter of another field.
     fn place(&self, pointer: String) -> Location {
         let lists = ["/curve/points", "/surface/points", "/surface/scattered"];
-        match lists
-            .into_iter()
-            .find_map(|list| pointer.strip_prefix(list))
-        {
-            Some(rest) if !self.lines.is_empty() => Location::Line(self.line(rest)),
-            Some(_) => Location::Pointer(pointer),
-            None if pointer.is_empty() => Location::Pointer(pointer),
-            None => Location::Parameter(pointer.trim_start_matches('/').replace('/', ".")),
+        let mut found = lists.into_iter();
+        let point = found.find_map(|list| pointer.strip_prefix(list));
+        let section = pointer.strip_prefix("/surface/parameters/sections/");
+        let section = section.and_then(|index| index.parse::<usize>().ok());
+        match (point, section) {
+            (Some(rest), _) if !self.lines.is_empty() => Location::Line(self.line(rest)),
+            (None, Some(index)) if !self.lines.is_empty() => {
+                let before: usize = self.sections.iter().take(index).sum();
+                Location::Line(self.line(&before.to_string()))
+            }
+            (Some(_), _) => Location::Pointer(pointer),
+            (None, _) if pointer.is_empty() => Location::Pointer(pointer),
+            (None, _) => Location::Parameter(pointer.trim_start_matches('/').replace('/', ".")),
         }
     }
 

@@ -34,6 +34,8 @@ pub(crate) struct Places {
     ends: [EndsForm; 2],
     /// The points are scattered.
     scattered: bool,
+    /// The points are in sections.
+    sections: bool,
     /// How the method is written.
     method: MethodForm,
 }
@@ -92,7 +94,8 @@ impl Places {
                 &surface.parameters,
                 Some(SurfaceParameters::Grid(PerDirection::Each { .. }))
             ),
-            scattered: surface.scattered.is_some(),
+            scattered: surface.scattered.is_some() || surface.sections.is_some(),
+            sections: surface.sections.is_some(),
             closed_each: is_each(&surface.closed),
             weights_each: is_each(&surface.weights),
             ends_each: is_each(&surface.ends),
@@ -166,6 +169,8 @@ impl Places {
         match place {
             P::Points => format!("{root}/{}", self.points()),
             P::Point(index) => self.element(self.points(), index),
+            P::Section(index) if self.sections => format!("{root}/sections/{index}"),
+            P::Section(index) => format!("{root}/parameters/sections/{index}"),
             P::Line(Axis::U, index) => format!("{root}/points/{index}"),
             P::Line(Axis::V, index) => format!("{root}/points/0/{index}"),
             P::Basis(axis) => self.basis(axis),

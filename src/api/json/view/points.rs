@@ -6,8 +6,11 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::api::json::plain::never_null;
+use crate::model::numbers::ScatteredPoints;
 use crate::model::points::{PointGrid, PointList};
+use crate::model::scattered::SurfaceParameters;
 use piad_files::import::Imported;
+use piad_fit::parameters::{Scattered, Sections};
 
 /// The points of a file as a job has them: one of `curve` and `surface` is there.
 #[derive(Serialize, JsonSchema)]
@@ -43,12 +46,21 @@ struct CurvePoints {
     parameters: Option<Vec<f64>>,
 }
 
-/// The points of a surface.
+/// The points of a surface: in rows, or those of sections.
 #[derive(Serialize, JsonSchema)]
+#[schemars(transform = never_null)]
 #[schemars(extend("examples" = [{"points": [[[0, 0, 0], [0, 1, 1]], [[1, 0, 1], [1, 1, 2]]]}]))]
 struct SurfacePoints {
     /// Rows of points.
-    points: PointGrid,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<PointGrid>,
+    /// The points of sections, one after the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<ScatteredPoints>")]
+    scattered: Option<PointList>,
+    /// How many of them each section has.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<SurfaceParameters>,
 }
 
 impl PointsView {
@@ -57,6 +69,7 @@ impl PointsView {
         let Imported {
             points,
             grid,
+            sections,
             missing,
             closed,
             parameters,
@@ -66,6 +79,16 @@ impl PointsView {
         } = file;
         let points = Arc::new(points);
         let (curve, surface) = match grid {
+            None if !sections.is_empty() => (
+                None,
+                Some(SurfacePoints {
+                    points: None,
+                    scattered: Some(PointList(points)),
+                    parameters: Some(SurfaceParameters::Scattered(Scattered::Sections(
+                        Sections::new(sections),
+                    ))),
+                }),
+            ),
             None => (
                 Some(CurvePoints {
                     points: PointList(points),
@@ -77,11 +100,13 @@ impl PointsView {
             Some(grid) => (
                 None,
                 Some(SurfacePoints {
-                    points: PointGrid {
+                    points: Some(PointGrid {
                         points,
                         missing,
                         grid,
-                    },
+                    }),
+                    scattered: None,
+                    parameters: None,
                 }),
             ),
         };

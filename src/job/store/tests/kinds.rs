@@ -17,7 +17,7 @@ use piad_fit::method::{
     Omega, Start, Sweeps, Threshold, Variant, Weighted,
 };
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sphere,
+    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sections, Sphere,
 };
 
 const CURVE: Grid = Grid {
@@ -154,6 +154,10 @@ fn scattered() -> impl Iterator<Item = Problem> {
             domains: [Domain::Closed(30.0), between],
         }),
         Scattered::Auto,
+        Scattered::Sections(Sections {
+            closed: Some(true),
+            ..Sections::new([SURFACE.count() / 2, SURFACE.count() - SURFACE.count() / 2])
+        }),
         Scattered::Plane,
         Scattered::Coordinates(CoordinatePlane::Xy),
         Scattered::Coordinates(CoordinatePlane::Yz),

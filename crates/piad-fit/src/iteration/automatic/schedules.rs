@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::basis::direction::Direction;
 use crate::data::distances::Distances;
-use crate::data::points::Points;
+use crate::data::points::{Points, normalizing_scale};
 use crate::geometry::norms::FitError;
 use crate::interrupt;
 use crate::knot_selection::breaks::Breaks;
@@ -91,18 +91,21 @@ impl Schedules {
         if let Some(v) = problem.v() {
             let parameters = [u, v].map(|it| Arc::clone(&it.parameters));
             let tolerance = problem.tolerance();
-            let data: Box<dyn Data> = match problem.is_scattered() {
-                _ if !settings.is_plain_surface() => {
-                    match FairSurface::new(problem.setup(), settings) {
-                        Some(fair) => Box::new(fair),
-                        None => Box::new(ConstrainedSurface::new(problem.setup(), settings)),
-                    }
+            let setup = problem.setup();
+            let fair = match settings.is_plain_surface() {
+                true => FairSurface::of_sections(setup, settings),
+                false => FairSurface::new(setup, settings),
+            };
+            let data: Box<dyn Data> = match (fair, problem.is_scattered()) {
+                (Some(fair), _) => Box::new(fair),
+                (None, _) if !settings.is_plain_surface() => {
+                    Box::new(ConstrainedSurface::new(setup, settings))
                 }
-                false => Box::new(GridData::new(points, problem.grid(), parameters)),
-                true => Box::new(ScatteredData::new(
+                (None, false) => Box::new(GridData::new(points, problem.grid(), parameters)),
+                (None, true) => Box::new(ScatteredData::new(
                     &points,
                     &parameters,
-                    problem.setup().poles(),
+                    setup.poles(),
                     tolerance,
                 )),
             };
@@ -177,12 +180,18 @@ impl Schedules {
                 let level = schedule.next_level()?;
                 let t = whole.directions().map(|it| Arc::clone(&it.parameters));
                 let parameters: Vec<Arc<Vec<f64>>> = t.collect();
+                let (all, given) = (&level.distances, whole.data().len());
+                // Those of points between the given ones are behind them.
+                let of_given = (all.each.len() > given).then(|| {
+                    let unit = normalizing_scale(whole.data().magnitude());
+                    all.of_first(given, unit)
+                });
                 return Some(Fit::new(
                     whole,
                     &level.lines,
                     &parameters,
                     &level.control_points,
-                    &level.distances,
+                    of_given.as_ref().unwrap_or(all),
                 ));
             }
         };

@@ -9,6 +9,7 @@
 //! - [`Data`]: what the schedule asks of the data. [`grid`]: a grid of points, which is fitted one
 //!   direction after the other; [`scattered`]: points without order, whose matrix is that of
 //!   [`rows`], by conjugate [`gradients`] of the [`normal`] equations.
+//! - [`sections`]: points between those of sections.
 //! - [`lines`]: the lines of grids as curves in many dimensions; [`transfer`]: where a surface starts
 //!   over other knots.
 //!
@@ -29,6 +30,7 @@ mod rows;
 pub(crate) mod scattered;
 pub(crate) mod schedule;
 mod search;
+pub(crate) mod sections;
 mod transfer;
 
 use std::fmt::Debug;

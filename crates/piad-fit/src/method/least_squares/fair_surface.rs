@@ -10,7 +10,7 @@ use super::settings::{Fairness, LeastSquares};
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
-use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
+use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, sections};
 use crate::linear::stencil::Stencil;
 use crate::setup::Setup;
 
@@ -72,6 +72,22 @@ impl FairSurface {
         let fair = Self::new(setup, &all[0])?;
         Some(Self {
             settings: all,
+            ..fair
+        })
+    }
+
+    /// The same where the points are sections, with points between theirs behind them.
+    pub(crate) fn of_sections(setup: &Arc<Setup>, settings: &LeastSquares) -> Option<Self> {
+        let (counts, most) = (setup.sections.as_ref()?, setup.most_of_sections()?);
+        let fair = Self::unasked(setup, settings)?;
+        let v = setup.v()?;
+        let parameters = [setup.u(), v].map(|it| Arc::clone(&it.parameters));
+        let (points, parameters) =
+            sections::with_points_between(setup.data(), &parameters, counts, v.period());
+        let tolerance = setup.tolerance();
+        Some(Self {
+            scattered: ScatteredData::new(&points, &parameters, setup.poles(), tolerance)
+                .with_most(most),
             ..fair
         })
     }

@@ -11,6 +11,7 @@ mod normals;
 mod pairs;
 mod plane;
 mod rectangle;
+mod sections;
 mod sphere;
 mod unfolding;
 
@@ -23,6 +24,7 @@ use crate::invalid::{Axis, Invalid, Place};
 pub use cylinder::Cylinder;
 pub use pairs::{Domain, Pairs};
 pub(crate) use plane::nearest_to_their_plane;
+pub use sections::{Sections, is_stack};
 pub use sphere::Sphere;
 
 use plane::{Plane, no_plane, no_third_coordinate};
@@ -44,6 +46,8 @@ pub enum Scattered {
     Cylinder(Cylinder),
     /// Longitude and latitude on the sphere nearest to them.
     Sphere(Sphere),
+    /// From section to section, and along them.
+    Sections(Sections),
 }
 
 /// A plane of two coordinates, of which the first is u.
@@ -110,6 +114,7 @@ impl Scattered {
             }
             Self::Cylinder(cylinder) => cylinder.parameters(points, closed[0])?,
             Self::Sphere(sphere) => sphere.parameters(points, closed[0])?,
+            Self::Sections(sections) => sections.parameters(points, closed)?,
         };
         for (axis, at) in [(Axis::U, 0), (Axis::V, 1)] {
             check(pairs.values.lane(at), axis)?;
@@ -129,6 +134,7 @@ impl Scattered {
     /// Why the points have not even a plane.
     pub fn chosen(&self, points: &Points) -> Result<Self, Invalid> {
         match self {
+            Self::Sections(sections) => return Ok(Self::Sections(sections.known(points)?)),
             Self::Auto if points.dimension() == 3 => {}
             Self::Auto => return Ok(Self::Plane),
             other => return Ok(other.clone()),

@@ -1,0 +1,187 @@
+//! Sections: curves across a surface, each with points of its own, as many as it has.
+//!
+//! v of a point is its chord length along its section, as a part of that of the section, times the mean length of all
+//! sections. u of a section is the mean distance between the sections before it: of places at equal steps along them. Closed
+//! sections are turned so that these distances are least: each starts and goes around as it suits the one before it
+//! ([`alignment`]). Sections that cross each other are refused ([`crossing`]).
+
+mod alignment;
+mod crossing;
+mod polyline;
+mod stack;
+
+use std::sync::Arc;
+
+use super::pairs::{Domain, Pairs};
+use crate::data::points::Points;
+use crate::geometry::vectors::{length, minus};
+use crate::invalid::{Axis, Invalid, Place};
+
+pub use stack::is_stack;
+
+use alignment::Alignment;
+use polyline::Polyline;
+
+/// Sections are closed if the last point of each is this near to its first one, as a multiple of the largest distance
+/// between its neighbours and as a part of its length.
+const NEIGHBOURS: f64 = 1.5;
+const LENGTHS: f64 = 0.2;
+
+/// Points that are sections, one after the other.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Sections {
+    /// The number of points of each.
+    pub counts: Arc<Vec<usize>>,
+    /// True if the last point of each is followed by its first one. Without it that is so where these are near each other
+    /// in all sections.
+    pub closed: Option<bool>,
+}
+
+impl Sections {
+    /// Sections with these numbers of points.
+    pub fn new(counts: impl Into<Vec<usize>>) -> Self {
+        Self {
+            counts: Arc::new(counts.into()),
+            closed: None,
+        }
+    }
+
+    /// The degrees of a surface of which nothing is said: three, or less where there are few sections or points in them.
+    #[must_use]
+    pub fn usual_degrees(&self) -> [usize; 2] {
+        let most = self.counts.iter().max().copied().unwrap_or_default();
+        [self.counts.len(), most].map(|count| count.saturating_sub(1).clamp(1, 3))
+    }
+
+    /// Those of some of the points, whose indices increase.
+    pub(crate) fn of(&self, indices: &[usize]) -> Self {
+        let mut start = 0;
+        let kept = self.counts.iter().map(|count| {
+            let end = start + count;
+            let [before, after] =
+                [start, end].map(|it| indices.partition_point(|&index| index < it));
+            start = end;
+            after - before
+        });
+        Self {
+            counts: Arc::new(kept.collect()),
+            closed: self.closed,
+        }
+    }
+
+    /// u between the sections, and v along them, closed also where that is asked for.
+    pub(super) fn parameters(&self, points: &Points, closed: [bool; 2]) -> Result<Pairs, Invalid> {
+        let [u_is_closed, v_is_closed] = closed;
+        let sections = match v_is_closed {
+            true => Self {
+                closed: Some(true),
+                ..self.clone()
+            }
+            .polylines(points)?,
+            false => self.polylines(points)?,
+        };
+        let mean = sections.iter().map(Polyline::length).sum::<f64>() / sections.len() as f64;
+        let alignments = Alignment::of_all(&sections);
+        let mut u = vec![0.0];
+        for (index, pair) in alignments.windows(2).enumerate() {
+            let step = distance(&pair[0].places, &pair[1].places);
+            if step.is_nan() || step <= 0.0 {
+                let (before, section) = (index, index + 1);
+                let detail = format!("section {section} is the same as section {before}");
+                return Err(wrong(section, detail));
+            }
+            u.push(u[index] + step);
+        }
+        crossing::check(&sections)?;
+        let (mut all_u, mut all_v) = (Vec::new(), Vec::new());
+        for ((section, alignment), u) in sections.iter().zip(&alignments).zip(&u) {
+            let v = section.parts().map(|part| alignment.parameter(part) * mean);
+            all_v.extend(v);
+            all_u.resize(all_v.len(), *u);
+        }
+        let (first, last) = (&alignments[0], &alignments[alignments.len() - 1]);
+        let around = u[u.len() - 1] + distance(&last.places, &first.places);
+        let is_closed = sections.iter().all(|section| section.is_closed);
+        let domain = |is_closed, period| match is_closed {
+            true => Domain::Closed(period),
+            false => Domain::Data,
+        };
+        Ok(Pairs {
+            values: Arc::new(Points::from_lanes([all_u, all_v])),
+            domains: [domain(u_is_closed, around), domain(is_closed, mean)],
+        })
+    }
+
+    /// The same with all that is not given.
+    pub(super) fn known(&self, points: &Points) -> Result<Self, Invalid> {
+        let is_closed = self.polylines(points)?.iter().all(|it| it.is_closed);
+        Ok(Self {
+            closed: Some(is_closed),
+            ..self.clone()
+        })
+    }
+
+    /// The sections by themselves.
+    fn polylines(&self, points: &Points) -> Result<Vec<Polyline>, Invalid> {
+        let counts = &self.counts;
+        if counts.len() < 2 {
+            let count = counts.len();
+            let detail = format!("a surface through sections has two of them or more, not {count}");
+            return Err(Invalid::at(Place::Parameters(Axis::U), detail));
+        }
+        let (sum, expected) = (
+            counts
+                .iter()
+                .fold(0, |sum: usize, it| sum.saturating_add(*it)),
+            points.len(),
+        );
+        if sum != expected {
+            let detail = format!("the sections have {sum} points, and {expected} are given");
+            return Err(Invalid::at(Place::Parameters(Axis::U), detail));
+        }
+        let mut start = 0;
+        let sections = counts.iter().enumerate().map(|(index, &count)| {
+            let places = (start..start + count).map(|at| {
+                let mut place = [0.0; 3];
+                place.iter_mut().zip(points.point(at)).for_each(|(x, given)| *x = given);
+                place
+            });
+            start += count;
+            let section = Polyline::new(places.collect(), self.closed == Some(true));
+            section.ok_or_else(|| {
+                let detail = match self.closed {
+                    Some(true) => format!("section {index} has {count} points: a closed one has at least three, which are not all in one place"),
+                    _ => format!("section {index} has {count} points: it has at least two, which are not all in one place"),
+                };
+                wrong(index, detail)
+            })
+        });
+        let sections = sections.collect::<Result<Vec<_>, _>>()?;
+        let come_back = self.closed.is_none() && sections.iter().all(comes_back);
+        Ok(match come_back {
+            true => sections.into_iter().map(Polyline::closed).collect(),
+            false => sections,
+        })
+    }
+}
+
+/// Returns true if the last point of an open section is near its first one.
+fn comes_back(section: &Polyline) -> bool {
+    let gap = section.gap();
+    gap <= NEIGHBOURS * section.longest_edge() && gap <= LENGTHS * section.length()
+}
+
+/// The mean distance of places.
+fn distance(some: &[[f64; 3]], others: &[[f64; 3]]) -> f64 {
+    let pairs = some.iter().zip(others);
+    pairs.map(|(a, b)| length(minus(*b, *a))).sum::<f64>() / some.len() as f64
+}
+
+/// A mistake in a section.
+fn wrong(index: usize, detail: String) -> Invalid {
+    Invalid::at(Place::Section(index), detail)
+}
+
+#[cfg(test)]
+mod tests;
