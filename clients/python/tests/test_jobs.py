@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -261,16 +262,17 @@ def test_a_tube_is_closed(client: piad.Client) -> None:
 
 
 def test_sections_have_any_number_of_points(client: piad.Client) -> None:
-    def ring(count: int, height: float, start: float) -> Array:
+    def ring(count: int, height: float, start: float) -> Any:
         angle = start + 2 * np.pi * np.arange(count) / count
         return np.stack([3 * np.cos(angle), 2 * np.sin(angle), np.full(count, height)], axis=1)
 
     sections = [ring(20, 0, 0), ring(31, 2, 1)[::-1], ring(24, 4, 2), ring(26, 6, 5)]
     result = client.fit(sections, sections=True, tolerance=0.001)
-    assert result.converged
-    assert result.closed == (False, True)
-    u, v = result.domain
-    mid = result.point(sum(u) / 2, v[0])
-    assert abs((mid[0] / 3) ** 2 + (mid[1] / 2) ** 2 - 1) < 0.01
+    assert result.state == "converged"
+    (low, high), (start, end) = result.surface.domain
+    columns = result.surface.evaluate(np.linspace(low, high, 9), [start, end])
+    assert np.allclose(columns[:, 0], columns[:, 1], atol=1e-10)
+    x, y, _ = columns[4, 0]
+    assert abs((x / 3) ** 2 + (y / 2) ** 2 - 1) < 0.01
     with pytest.raises(piad.PiadError, match="section 1 is the same"):
         client.fit([sections[0], sections[0]], sections=True)
