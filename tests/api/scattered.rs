@@ -564,3 +564,61 @@ async fn every_plane_of_coordinates_serves() {
         .assert_refused(&job, "/surface/parameters", "have no z")
         .await;
 }
+
+/// A steep hill over a plane, to which the parameters of its points are far from the lengths on it: where they follow the
+/// surface, fewer control points do, and errors are distances. The result is made again of its input.
+#[tokio::test]
+async fn parameters_follow_the_surface() {
+    let server = Server::start().await;
+    let at = |i: u32, step: f64| (0.5 + f64::from(i) * step).fract() * 2.0 - 1.0;
+    let points: Vec<[f64; 3]> = (0..2_000)
+        .map(|i| [at(i, 0.754_877_666), at(i, 0.569_840_291)])
+        .map(|[x, y]| [x, y, 1.2 * (-8.0 * (x * x + y * y)).exp()])
+        .collect();
+    let mut counts = Vec::new();
+    for is_corrected in [false, true] {
+        let job = json!({
+            "surface": {"scattered": points, "parameters": {"project": "xy"}},
+            "method": {"kind": "least_squares", "control_points": "auto", "correct_parameters": is_corrected},
+            "stop": {"tolerance": 0.004},
+        });
+        let fitted = server.fit(&job).await;
+        assert_eq!(fitted["state"], "converged", "{fitted:#}");
+        let fit = result(&server, &fitted).await;
+        let rows = fit["control_points"].as_array().unwrap();
+        counts.push(rows.len() * rows[0].as_array().unwrap().len());
+        let has_moved = fit["parameters"]["u"][7].as_f64().unwrap() != points[7][0];
+        assert_eq!(has_moved, is_corrected, "{}", fit["parameters"]["u"][7]);
+        if is_corrected {
+            let deviation = server.get(&format!("{}/deviation", base(&fitted)));
+            let deviation: Value = deviation.send().await.unwrap().json().await.unwrap();
+            let (nearest, error) = (&deviation["max"], &fitted["error"]["max"]);
+            let ratio = nearest.as_f64().unwrap() / error.as_f64().unwrap();
+            assert!((0.8..=1.0).contains(&ratio), "{nearest} {error}");
+            let input = server.json(&format!("{}/input", base(&fitted))).await;
+            let again = result(&server, &server.fit(&input).await).await;
+            for field in ["control_points", "knots", "parameters"] {
+                assert_eq!(again[field], fit[field]);
+            }
+        }
+    }
+    assert!(2 * counts[1] < counts[0], "{counts:?}");
+    let grid = json!({
+        "surface": {"points": [[[0, 0, 0], [0, 1, 1]], [[1, 0, 1], [1, 1, 0]]], "degree": 1},
+        "method": {"kind": "least_squares", "control_points": "auto", "correct_parameters": true},
+        "stop": {"tolerance": 0.004},
+    });
+    let pointer = "/method/correct_parameters";
+    server
+        .assert_refused(&grid, pointer, "and for scattered points")
+        .await;
+    let mut robust = json!({
+        "surface": {"scattered": points},
+        "method": {"kind": "least_squares", "control_points": "auto", "correct_parameters": true},
+        "stop": {"tolerance": 0.004},
+    });
+    robust["method"]["robust"] = true.into();
+    server
+        .assert_refused(&robust, pointer, "without constraints")
+        .await;
+}

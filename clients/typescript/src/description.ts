@@ -1513,7 +1513,7 @@ export interface components {
             control_points?: components["schemas"]["ControlPointCount"] | null;
             /** @description With control_points `auto`: the most control points. Without it as many as data points. Only with `least_squares`. */
             max_control_points?: components["schemas"]["MostControlPoints"] | null;
-            /** @description With control_points `auto`, for curves: whether the parameters of the data move to the points of the curve that are nearest to them, so that errors are distances from the curve. Without it false. Only with `least_squares`. */
+            /** @description With control_points `auto`, of curves and of scattered points: true if the parameters of the data move to the points of the curve or surface that are nearest to them, so that errors are distances from it. Without it false. Only with `least_squares`. */
             correct_parameters?: boolean | null;
             /** @description The step. Only with `least_squares`. */
             variant?: components["schemas"]["LeastSquaresVariant"] | null;

@@ -40,7 +40,7 @@ struct Geometry {
     control_points: Arc<Points>,
     /// The breaks of the knots that a fit has chosen, for each direction.
     breaks: Vec<Lane>,
-    parameters: Option<Lane>,
+    parameters: Vec<Lane>,
 }
 
 /// The bytes of a record.
@@ -158,7 +158,7 @@ pub(super) fn geometry(result: &LastGeometry) -> Result<Vec<u8>, StoreError> {
     write(&Geometry {
         control_points: Arc::clone(&result.control_points),
         breaks: lanes(bases.map_or(&[], |it| &it.breaks)),
-        parameters: bases.and_then(|it| Some(Lane::from(it.parameters.as_ref()?.as_slice()))),
+        parameters: lanes(bases.map_or(&[], |it| &it.parameters)),
     })
 }
 
@@ -169,7 +169,7 @@ pub(super) fn result(id: Uuid, bytes: &[u8]) -> Result<LastGeometry, StoreError>
         breaks,
         parameters,
     } = read(format!("the result of job {id}"), bytes)?;
-    let parameters = parameters.map(|it| Arc::new(it.to_vec()));
+    let parameters = lists(parameters).unwrap_or_default();
     let bases = lists(breaks).map(|breaks| Bases { breaks, parameters });
     Ok(LastGeometry {
         control_points,

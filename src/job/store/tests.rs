@@ -211,7 +211,7 @@ async fn chosen_knots_are_kept(store: &Store) {
             Arc::new(vec![0.0, 0.1 + 0.2, 1.0]),
             Arc::new(vec![-1e-300, 1.0]),
         ],
-        parameters: Some(Arc::new(vec![0.0, 0.7, 1.0])),
+        parameters: vec![Arc::new(vec![0.0, 0.7, 1.0])],
     };
     let geometry = LastGeometry {
         control_points: control_points(),

@@ -51,7 +51,7 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<MostControlPoints>")]
     pub max_control_points: Option<PerDirection<Whole>>,
-    /// With control_points `auto`, for curves: whether the parameters of the data move to the points of the curve that are nearest to them, so that errors are distances from the curve. Without it false.
+    /// With control_points `auto`, of curves and of scattered points: true if the parameters of the data move to the points of the curve or surface that are nearest to them, so that errors are distances from it. Without it false.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correct_parameters: Option<bool>,
     /// The step.

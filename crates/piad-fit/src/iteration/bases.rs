@@ -13,18 +13,21 @@ use crate::problem::Problem;
 pub struct Bases {
     /// For each direction both ends of the parameters and the knots between them; those at corners come p times.
     pub breaks: Vec<Arc<Vec<f64>>>,
-    /// The parameters of the data of a curve.
-    pub parameters: Option<Arc<Vec<f64>>>,
+    /// The parameters of the data in each direction, if they have moved.
+    pub parameters: Vec<Arc<Vec<f64>>>,
 }
 
 impl Problem {
     /// The knots of this level, if the fit chooses them by itself.
     pub fn bases(&self) -> Option<Bases> {
         let (_, settings) = self.method().automatic()?;
-        let parameters = || Arc::clone(&self.u().parameters);
+        let parameters = self.directions().map(|it| Arc::clone(&it.parameters));
         Some(Bases {
             breaks: self.breaks()?,
-            parameters: settings.correct_parameters.then(parameters),
+            parameters: match settings.correct_parameters {
+                true => parameters.collect(),
+                false => Vec::new(),
+            },
         })
     }
 
@@ -46,8 +49,8 @@ impl Problem {
     /// their direction as it is.
     pub fn with_bases(&self, bases: &Bases) -> Self {
         let directions = self.directions().enumerate().map(|(axis, direction)| {
-            let moved = bases.parameters.as_ref();
-            let moved = moved.filter(|it| axis == 0 && it.len() == direction.parameters.len());
+            let moved = bases.parameters.get(axis);
+            let moved = moved.filter(|it| it.len() == direction.parameters.len());
             let parameters = Arc::clone(moved.unwrap_or(&direction.parameters));
             let breaks = bases.breaks.get(axis);
             let chosen = breaks.and_then(|breaks| self.with_breaks(direction, breaks, parameters));

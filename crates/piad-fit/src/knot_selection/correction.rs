@@ -56,7 +56,7 @@ pub(crate) fn corrected(values: &Values, control_points: &Points, points: &Point
 }
 
 /// The control points of the derivative of one coordinate, over the same breaks.
-fn derivative(line: &Breaks, lower: &Breaks, x: &[f64]) -> Vec<f64> {
+pub(super) fn derivative(line: &Breaks, lower: &Breaks, x: &[f64]) -> Vec<f64> {
     let degree = line.degree();
     (0..lower.control_points())
         .map(|j| {

@@ -33,10 +33,14 @@ pub(crate) fn check_request(request: &Request) -> Result<(), Invalid> {
     if let Some((_, axis)) = axes.find(|(choice, _)| !free(choice)) {
         return Err(Invalid::automatic_knots(axis));
     }
-    if automatic.correct_parameters && (request.v.is_some() || !settings.is_plain()) {
+    let has_parameters_that_move = match request.v {
+        None => settings.is_plain(),
+        Some(_) => request.scattered.is_some() && settings.allows_poles() && !settings.robust,
+    };
+    if automatic.correct_parameters && !has_parameters_that_move {
         return Err(Invalid::at(
             Place::Setting(Setting::CorrectParameters),
-            "correct_parameters is for curves without constraints and fairness whose ends are interpolated",
+            "correct_parameters is for curves without constraints and fairness whose ends are interpolated, and for scattered points without constraints, data_weights and robust",
         ));
     }
     if let Some(&index) = request.missing.first() {

@@ -48,7 +48,7 @@ impl Schedules {
     /// The schedule that keeps the fit near its data where there are none: of curves from a level on, of surfaces from
     /// the coarsest knots on.
     pub(super) fn careful(&self, whole: &Problem, now: &Fit) -> Option<Self> {
-        let (settings, _) = whole.method().automatic()?;
+        let (settings, automatic) = whole.method().automatic()?;
         if whole.v().is_some() {
             let problem = whole;
             let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
@@ -63,7 +63,7 @@ impl Schedules {
                     Box::new(data.fair(problem.tolerance()))
                 }
             };
-            let options = surface_options(problem, settings, None);
+            let options = surface_options(problem, (settings, automatic), None);
             return Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
                 data, options,
             ))));

@@ -109,7 +109,7 @@ impl Schedules {
                     tolerance,
                 )),
             };
-            let options = surface_options(problem, settings, first);
+            let options = surface_options(problem, (settings, automatic), first);
             return Self::Surface(Box::new(SurfaceSchedule::new(data, options)));
         }
         let mut options = Options {
@@ -179,7 +179,10 @@ impl Schedules {
             Self::Surface(schedule) | Self::FairSurface(schedule) => {
                 let level = schedule.next_level()?;
                 let t = whole.directions().map(|it| Arc::clone(&it.parameters));
-                let parameters: Vec<Arc<Vec<f64>>> = t.collect();
+                let parameters: Vec<Arc<Vec<f64>>> = match &level.parameters {
+                    Some(moved) => moved.to_vec(),
+                    None => t.collect(),
+                };
                 let (all, given) = (&level.distances, whole.data().len());
                 // Those of points between the given ones are behind them.
                 let of_given = (all.each.len() > given).then(|| {
@@ -224,7 +227,7 @@ impl Schedules {
 /// The options of a surface, with the control points to begin with, if there are some.
 pub(super) fn surface_options(
     problem: &Problem,
-    settings: &LeastSquares,
+    (settings, automatic): (&LeastSquares, &Settings),
     first: Option<Points>,
 ) -> SurfaceOptions {
     let directions: Vec<&Direction> = problem.directions().collect();
@@ -235,6 +238,7 @@ pub(super) fn surface_options(
         degrees: [0, 1].map(|axis| of(axis).basis.degree()),
         periods: [0, 1].map(|axis| of(axis).period()),
         tolerance: problem.tolerance(),
+        correct_parameters: automatic.correct_parameters,
         max_control_points: [settings.u, settings.v],
         first: lines.clone().zip(first),
         coarsest: lines,

@@ -10,6 +10,7 @@
 //!   direction after the other; [`scattered`]: points without order, whose matrix is that of
 //!   [`rows`], by conjugate [`gradients`] of the [`normal`] equations.
 //! - [`sections`]: points between those of sections.
+//! - [`correction`]: parameters of scattered points that follow a surface near them.
 //! - [`lines`]: the lines of grids as curves in many dimensions; [`transfer`]: where a surface starts
 //!   over other knots.
 //!
@@ -22,6 +23,7 @@
 //! - The last level is within the tolerance if any was, with the fewest control points found.
 
 mod attempt;
+mod correction;
 mod gradients;
 pub(crate) mod grid;
 mod lines;
@@ -57,6 +59,8 @@ pub(crate) struct SurfaceOptions {
     pub periods: [Option<f64>; 2],
     /// The largest distance that is accepted, in data units.
     pub tolerance: f64,
+    /// True if parameters of scattered points follow the surface.
+    pub correct_parameters: bool,
     /// The most control points of each direction; never more than data.
     pub max_control_points: [usize; 2],
     /// The surface to begin with; without it that of the coarsest knots.
@@ -75,6 +79,8 @@ pub(crate) struct SurfaceLevel {
     pub control_points: Points,
     /// The distances from the data, in their order.
     pub distances: Distances,
+    /// The parameters of the data, in their order, where these have moved.
+    pub parameters: Option<[Arc<Vec<f64>>; 2]>,
 }
 
 impl SurfaceLevel {
@@ -123,6 +129,16 @@ pub(crate) trait Data: Debug + Send + Sync {
     /// In which direction more knots gain more, if each has some.
     fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize;
 
+    /// The same data with parameters that follow a surface over the same knots, if they can.
+    fn corrected(&self, _level: &SurfaceLevel) -> Option<Box<dyn Data>> {
+        None
+    }
+
+    /// The parameters of the data, in their order, where these have moved.
+    fn moved(&self) -> Option<[Arc<Vec<f64>>; 2]> {
+        None
+    }
+
     /// Whether something else than the data keeps the surface away from them, however many control
     /// points it has.
     fn has_floor(&self) -> bool {
@@ -163,13 +179,14 @@ pub(crate) struct Fit {
 
 impl Fit {
     /// The nearest surface over some knots, if its distances are finite.
-    fn of(lines: [Breaks; 2], nearest: Nearest) -> Option<Self> {
+    fn of(data: &dyn Data, lines: [Breaks; 2], nearest: Nearest) -> Option<Self> {
         let is_finite = nearest.distances.max.is_finite();
         is_finite.then(|| Self {
             level: Arc::new(SurfaceLevel {
                 lines,
                 control_points: nearest.control_points,
                 distances: nearest.distances,
+                parameters: data.moved(),
             }),
             left: Arc::new(nearest.left),
         })

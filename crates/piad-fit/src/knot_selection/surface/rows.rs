@@ -72,6 +72,7 @@ impl Functions {
 #[derive(Debug)]
 pub(super) struct Rows<'a> {
     sites: &'a Sites,
+    poles: [bool; 2],
     pub(super) u: Functions,
     pub(super) v: Functions,
 }
@@ -82,7 +83,16 @@ impl<'a> Rows<'a> {
         Self {
             u: Functions::new(&lines[0], &sites.parameters[0]),
             v: Functions::new(&lines[1], &sites.parameters[1]),
+            poles: sites.poles,
             sites,
+        }
+    }
+
+    /// The same with control points of poles that differ, as those of derivatives do.
+    pub(super) fn without_poles(self) -> Self {
+        Self {
+            poles: [false; 2],
+            ..self
         }
     }
 
@@ -206,13 +216,13 @@ impl<'a> Rows<'a> {
 
     /// Returns true if all control points of a column are one.
     fn is_pole(&self, column: usize) -> bool {
-        let [first, last] = self.sites.poles;
+        let [first, last] = self.poles;
         first && column == 0 || last && column + 1 == self.v.line.control_points()
     }
 
     /// Returns true if there is a pole.
     pub(super) fn has_poles(&self) -> bool {
-        self.sites.poles != [false; 2]
+        self.poles != [false; 2]
     }
 
     /// Makes all control points of a pole what the first of them is, in one coordinate.

@@ -8,10 +8,12 @@
 
 use std::sync::Arc;
 
+use super::correction;
 use super::gradients::{Effort, descend, first_gain};
 use super::normal::{Normal, inverses};
 use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
+use crate::data::aligned::Lane;
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
@@ -40,6 +42,8 @@ pub(crate) struct ScatteredData {
     enough: f64,
     /// Brings squares to the order of one.
     unit: f64,
+    /// The parameters in the order of the data, where these have moved.
+    moved: Option<[Arc<Vec<f64>>; 2]>,
 }
 
 impl ScatteredData {
@@ -75,12 +79,33 @@ impl ScatteredData {
             order,
             enough: ENOUGH * tolerance,
             unit: normalizing_scale(points.magnitude()),
+            moved: None,
         }
     }
 
     /// The same with so many control points at most, rather than as many as data.
     pub(crate) fn with_most(self, most: usize) -> Self {
         Self { most, ..self }
+    }
+
+    /// The same data with parameters that follow a surface.
+    pub(crate) fn following(&self, level: &SurfaceLevel) -> Option<Self> {
+        let sorted = correction::corrected(&self.sites, &self.points, level)?;
+        let parameters = correction::in_order(sorted, &self.order);
+        let given = |lane: &Lane| {
+            let mut given = vec![0.0; lane.len()];
+            for (&index, x) in self.order.iter().zip(&**lane) {
+                given[index as usize] = *x;
+            }
+            given
+        };
+        let points = Points::from_lanes(self.points.lanes().iter().map(given));
+        let data = Self::new(&points, &parameters, self.sites.poles, self.enough / ENOUGH);
+        Some(Self {
+            most: self.most,
+            moved: Some(parameters),
+            ..data
+        })
     }
 
     /// The squared distances of the sorted data, times the square of the unit.
@@ -196,6 +221,14 @@ impl Data for ScatteredData {
     fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
         let rows = Rows::new(&self.sites, lines);
         self.in_order(&self.squares(&rows, control_points))
+    }
+
+    fn corrected(&self, level: &SurfaceLevel) -> Option<Box<dyn Data>> {
+        Some(Box::new(self.following(level)?))
+    }
+
+    fn moved(&self) -> Option<[Arc<Vec<f64>>; 2]> {
+        self.moved.clone()
     }
 
     fn prunings(&self) -> usize {

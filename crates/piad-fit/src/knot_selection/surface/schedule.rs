@@ -21,6 +21,10 @@ const STILL: usize = 4;
 /// See [`STILL`].
 const GAIN: f64 = 0.01;
 
+/// Parameters follow a surface whose largest distance is this multiple of the tolerance or less: a coarser one would crowd
+/// them together.
+const NEAR: f64 = 4.0;
+
 /// Bisections of a factor of numbers of control points, to rounding.
 const BISECTIONS: usize = 100;
 
@@ -186,6 +190,11 @@ impl SurfaceSchedule {
     fn grow(&mut self, fit: Fit) -> Stage {
         let tolerance = self.options.tolerance;
         let is_within = self.best.is_some();
+        let fit = match is_within {
+            true => fit,
+            false => self.corrected(fit),
+        };
+        let is_within = self.best.is_some();
         if !is_within && self.stands_still(&fit) {
             return Stage::Done;
         }
@@ -214,6 +223,29 @@ impl SurfaceSchedule {
             self.fewest(),
             [most, even],
         ))
+    }
+
+    /// The fit with parameters that have followed it, if that brings it nearer to the data.
+    fn corrected(&mut self, fit: Fit) -> Fit {
+        let is_near = fit.level.distances.max <= NEAR * self.options.tolerance;
+        let data = match self.options.correct_parameters && is_near {
+            true => self.data.corrected(&fit.level),
+            false => None,
+        };
+        let Some(data) = data else {
+            return fit;
+        };
+        let lines = fit.level.lines.clone();
+        let nearest = data.nearest(&lines, Some(&fit.level));
+        let moved = nearest.and_then(|nearest| Fit::of(&*data, lines, nearest));
+        match moved.filter(|it| it.level.distances.rms < fit.level.distances.rms) {
+            Some(moved) => {
+                self.data = data;
+                self.issue(&moved.level);
+                moved
+            }
+            None => fit,
+        }
     }
 
     /// Whether more knots have not brought the surface nearer for some time, and will not.
@@ -306,7 +338,7 @@ impl SurfaceSchedule {
                 true => self.data.nearest_of_all(&lines, from),
                 false => self.data.nearest(&lines, from),
             };
-            Fit::of(lines, nearest?)
+            Fit::of(&*self.data, lines, nearest?)
         });
         let Some(fit) = fit else {
             return Self::failed(search);
@@ -355,7 +387,7 @@ impl SurfaceSchedule {
     /// The least-squares surface over some knots, if the data determine it.
     fn fit(&self, lines: [Breaks; 2]) -> Option<Fit> {
         let nearest = self.data.nearest(&lines, self.last.as_deref())?;
-        Fit::of(lines, nearest)
+        Fit::of(&*self.data, lines, nearest)
     }
 
     /// The level of some control points.
@@ -365,6 +397,7 @@ impl SurfaceSchedule {
             lines,
             control_points,
             distances,
+            parameters: self.data.moved(),
         })
     }
 

@@ -13,6 +13,7 @@ pub(super) fn is_inserted(pair: &[Arc<SurfaceLevel>]) -> bool {
 /// Bicubic and open, with as many control points as needed.
 pub(super) fn bicubic(tolerance: f64) -> SurfaceOptions {
     SurfaceOptions {
+        correct_parameters: false,
         first: None,
         coarsest: None,
         degrees: [3, 3],

@@ -163,6 +163,18 @@ impl Data for FairSurface {
         self.scattered.prefers(fit, finer)
     }
 
+    fn corrected(&self, level: &SurfaceLevel) -> Option<Box<dyn Data>> {
+        Some(Box::new(Self {
+            scattered: self.scattered.following(level)?,
+            setup: Arc::clone(&self.setup),
+            settings: self.settings.clone(),
+        }))
+    }
+
+    fn moved(&self) -> Option<[Arc<Vec<f64>>; 2]> {
+        self.scattered.moved()
+    }
+
     fn has_floor(&self) -> bool {
         true
     }
