@@ -385,7 +385,7 @@ impl SurfaceInput {
         if let Some(SurfaceParameters::Scattered(Scattered::Sections(sections))) =
             &mut self.parameters
         {
-            let closed = self.closed.clone().map(PerDirection::split);
+            let closed = self.closed.map(PerDirection::split);
             sections.closed = closed.map(|(_, v)| v).or(sections.closed);
             if self.basis.is_none() && self.degree.is_none() {
                 let [u, v] = sections.usual_degrees().map(Whole);

@@ -88,5 +88,5 @@ pub mod sweep {
 
 /// Vectors of space.
 pub mod vectors {
-    pub use crate::geometry::vectors::{cross, dot, length, minus, unit};
+    pub use crate::data::vectors::{cross, dot, length, minus, unit};
 }

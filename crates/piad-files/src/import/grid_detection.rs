@@ -5,7 +5,6 @@ use super::error::FileError;
 use super::imported::{Hints, Imported, Kind};
 use super::part::{Order, Part};
 use super::repeated;
-use super::sections;
 use super::times;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::is_unordered;
@@ -47,7 +46,7 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
         false => None,
     };
     let sections = match are_sections {
-        true => sections::counts(&part),
+        true => part.counts(),
         false => Vec::new(),
     };
     Ok(Imported {
@@ -111,7 +110,7 @@ pub(super) fn is_several(table: &Part, hints: &Hints) -> bool {
 /// Returns true if blank lines are between rows of different lengths.
 pub(super) fn are_uneven_rows(table: &Part, hints: &Hints) -> bool {
     let is_grid = hints.size.is_some() || rows(table).is_some() || lattice(&table.points).is_some();
-    let least = sections::counts(table).into_iter().min();
+    let least = table.counts().into_iter().min();
     !table.breaks.is_empty() && table.points.dimension() == 3 && !is_grid && least >= Some(2)
 }
 

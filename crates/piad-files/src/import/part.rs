@@ -109,6 +109,13 @@ impl Part {
         }
     }
 
+    /// The number of points of each of the parts between the breaks.
+    pub(super) fn counts(&self) -> Vec<usize> {
+        let starts = [0].into_iter().chain(self.breaks.iter().copied());
+        let ends = self.breaks.iter().copied().chain([self.points.len()]);
+        starts.zip(ends).map(|(start, end)| end - start).collect()
+    }
+
     /// The parts between the blank lines.
     ///
     /// # Errors

@@ -83,7 +83,7 @@ fn name_sections(part: &mut Part) {
         part.breaks = (1..grid.rows).map(|row| row * grid.columns).collect();
     }
     part.order = Order::Sections;
-    let counts = counts(part);
+    let counts = part.counts();
     let (least, most) = counts.iter().fold((usize::MAX, 0), |(least, most), count| {
         (least.min(*count), most.max(*count))
     });
@@ -95,13 +95,6 @@ fn name_sections(part: &mut Part) {
         "The file has {} sections of {points} points, of one surface.",
         counts.len()
     ));
-}
-
-/// The number of points of each section.
-pub(super) fn counts(part: &Part) -> Vec<usize> {
-    let starts = [0].into_iter().chain(part.breaks.iter().copied());
-    let ends = part.breaks.iter().copied().chain([part.points.len()]);
-    starts.zip(ends).map(|(start, end)| end - start).collect()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve; `nearest_order`: that order; `corners`: where a
 //!   polyline has corners; `outliers`: points that are wrong;
 //! - `distances` and `blocks`: lengths of residuals, and their norms in blocks;
-//! - `aligned`, `bounds`, `monotonic`, `quantiles`: arrays of numbers.
+//! - `aligned`, `bounds`, `monotonic`, `quantiles`: arrays of numbers; `vectors` of space.
 
 pub(crate) mod aligned;
 pub(crate) mod blocks;
@@ -23,6 +23,7 @@ pub(crate) mod outliers;
 pub(crate) mod point_order;
 pub(crate) mod points;
 pub(crate) mod quantiles;
+pub(crate) mod vectors;
 pub(crate) mod weights;
 
 pub use grid::Grid;

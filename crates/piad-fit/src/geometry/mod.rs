@@ -1,7 +1,7 @@
 //! Curves and surfaces of given control points: evaluation, NURBS form, samples, and distances from data.
 //!
 //! - `evaluation`: points and control nets in any basis; `samples`: points at equal steps of the parameters;
-//! - `nurbs`: the B-spline form that CAD kernels store; `arc_length`: how long it is; `curvature`: its shape; `vectors` of space;
+//! - `nurbs`: the B-spline form that CAD kernels store; `arc_length`: how long it is; `curvature`: its shape;
 //! - `norms`: distances from the data at their parameters; `foot`: nearest points, and the distances from them;
 //! - `between`: curves and surfaces that leave their data between neighbours, by more than their `freedom`;
 //! - `fold`: parameters of scattered points that fold.
@@ -16,7 +16,6 @@ pub(crate) mod freedom;
 pub(crate) mod norms;
 pub(crate) mod nurbs;
 pub(crate) mod samples;
-pub(crate) mod vectors;
 
 pub use foot::{NoFootPoints, foot_points};
 pub use norms::FitError;

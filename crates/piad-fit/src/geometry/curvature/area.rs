@@ -3,10 +3,10 @@
 //! The area is the integral of |S_u × S_v|, by the Gauss–Legendre rule with five nodes in each direction on each
 //! rectangle between knots, in quarters until it is accurate.
 
+use crate::data::vectors::{cross, length};
 use crate::geometry::arc_length::{NODES, WEIGHTS};
 use crate::geometry::nurbs::sampling::SpanParameter;
 use crate::geometry::nurbs::{KnotVector, Nurbs};
-use crate::geometry::vectors::{cross, length};
 
 /// The difference of a rectangle from its quarters, as a part of the whole area, with which it is accepted.
 const ACCURACY: f64 = 1e-12;

@@ -5,10 +5,10 @@
 //! without the cancellation. In the plane curvature has a sign: it is positive where the curve turns left.
 
 use super::degenerate::Vanishing;
+use crate::data::vectors::{dot, minus};
 use crate::geometry::nurbs::Nurbs;
 use crate::geometry::nurbs::derivatives::SecondJet;
 use crate::geometry::nurbs::sampling::SpanParameter;
-use crate::geometry::vectors::{dot, minus};
 
 /// Coordinates that are evaluated at a time.
 const TOGETHER: usize = 3;

@@ -5,8 +5,8 @@
 //! `(a + c) / 2 ± √(((a − c) / 2)² + b²)`. No digits are lost where both are equal, as on a sphere, unlike in
 //! `H ± √(H² − K)`. They are positive where the surface bends towards its normal.
 
+use crate::data::vectors::{cross, dot, length};
 use crate::geometry::nurbs::derivatives::SecondJet;
-use crate::geometry::vectors::{cross, dot, length};
 
 /// Tangents with a smaller sine between them span no plane.
 const PARALLEL: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! Where sections start and which way they go: as it suits the one before.
 
 use super::polyline::Polyline;
-use crate::geometry::vectors::{dot, minus};
+use crate::data::vectors::{dot, minus};
 
 /// The fewest and the most places at which two sections are compared.
 const FEWEST: usize = 16;

@@ -1,9 +1,7 @@
 //! Sections that cross the one before them: there is no surface through both.
 
 use super::polyline::Polyline;
-use super::wrong;
-use crate::geometry::vectors::{cross, dot, length, minus, unit};
-use crate::invalid::Invalid;
+use crate::data::vectors::{cross, dot, length, minus, unit};
 
 /// The number of edges with which sections are compared.
 const EDGES: usize = 64;
@@ -18,22 +16,15 @@ const ANGLE: f64 = 0.1;
 /// another one's plane if it is farther from it than that on both.
 const FLAT: f64 = 0.02;
 
-/// Refuses sections that cross the one before them: as curves do, or as rings of a chain.
-pub(super) fn check(sections: &[Polyline]) -> Result<(), Invalid> {
+/// The index of the first section that crosses the one before it: as curves do, or as rings of a chain.
+pub(super) fn first(sections: &[Polyline]) -> Option<usize> {
     let places: Vec<Vec<[f64; 3]>> = sections.iter().map(sampled).collect();
     let mut pairs = places.windows(2);
-    let crossing =
-        pairs.position(|pair| meet(&pair[0], &pair[1]) || are_linked(&pair[0], &pair[1]));
-    match crossing {
-        None => Ok(()),
-        Some(before) => {
-            let index = before + 1;
-            let detail = format!(
-                "section {index} crosses section {before}: a surface goes from each section to the next one"
-            );
-            Err(wrong(index, detail))
-        }
-    }
+    let before = pairs.position(|pair| {
+        let (one, other) = (&pair[0], &pair[1]);
+        meet(one, other) || are_linked(one, other)
+    });
+    before.map(|before| before + 1)
 }
 
 fn sampled(section: &Polyline) -> Vec<[f64; 3]> {

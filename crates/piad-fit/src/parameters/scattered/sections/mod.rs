@@ -14,18 +14,13 @@ use std::sync::Arc;
 
 use super::pairs::{Domain, Pairs};
 use crate::data::points::Points;
-use crate::geometry::vectors::{length, minus};
+use crate::data::vectors::{length, minus};
 use crate::invalid::{Axis, Invalid, Place};
 
 pub use stack::is_stack;
 
 use alignment::Alignment;
 use polyline::Polyline;
-
-/// Sections are closed if the last point of each is this near to its first one, as a multiple of the largest distance
-/// between its neighbours and as a part of its length.
-const NEIGHBOURS: f64 = 1.5;
-const LENGTHS: f64 = 0.2;
 
 /// Points that are sections, one after the other.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +88,13 @@ impl Sections {
             }
             u.push(u[index] + step);
         }
-        crossing::check(&sections)?;
+        if let Some(section) = crossing::first(&sections) {
+            let before = section - 1;
+            let detail = format!(
+                "section {section} crosses section {before}: a surface goes from each section to the next one"
+            );
+            return Err(wrong(section, detail));
+        }
         let (mut all_u, mut all_v) = (Vec::new(), Vec::new());
         for ((section, alignment), u) in sections.iter().zip(&alignments).zip(&u) {
             let v = section.parts().map(|part| alignment.parameter(part) * mean);
@@ -158,18 +159,12 @@ impl Sections {
             })
         });
         let sections = sections.collect::<Result<Vec<_>, _>>()?;
-        let come_back = self.closed.is_none() && sections.iter().all(comes_back);
+        let come_back = self.closed.is_none() && sections.iter().all(Polyline::comes_back);
         Ok(match come_back {
             true => sections.into_iter().map(Polyline::closed).collect(),
             false => sections,
         })
     }
-}
-
-/// Returns true if the last point of an open section is near its first one.
-fn comes_back(section: &Polyline) -> bool {
-    let gap = section.gap();
-    gap <= NEIGHBOURS * section.longest_edge() && gap <= LENGTHS * section.length()
 }
 
 /// The mean distance of places.

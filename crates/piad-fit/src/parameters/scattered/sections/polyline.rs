@@ -1,6 +1,11 @@
 //! A section as the edges between its points.
 
-use crate::geometry::vectors::{length, minus};
+use crate::data::vectors::{length, minus};
+
+/// The last point of a curve that comes back is this near to its first one, as a multiple of the largest distance between
+/// neighbours and as a part of its length.
+const NEIGHBOURS: f64 = 1.5;
+const LENGTHS: f64 = 0.2;
 
 /// The edges between points in their order.
 #[derive(Clone, Debug)]
@@ -63,11 +68,17 @@ impl Polyline {
     }
 
     /// The distance of the last point from the first one.
-    pub(super) fn gap(&self) -> f64 {
+    fn gap(&self) -> f64 {
         length(minus(self.places[self.edges()], self.places[0]))
     }
 
-    pub(super) fn longest_edge(&self) -> f64 {
+    /// Returns true if the last point of an open one is near its first one.
+    pub(super) fn comes_back(&self) -> bool {
+        let gap = self.gap();
+        gap <= NEIGHBOURS * self.longest_edge() && gap <= LENGTHS * self.length()
+    }
+
+    fn longest_edge(&self) -> f64 {
         let edges = self.lengths.windows(2).map(|ends| ends[1] - ends[0]);
         edges.fold(0.0, f64::max)
     }

@@ -1,9 +1,8 @@
 //! Closed curves that lie one behind the other, as sections of a tube do.
 
-use super::comes_back;
 use super::polyline::Polyline;
 use crate::data::points::Points;
-use crate::geometry::vectors::{cross, dot, length, minus, unit};
+use crate::data::vectors::{cross, dot, length, minus, unit};
 
 /// The least step from one section to the next across their plane, as a part of the length around them.
 const STEP: f64 = 1e-3;
@@ -64,7 +63,9 @@ impl Ring {
             .zip(next)
             .map(|(a, b)| cross(minus(*a, center), minus(*b, center)));
         let area = areas.fold([0.0; 3], |sum, it| [0, 1, 2].map(|k| sum[k] + it[k]));
-        let polyline = Polyline::new(places, false).filter(comes_back)?.closed();
+        let polyline = Polyline::new(places, false)
+            .filter(Polyline::comes_back)?
+            .closed();
         Some(Self {
             center,
             normal: unit(area)?,
