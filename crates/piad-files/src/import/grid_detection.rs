@@ -109,9 +109,11 @@ pub(super) fn is_several(table: &Part, hints: &Hints) -> bool {
 
 /// Returns true if blank lines are between rows of different lengths.
 pub(super) fn are_uneven_rows(table: &Part, hints: &Hints) -> bool {
-    let is_grid = hints.size.is_some() || rows(table).is_some() || lattice(&table.points).is_some();
-    let least = table.counts().into_iter().min();
-    !table.breaks.is_empty() && table.points.dimension() == 3 && !is_grid && least >= Some(2)
+    if table.breaks.is_empty() || table.points.dimension() != 3 || hints.size.is_some() {
+        return false;
+    }
+    let is_grid = rows(table).is_some() || lattice(&table.points).is_some();
+    !is_grid && table.counts().into_iter().min() >= Some(2)
 }
 
 fn asked_for(part: &Part, size: Grid) -> Result<Grid, FileError> {

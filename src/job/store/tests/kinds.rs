@@ -155,8 +155,8 @@ fn scattered() -> impl Iterator<Item = Problem> {
         }),
         Scattered::Auto,
         Scattered::Sections(Sections {
-            closed: Some(true),
-            ..Sections::new([SURFACE.count() / 2, SURFACE.count() - SURFACE.count() / 2])
+            closed: Some(false),
+            ..Sections::new([SURFACE.columns; SURFACE.rows])
         }),
         Scattered::Plane,
         Scattered::Coordinates(CoordinatePlane::Xy),
