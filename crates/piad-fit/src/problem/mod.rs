@@ -41,6 +41,7 @@ use crate::data::grid::Grid;
 use crate::data::missing::Missing;
 use crate::data::points::{self, Points};
 use crate::data::weights;
+use crate::geometry::outline::Outline;
 use crate::matrix::collocation::Collocation;
 use crate::matrix::sparse::Sparse;
 use crate::parameters::{Domain, Pairs, Scattered};
@@ -66,6 +67,8 @@ pub struct Problem {
     robust: Option<Robust>,
     /// How scattered points get their parameters, if that was chosen by the fit.
     chosen: Option<Scattered>,
+    /// The outline of the data, of a surface that is trimmed.
+    outline: Option<Arc<Outline>>,
 }
 
 /// What a robust fit leaves out.
@@ -174,6 +177,7 @@ impl Problem {
             tolerance,
             robust: None,
             chosen,
+            outline: None,
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
@@ -208,6 +212,19 @@ impl Problem {
     /// How scattered points get their parameters, if the fit has chosen that.
     pub fn chosen_parameters(&self) -> Option<&Scattered> {
         self.chosen.as_ref()
+    }
+
+    /// The outline of the data in the parameters of a trimmed surface.
+    pub fn outline(&self) -> Option<&Arc<Outline>> {
+        self.outline.as_ref()
+    }
+
+    /// The same with the outline of its data.
+    pub(crate) fn with_outline(self, outline: Arc<Outline>) -> Self {
+        Self {
+            outline: Some(outline),
+            ..self
+        }
     }
 
     /// The same problem as it would be asked for with all that was derived from its points:
