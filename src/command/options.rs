@@ -162,6 +162,7 @@ impl Asked {
             polyline,
             ends,
             closed,
+            trim,
             ..
         } = arguments;
         if let Some(text) = order {
@@ -172,6 +173,11 @@ impl Asked {
         }
         if *polyline {
             self.take("curve.polyline", "--polyline", Value::from(true))?;
+        }
+        if let Some(distance) = trim {
+            let distance = distance.as_deref().map(number);
+            let value = distance.map_or(Value::from(true), |it| json!({"distance": it}));
+            self.take("surface.trim", "--trim", value)?;
         }
         if degree.is_none() && basis.is_none() && ends.is_none() && !closed {
             return Ok(());

@@ -108,6 +108,11 @@ pub struct FitArguments {
     #[arg(long, help_heading = "Fit")]
     pub(crate) polyline: bool,
 
+    /// A surface trimmed to the outline of its points: STEP, IGES, meshes and drawings leave the rest out. The points are at
+    /// most this distance from it [default: about their distance from each other].
+    #[arg(long, value_name = "DISTANCE", num_args = 0..=1, allow_negative_numbers = true, value_parser = distance, help_heading = "Fit")]
+    pub(crate) trim: Option<Option<String>>,
+
     /// How it ends: estimated, repeated or natural, or JSON [default: estimated].
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]
     pub(crate) ends: Option<String>,
@@ -189,6 +194,16 @@ pub struct FitArguments {
     /// File with the bearer token for the server [default: the token in the variable PIAD_TOKEN, if any].
     #[arg(long, value_name = "FILE", requires = "server", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
+}
+
+/// A number.
+fn distance(text: &str) -> Result<String, String> {
+    match text.parse::<f64>() {
+        Ok(_) => Ok(text.to_owned()),
+        Err(_) => {
+            Err("not a distance such as 0.5; a file comes before --trim without a value".to_owned())
+        }
+    }
 }
 
 /// Rows and columns, such as 40x60.
