@@ -170,30 +170,43 @@ fn polygon(edges: &[Edge], cells: &Cells) -> Vec<Vertex> {
     from_corner(vertices)
 }
 
-/// The side of the rectangle along which each edge goes. Where a polygon only touches a side it goes along none.
+/// The side of the rectangle along which each edge goes. Where a polygon only touches a side it goes along none, nor where it
+/// is about to leave it at a small angle.
 fn sides(edges: &[Edge], cells: &Cells) -> Vec<Option<usize>> {
     let side = |edge: &Edge| (!cells.contains(edge.beyond())).then_some(edge.side);
-    let mut sides: Vec<Option<usize>> = edges.iter().map(side).collect();
+    let sides: Vec<Option<usize>> = edges.iter().map(side).collect();
     let count = sides.len();
     let is_start = |k: &usize| sides[*k] != sides[(k + count - 1) % count];
     let starts: Vec<usize> = (0..count).filter(is_start).collect();
-    let ends = starts.iter().cycle().skip(1);
-    let runs = starts.iter().zip(ends).map(|(&start, &end)| {
+    let mut kept = sides.clone();
+    for (&start, &end) in starts.iter().zip(starts.iter().cycle().skip(1)) {
+        if sides[start].is_none() {
+            continue;
+        }
         let length = (end + count - start - 1) % count + 1;
-        (start, length)
-    });
-    let ends = runs.collect::<Vec<_>>();
-    let touching = ends.iter().filter(|&&(start, length)| {
-        let is_steep = |k: usize, step: usize| {
+        let (before, after) = (start + count - 1, start + length);
+        // A corner of the rectangle, or a steep way off the side.
+        let is_held = |k: usize, step: usize| {
             sides[k % count].is_some() || is_steep(edges, k, step, sides[start])
         };
-        let is_held = is_steep(start + count - 1, count - 1) && is_steep(start + length, 1);
-        starts.len() > 1 && !(is_held && length >= ALONG_SIDE)
-    });
-    for &(start, length) in touching.collect::<Vec<_>>() {
-        (start..start + length).for_each(|k| sides[k % count] = None);
+        let [first, last] = [is_held(before, count - 1), is_held(after, 1)]
+            .map(|is_held| if is_held { 0 } else { AHEAD });
+        let straight = length.saturating_sub(first + last);
+        let least = if first + last == 0 {
+            ALONG_SIDE
+        } else {
+            2 * AHEAD
+        };
+        let dropped = match straight < least {
+            true => [start..start + length, 0..0],
+            false => [start..start + first, start + length - last..start + length],
+        };
+        dropped
+            .into_iter()
+            .flatten()
+            .for_each(|k| kept[k % count] = None);
     }
-    sides
+    kept
 }
 
 /// The fewest cells for which a polygon goes along a side.

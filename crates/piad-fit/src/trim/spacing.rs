@@ -6,7 +6,10 @@ use crate::interrupt::Meter;
 use crate::invalid::{Invalid, Place};
 
 /// About how many points a filled cell of scattered points has, so that few cells between them are empty.
-const IN_A_CELL: f64 = 3.0;
+const IN_A_CELL: f64 = 2.3;
+
+/// By how much cells grow until they hold as many.
+const GROWTH: f64 = 1.2;
 
 /// The most cells for each point, and for few points.
 const CELLS_PER_POINT: usize = 16;
@@ -185,7 +188,7 @@ fn of_grid(data: &Data, grid: Grid) -> [Steps; 2] {
     [step(0), step(1)]
 }
 
-/// Cells of scattered points: as long in space in both directions, the smallest that hold about three points and in which the
+/// Cells of scattered points: as long in space in both directions, the smallest that hold about two points and in which the
 /// points lie beside each other, not along lines.
 fn of_scattered(data: &Data, scales: [f64; 2], meter: &mut Meter) -> [Steps; 2] {
     let count = data.given().count();
@@ -200,7 +203,7 @@ fn of_scattered(data: &Data, scales: [f64; 2], meter: &mut Meter) -> [Steps; 2] 
         if these[0].count * these[1].count == 1 {
             return dense.unwrap_or(these);
         }
-        length *= std::f64::consts::SQRT_2;
+        length *= GROWTH;
         // A long narrow rectangle has more.
         if these[0].count.saturating_mul(these[1].count) > 2 * most as usize {
             continue;

@@ -1,6 +1,7 @@
-//! IGES 5.3: rational B-spline curves (entity 126) and surfaces (entity 128).
+//! IGES 5.3: rational B-spline curves (entity 126) and surfaces (entity 128), also trimmed ones (entity 144).
 
 mod sections;
+mod trimmed;
 
 use super::document::{Document, Shape};
 use super::error::ExportError;
@@ -8,24 +9,29 @@ use super::fitted::GENERATOR;
 use super::nurbs::{KnotVector, Nurbs};
 use super::options::Unit;
 use super::text::{Text, ascii};
-use sections::{DirectoryEntry, MOST_LINES, ParameterData, fixed_lines};
+use super::trim::edges::tolerance;
+use sections::{DirectoryEntry, MOST_LINES, ParameterData, Status, fixed_lines};
 
 /// Characters of the label of an entity.
 const LABEL: usize = 8;
 
 /// The curves and surfaces as an IGES file, an entity each.
 pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
-    let (mut directory, mut data) = (Text::default(), Text::default());
-    let mut lines = 0;
+    let mut entities = Entities::default();
     document.try_each(|shape| {
-        let number = directory_lines(&directory) + 1;
-        let (text, count) = parameters(shape.nurbs, number, lines);
-        entry(document, shape, number, [lines + 1, count]).write(&mut directory);
-        lines += count;
-        data.push(&text);
-        match lines {
+        let label = Label::of(document, shape, &entities);
+        match shape.outline {
+            None => {
+                let status = Status::Independent;
+                entities.add(entity(shape.nurbs), status, &label, |data| {
+                    geometry(data, shape.nurbs)
+                });
+            }
+            Some(outline) => trimmed::write(&mut entities, shape.nurbs, outline, &label)?,
+        }
+        match entities.lines {
             0..=MOST_LINES => Ok(()),
-            _ => Err(ExportError::TooManyLines {
+            lines => Err(ExportError::TooManyLines {
                 lines,
                 most: MOST_LINES,
             }),
@@ -35,32 +41,85 @@ pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     let mut file = Text::default();
     let start_lines = fixed_lines(&mut file, 'S', &start(document));
     file.push(&global);
-    file.push(directory.as_str());
-    file.push(data.as_str());
+    file.push(entities.directory.as_str());
+    file.push(entities.data.as_str());
     // The numbers of lines of all sections, in fields of eight columns (section 2.2.4.6).
     let counts = format!(
-        "S{start_lines:7}G{global_lines:7}D{:7}P{lines:7}",
-        directory_lines(&directory)
+        "S{start_lines:7}G{global_lines:7}D{:7}P{:7}",
+        entities.directory_lines(),
+        entities.lines
     );
     fixed_lines(&mut file, 'T', &counts);
     Ok(file.into_bytes())
 }
 
-/// The number of lines of the directory, of 80 columns each.
-fn directory_lines(directory: &Text) -> usize {
-    directory.as_str().len() / 81
+/// The entities of a file: their directory and their parameters.
+#[derive(Default)]
+struct Entities {
+    directory: Text,
+    data: Text,
+    /// The lines of the parameters.
+    lines: usize,
 }
 
-/// The parameter data of a curve or surface with this directory entry, after this number of lines, and how many
-/// lines they are.
-fn parameters(nurbs: &Nurbs, entry: usize, before: usize) -> (String, usize) {
-    let mut data = ParameterData::data(entry, before);
-    data.integer(entity(nurbs));
-    match &nurbs.v {
-        None => curve(&mut data, nurbs),
-        Some(v) => surface(&mut data, nurbs, v),
+impl Entities {
+    /// The number of lines of the directory, of 80 columns each.
+    fn directory_lines(&self) -> usize {
+        self.directory.as_str().len() / 81
     }
-    data.finish()
+
+    /// Adds an entity with these parameters behind its type, and returns the number of its directory entry.
+    fn add(
+        &mut self,
+        entity: usize,
+        status: Status,
+        label: &Label,
+        write: impl FnOnce(&mut ParameterData),
+    ) -> usize {
+        let number = self.directory_lines() + 1;
+        let mut data = ParameterData::data(number, self.lines);
+        data.integer(entity);
+        write(&mut data);
+        let (text, lines) = data.finish();
+        let entry = DirectoryEntry {
+            number,
+            entity,
+            first_line: self.lines + 1,
+            lines,
+            status,
+            label: label.text.clone(),
+            subscript: label.subscript,
+        };
+        entry.write(&mut self.directory);
+        self.lines += lines;
+        self.data.push(&text);
+        number
+    }
+}
+
+/// Parts are labelled with the first characters of their names, and numbered.
+struct Label {
+    text: String,
+    subscript: usize,
+}
+
+impl Label {
+    fn of(document: &Document<'_>, shape: &Shape<'_>, entities: &Entities) -> Self {
+        let kind = || match shape.nurbs.v {
+            None => "CURVE".to_owned(),
+            Some(_) => "SURFACE".to_owned(),
+        };
+        let name = shape.name.filter(|_| document.has_parts);
+        let number = entities.directory_lines() + 1;
+        Self {
+            text: name.map_or_else(kind, |name| ascii(name).chars().take(LABEL).collect()),
+            subscript: if document.has_parts {
+                number.div_ceil(2)
+            } else {
+                0
+            },
+        }
+    }
 }
 
 fn entity(nurbs: &Nurbs) -> usize {
@@ -70,29 +129,10 @@ fn entity(nurbs: &Nurbs) -> usize {
     }
 }
 
-/// Parts are labelled with the first characters of their names, and numbered.
-fn entry(
-    document: &Document<'_>,
-    shape: &Shape<'_>,
-    number: usize,
-    [first_line, lines]: [usize; 2],
-) -> DirectoryEntry {
-    let kind = || match shape.nurbs.v {
-        None => "CURVE".to_owned(),
-        Some(_) => "SURFACE".to_owned(),
-    };
-    let name = shape.name.filter(|_| document.has_parts);
-    DirectoryEntry {
-        number,
-        entity: entity(shape.nurbs),
-        first_line,
-        lines,
-        label: name.map_or_else(kind, |name| ascii(name).chars().take(LABEL).collect()),
-        subscript: if document.has_parts {
-            number.div_ceil(2)
-        } else {
-            0
-        },
+fn geometry(data: &mut ParameterData, nurbs: &Nurbs) {
+    match &nurbs.v {
+        None => curve(data, nurbs),
+        Some(v) => surface(data, nurbs, v),
     }
 }
 
@@ -132,8 +172,11 @@ fn global(document: &Document<'_>) -> ParameterData {
     global.real(1.0);
     global.text(&time);
     let all = || document.shapes.iter().map(|shape| shape.nurbs);
-    let resolutions = all().map(Nurbs::resolution);
-    global.real(resolutions.fold(f64::INFINITY, f64::min));
+    let accuracies = document.shapes.iter().map(|shape| match shape.outline {
+        None => shape.nurbs.resolution(),
+        Some(_) => tolerance(shape.nurbs),
+    });
+    global.real(accuracies.fold(f64::INFINITY, f64::min));
     let magnitudes = all().map(|nurbs| nurbs.points.magnitude());
     global.real(magnitudes.fold(0.0, f64::max));
     global.text("");

@@ -69,6 +69,7 @@ fn part(name: &str, nurbs: Nurbs) -> Part<'_> {
     Part {
         name: Some(name),
         nurbs,
+        outline: None,
     }
 }
 
@@ -80,6 +81,7 @@ fn curves() -> [Part<'static>; 3] {
         Part {
             name: None,
             nurbs: arc(),
+            outline: None,
         },
     ]
 }

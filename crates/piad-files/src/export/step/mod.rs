@@ -4,13 +4,18 @@
 //! definition, its shape, a representation of the shape with units and accuracy, and in it a set
 //! that holds the curve or surface. A curve or surface is not allowed directly in a plain shape
 //! representation (readers load such a file, and show nothing); its place is in a geometrically
-//! bounded wireframe or surface representation (ISO 10303-510 and -507).
+//! bounded wireframe or surface representation (ISO 10303-510 and -507). Trimmed surfaces are faces ([`faces`]).
 
-use super::document::Document;
-use super::fitted::GENERATOR;
-use super::nurbs::{KnotVector, Nurbs};
-use super::options::Unit;
-use super::text::Text;
+mod faces;
+
+use crate::export::document::Document;
+use crate::export::error::ExportError;
+use crate::export::fitted::GENERATOR;
+use crate::export::format::Format;
+use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::options::Unit;
+use crate::export::text::Text;
+use crate::export::trim::edges;
 
 /// The number of the context of the representation, written by [`product`].
 const CONTEXT: usize = 14;
@@ -22,30 +27,58 @@ const ORIGIN: usize = 15;
 const FIRST_POINT: usize = 22;
 
 /// The curves and surfaces as a STEP file: one product, whose shape they are.
-pub(super) fn write(document: &Document<'_>) -> Vec<u8> {
+///
+/// # Errors
+///
+/// If the outline of a surface has edges that are points.
+pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     let mut text = Text::default();
     let name = string(&document.title);
     header(&mut text, &name, document);
     text.push("DATA;\n");
     let unit = document.options.unit.unwrap_or_default();
-    let resolutions = document.shapes.iter().map(|shape| shape.nurbs.resolution());
-    let resolution = resolutions.fold(f64::INFINITY, f64::min);
-    product(&mut text, &name, resolution, unit);
+    let accuracies = document.shapes.iter().map(|shape| match shape.outline {
+        None => shape.nurbs.resolution(),
+        Some(_) => edges::tolerance(shape.nurbs),
+    });
+    product(
+        &mut text,
+        &name,
+        accuracies.fold(f64::INFINITY, f64::min),
+        unit,
+    );
     let mut next = FIRST_POINT;
-    let mut splines = Vec::with_capacity(document.shapes.len());
-    for shape in &document.shapes {
+    let (mut splines, mut shells) = (Vec::new(), Vec::new());
+    document.try_each(|shape| {
         let spline = Spline {
             nurbs: shape.nurbs,
             name: string(shape.title()),
             first: next,
         };
-        splines.push(spline.write(&mut text));
-        next = spline.number() + 1;
-    }
+        let number = spline.write(&mut text);
+        next = number + 1;
+        match shape.outline {
+            None => splines.push(number),
+            Some(outline) => {
+                let trimmed = faces::Trimmed {
+                    surface: number,
+                    edges: edges::of_loops(shape.nurbs, outline, Format::Step)?,
+                    faces: &outline.faces,
+                };
+                shells.push(trimmed.write(&mut text, &mut next));
+            }
+        }
+        Ok(())
+    })?;
     let has_surface = document.shapes.iter().any(|it| it.nurbs.v.is_some());
-    representation(&mut text, &splines, next, has_surface);
+    if !splines.is_empty() {
+        next = representation(&mut text, &splines, next, has_surface);
+    }
+    if !shells.is_empty() {
+        faces::representation(&mut text, &shells, next);
+    }
     text.push("ENDSEC;\nEND-ISO-10303-21;\n");
-    text.into_bytes()
+    Ok(text.into_bytes())
 }
 
 /// A curve or surface with its control points.
@@ -215,8 +248,13 @@ fn length_unit(unit: Unit) -> &'static str {
     }
 }
 
-/// The set of the curves and surfaces, with this number, and its tie to the product.
-fn representation(text: &mut Text, splines: &[usize], set_number: usize, has_surface: bool) {
+/// The set of the curves and surfaces, with this number, and its tie to the product; the next number.
+fn representation(
+    text: &mut Text,
+    splines: &[usize],
+    set_number: usize,
+    has_surface: bool,
+) -> usize {
     // A set of curves holds nothing else; the other one holds curves, too.
     let (set, kind) = if has_surface {
         ("GEOMETRIC_SET", "SURFACE")
@@ -231,6 +269,7 @@ fn representation(text: &mut Text, splines: &[usize], set_number: usize, has_sur
          #{shape}=GEOMETRICALLY_BOUNDED_{kind}_SHAPE_REPRESENTATION('',(#{ORIGIN},#{set_number}),#{CONTEXT});\n\
          #{tie}=SHAPE_DEFINITION_REPRESENTATION(#{SHAPE},#{shape});\n"
     ));
+    tie + 1
 }
 
 /// Multiplicities of all directions, then their knots, then the kind of knots.
