@@ -114,6 +114,7 @@ impl Asked {
             ("--control-points", count.is_some()),
             ("--fairness", fairness.is_some()),
             ("--robust", arguments.robust),
+            ("--trim", arguments.trim.is_some()),
         ];
         let implied = implied.iter().find(|(_, is_given)| *is_given);
         match (method, implied) {

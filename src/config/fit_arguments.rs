@@ -54,7 +54,7 @@ pub struct FitArguments {
     pub(crate) tolerance: Option<String>,
 
     /// Method: global, weighted, local, adaptive, extended, transpose, convex, chebyshev, direct or
-    /// least_squares [default: global, or least_squares with --control-points].
+    /// least_squares [default: global, or least_squares with --control-points and --trim].
     #[arg(long, value_name = "METHOD", help_heading = "Fit")]
     pub(crate) method: Option<String>,
 

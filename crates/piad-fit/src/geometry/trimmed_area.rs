@@ -10,8 +10,10 @@ use super::nurbs::{KnotVector, Nurbs};
 use super::outline::Outline;
 use super::vectors::{cross, length};
 
-/// The fewest lines.
-const LINES: usize = 1024;
+/// The fewest and the most lines, and about how many pieces they have in all: across a loop where it is parallel to them the sum
+/// is accurate to the width of a strip to the power of 1.5.
+const LINES: [usize; 2] = [1024, 4096];
+const PIECES: usize = 1 << 18;
 
 /// The steps along loops, as a part of the extents of the surface.
 const STEP: f64 = 1.0 / 2048.0;
@@ -25,9 +27,10 @@ pub fn trimmed_area(nurbs: &Nurbs, outline: &Outline) -> Option<f64> {
     if outline.is_whole() {
         return Some(area(nurbs, across));
     }
-    let lines = lines(&nurbs.u);
-    let cuts = cuts(&lines, &outline.polygons(nurbs, STEP));
     let spans = across.spans();
+    let [least, most] = LINES;
+    let lines = lines(&nurbs.u, (PIECES / spans.len()).clamp(least, most));
+    let cuts = cuts(&lines, &outline.polygons(nurbs, STEP));
     let along = lines.iter().zip(cuts).map(|(line, mut cuts)| {
         cuts.sort_by(f64::total_cmp);
         let between = cuts.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
@@ -42,9 +45,9 @@ struct Line {
     width: f64,
 }
 
-fn lines(knots: &KnotVector) -> Vec<Line> {
+fn lines(knots: &KnotVector, wanted: usize) -> Vec<Line> {
     let spans = knots.spans();
-    let count = LINES.div_ceil(spans.len());
+    let count = wanted.div_ceil(spans.len());
     let lines = spans.into_iter().flat_map(|span| {
         (0..count).map(move |k| {
             let site = knots.site(span, (k as f64 + 0.5) / count as f64);

@@ -5,6 +5,11 @@ use crate::interrupt::Meter;
 /// The most cells of holes that are filled, along both directions.
 const SMALL: usize = 3;
 
+/// The most empty cells at a corner of a rectangle of many cells that are filled, along both directions: those of scattered points
+/// have none now and then.
+const SMALL_CORNER: usize = 2;
+const MANY: usize = 12;
+
 /// The least part of the points that lie in blocks of 3 × 3 cells where the cells are large enough.
 const IN_BLOCKS: f64 = 0.8;
 
@@ -188,7 +193,7 @@ impl Cells {
         Self { filled, ..*self }
     }
 
-    /// Fills gaps of up to two cells, and holes of up to three by three.
+    /// Fills gaps of up to two cells, and holes of up to three by three and corners of two by two.
     pub(super) fn close(&mut self, meter: &mut Meter) {
         let wider = self.those(meter, |cell| self.is_near(cell));
         let is_wider = |cell| match wider.index(cell) {
@@ -219,7 +224,7 @@ impl Cells {
         inside as f64 >= IN_BLOCKS * all as f64
     }
 
-    /// Fills the holes that are small in both directions.
+    /// Fills the holes and corners that are small in both directions.
     fn fill_small(&mut self, meter: &mut Meter) {
         let mut seen = self.filled.clone();
         for start in self.each() {
@@ -237,7 +242,12 @@ impl Cells {
             let is_hole = part
                 .iter()
                 .all(|&cell| around(cell).all(|it| self.index(it).is_some()));
-            if is_hole && extent(0) <= SMALL && extent(1) <= SMALL {
+            let most = match is_hole {
+                true => SMALL,
+                false if part.iter().any(|cell| self.is_corner(*cell)) => SMALL_CORNER,
+                false => 0,
+            };
+            if extent(0) <= most && extent(1) <= most {
                 for cell in part {
                     if let Some(index) = self.index(cell) {
                         self.filled[index] = true;
@@ -245,6 +255,15 @@ impl Cells {
                 }
             }
         }
+    }
+
+    /// Returns true if a cell is at a corner of a rectangle of many cells that is not closed.
+    fn is_corner(&self, cell: Cell) -> bool {
+        (0..2).all(|axis| {
+            let Steps { side, count, .. } = self.steps[axis];
+            let is_end = cell[axis] == 0 || cell[axis] == count as isize - 1;
+            is_end && !side.is_closed && count >= MANY
+        })
     }
 
     /// The empty cells that hang together with one, also by corners; in closed directions they go on outside.
@@ -325,6 +344,18 @@ mod tests {
             "############....",
             "################",
         ];
+        assert_eq!(drawn(&it), expected);
+    }
+
+    #[test]
+    fn small_corners_of_many_cells_are_filled() {
+        let row = "##############";
+        let mut rows = vec![row; 14];
+        (rows[0], rows[1], rows[13]) = ("..############", ".#############", "###########...");
+        let mut it = cells(&rows, false);
+        it.close(&mut Meter::default());
+        let mut expected = vec![row; 14];
+        expected[13] = "###########...";
         assert_eq!(drawn(&it), expected);
     }
 

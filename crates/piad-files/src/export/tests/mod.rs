@@ -7,6 +7,7 @@ mod drawn;
 mod exact;
 mod refused;
 mod sampled;
+mod trimmed;
 
 use jiff::Timestamp;
 use piad_fit::data::Points;
