@@ -126,7 +126,7 @@ async fn files_leave_out_what_is_outside() {
     file("ply").await;
     let dxf = server.get(&format!("{result}/dxf")).send().await.unwrap();
     let (status, problem) = problem(dxf).await;
-    assert_eq!(status, 422);
+    assert_eq!(status, 409);
     assert!(
         problem["detail"].as_str().unwrap().contains("trimmed"),
         "{problem:#}"

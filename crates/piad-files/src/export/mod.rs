@@ -147,7 +147,7 @@ fn write_document(format: Format, document: &Document<'_>) -> Result<Vec<u8>, Ex
         })?;
     }
     match format {
-        Format::Step => step::write(document),
+        Format::Step => Ok(step::write(document)),
         Format::Iges => iges::write(document),
         Format::Obj => Ok(obj::write(document)),
         Format::Gltf => gltf::write(document),

@@ -88,6 +88,9 @@ impl Deref for Problem {
     }
 }
 
+/// The bytes for each point that it takes to find an outline: its parameters and its place, and at most 16 cells.
+const BYTES_OF_OUTLINE: usize = 192;
+
 impl Problem {
     /// Validates a request, computes parameters and knots and resolves the tolerance.
     ///
@@ -377,6 +380,8 @@ impl Problem {
         let vectors = 3 + given + shifted + demand.vectors;
         let scratch = usize::from(self.v().is_some());
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
+        let outline = self.request.trim.map_or(0, |_| BYTES_OF_OUTLINE * points);
+        let arrays = arrays + outline;
         if let Some((settings, _)) = self.method().automatic() {
             let most = self.most_control_points();
             return arrays + first::memory(self, settings, most) + demand.bytes;

@@ -10,6 +10,9 @@ const SMALL: usize = 3;
 const SMALL_CORNER: usize = 2;
 const MANY: usize = 12;
 
+/// The most empty cells in a row along a side of the rectangle that are filled.
+const SHALLOW: usize = 8;
+
 /// The least part of the points that lie in blocks of 3 × 3 cells where the cells are large enough.
 const IN_BLOCKS: f64 = 0.8;
 
@@ -87,6 +90,24 @@ impl Steps {
         }
     }
 
+    /// How many cells on either side of its own a point at v fills, of rows that become shorter towards poles as the parallels
+    /// of a sphere do.
+    fn reach(self, v: f64, poles: [bool; 2], around: Self) -> usize {
+        if poles == [false; 2] || !around.side.is_closed {
+            return 0;
+        }
+        let radius = around.side.length() / std::f64::consts::TAU;
+        let ends = [v - self.side.low, self.side.high - v];
+        let near = ends.into_iter().zip(poles).filter(|(_, is_pole)| *is_pole);
+        let shares = near.map(|(from, _)| {
+            let angle = (from / radius).clamp(0.0, std::f64::consts::FRAC_PI_2);
+            angle.sin()
+        });
+        let share = shares.fold(1.0, f64::min);
+        let most = around.count as f64;
+        (0.5 * (1.0 / share - 1.0)).min(most).ceil() as usize
+    }
+
     /// Where the rectangle begins and ends, in cells from the first one.
     pub(super) fn range(self) -> [f64; 2] {
         let start = (self.side.low - self.origin) / self.size;
@@ -120,16 +141,50 @@ fn around([i, j]: Cell) -> impl Iterator<Item = Cell> {
 }
 
 impl Cells {
-    /// Those that hold one of these points.
+    /// Those that hold one of these points. Towards `poles`, where rows are shorter, a point fills as much of its row as a cell is
+    /// long elsewhere.
     pub(super) fn of(
         steps: [Steps; 2],
         points: impl Iterator<Item = [f64; 2]>,
+        poles: [bool; 2],
         meter: &mut Meter,
     ) -> Self {
-        let mut filled = vec![false; steps[0].count * steps[1].count];
+        let [columns, rows] = steps.map(|it| it.count);
+        // Where points begin to fill cells, and where they end to.
+        let mut changes = vec![0_i32; (columns + 1) * rows];
         for [u, v] in points {
             meter.add(4);
-            filled[steps[1].cell(v) * steps[0].count + steps[0].cell(u)] = true;
+            let [column, row] = [steps[0].cell(u), steps[1].cell(v)];
+            let line = &mut changes[row * (columns + 1)..][..=columns];
+            let mut fill = |from: usize, to: usize| {
+                line[from] += 1;
+                line[to] -= 1;
+            };
+            match steps[1].reach(v, poles, steps[0]) {
+                0 => fill(column, column + 1),
+                reach if 2 * reach + 1 >= columns => fill(0, columns),
+                reach => {
+                    fill(
+                        column.saturating_sub(reach),
+                        (column + reach + 1).min(columns),
+                    );
+                    // A row near a pole goes around.
+                    if column < reach {
+                        fill(columns + column - reach, columns);
+                    }
+                    if column + reach >= columns {
+                        fill(0, column + reach + 1 - columns);
+                    }
+                }
+            }
+        }
+        let mut filled = Vec::with_capacity(columns * rows);
+        for line in changes.chunks_exact(columns + 1) {
+            let mut count = 0;
+            filled.extend(line[..columns].iter().map(|change| {
+                count += change;
+                count > 0
+            }));
         }
         Self { steps, filled }
     }
@@ -193,7 +248,8 @@ impl Cells {
         Self { filled, ..*self }
     }
 
-    /// Fills gaps of up to two cells, and holes of up to three by three and corners of two by two.
+    /// Fills gaps of up to two cells, and holes of up to three by three, corners of two by two and rows along
+    /// a side.
     pub(super) fn close(&mut self, meter: &mut Meter) {
         let wider = self.those(meter, |cell| self.is_near(cell));
         let is_wider = |cell| match wider.index(cell) {
@@ -224,7 +280,7 @@ impl Cells {
         inside as f64 >= IN_BLOCKS * all as f64
     }
 
-    /// Fills the holes and corners that are small in both directions.
+    /// Fills the holes, corners and rows along sides that are small.
     fn fill_small(&mut self, meter: &mut Meter) {
         let mut seen = self.filled.clone();
         for start in self.each() {
@@ -242,12 +298,16 @@ impl Cells {
             let is_hole = part
                 .iter()
                 .all(|&cell| around(cell).all(|it| self.index(it).is_some()));
+            let extents = [extent(0), extent(1)];
+            let [least, longest] = [extents[0].min(extents[1]), extents[0].max(extents[1])];
             let most = match is_hole {
                 true => SMALL,
                 false if part.iter().any(|cell| self.is_corner(*cell)) => SMALL_CORNER,
+                // A row of cells along a side.
+                false if least == 1 => SHALLOW,
                 false => 0,
             };
-            if extent(0) <= most && extent(1) <= most {
+            if longest <= most {
                 for cell in part {
                     if let Some(index) = self.index(cell) {
                         self.filled[index] = true;
@@ -309,7 +369,7 @@ mod tests {
             let filled = row.bytes().enumerate().filter(|(_, mark)| *mark == b'#');
             filled.map(move |(i, _)| [i as f64 + 0.5, j as f64 + 0.5])
         });
-        Cells::of(steps, points, &mut Meter::default())
+        Cells::of(steps, points, [false; 2], &mut Meter::default())
     }
 
     fn drawn(cells: &Cells) -> Vec<String> {
@@ -351,7 +411,7 @@ mod tests {
     fn small_corners_of_many_cells_are_filled() {
         let row = "##############";
         let mut rows = vec![row; 14];
-        (rows[0], rows[1], rows[13]) = ("..############", ".#############", "###########...");
+        (rows[0], rows[1], rows[13]) = ("..####.....###", ".#############", "###########...");
         let mut it = cells(&rows, false);
         it.close(&mut Meter::default());
         let mut expected = vec![row; 14];

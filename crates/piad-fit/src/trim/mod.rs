@@ -104,6 +104,7 @@ fn data(problem: &Problem, v: &Direction) -> Data {
         is_given,
         grid: (!problem.is_scattered()).then(|| problem.grid()),
         sides: [side(u), side(v)],
+        poles: problem.poles(),
     }
 }
 

@@ -32,6 +32,8 @@ pub(super) struct Data {
     /// The arrangement of the points of a grid.
     pub grid: Option<Grid>,
     pub sides: [Side; 2],
+    /// Which ends of v are points.
+    pub poles: [bool; 2],
 }
 
 impl Data {
@@ -133,13 +135,13 @@ pub(super) fn cells(data: &Data, distance: Option<f64>) -> Result<(Cells, f64), 
     let spacing = (0..2).map(|axis| of_data[axis].size * scales[axis]);
     let spacing = spacing.fold(0.0, f64::max);
     let Some(distance) = distance else {
-        let mut cells = Cells::of(of_data, data.given(), &mut meter);
+        let mut cells = Cells::of(of_data, data.given(), data.poles, &mut meter);
         cells.close(&mut meter);
         return Ok((cells, spacing));
     };
     check(data, distance, spacing)?;
     let steps = [0, 1].map(|axis| Steps::at_most(data.sides[axis], distance / scales[axis]));
-    let mut cells = Cells::of(steps, data.given(), &mut meter);
+    let mut cells = Cells::of(steps, data.given(), data.poles, &mut meter);
     cells.close(&mut meter);
     Ok((cells, distance))
 }
@@ -208,7 +210,7 @@ fn of_scattered(data: &Data, scales: [f64; 2], meter: &mut Meter) -> [Steps; 2] 
         if these[0].count.saturating_mul(these[1].count) > 2 * most as usize {
             continue;
         }
-        let mut cells = Cells::of(these, data.given(), meter);
+        let mut cells = Cells::of(these, data.given(), data.poles, meter);
         let filled = cells.filled_count();
         if count as f64 >= IN_A_CELL * filled as f64 {
             let dense = dense.get_or_insert(these);

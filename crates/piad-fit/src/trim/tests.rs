@@ -11,7 +11,7 @@ use crate::geometry::outline::polyline;
 use crate::geometry::trimmed_area::trimmed_area;
 use crate::method::{LeastSquares, Method};
 use crate::parameters::Parametrization;
-use crate::parameters::scattered::{CoordinatePlane, Cylinder, Scattered};
+use crate::parameters::scattered::{CoordinatePlane, Cylinder, Scattered, Sphere};
 use crate::problem::request::Request;
 use crate::shape::Surface;
 
@@ -281,5 +281,37 @@ fn areas_are_those_of_the_surface() {
         };
         let area = trimmed_area(surface.nurbs(), outline).unwrap();
         assert!((area / (1.25 * plan) - 1.0).abs() < 1e-4, "{area} {plan}");
+    }
+}
+
+/// A ball is whole, although its parameters are far apart near the poles; with a bite in its side it has a hole.
+#[test]
+fn a_ball_has_its_poles() {
+    for bite in [false, true] {
+        let points: Vec<[f64; 3]> = (0..6000)
+            .map(|k| {
+                [
+                    (k as f64 * 0.754_877_666).fract(),
+                    (k as f64 * 0.569_840_29).fract(),
+                ]
+            })
+            .map(|[a, z]| (2.0 * PI * a, 2.0 * z - 1.0))
+            .map(|(a, z)| (a, z, (1.0 - z * z).sqrt()))
+            .map(|(a, z, r)| [10.0 * r * a.cos(), 10.0 * r * a.sin(), 10.0 * z])
+            .filter(|[x, y, z]| !bite || *x < 0.0 || y.hypot(*z) > 4.0)
+            .collect();
+        let sphere = Scattered::Sphere(Sphere {
+            axis: Some([0.0, 0.0, 1.0]),
+            center: Some([0.0; 3]),
+        });
+        let fit = Fit::scattered(&points, sphere).trimmed();
+        let surface = fit.tolerance(0.5).prepare().unwrap().solve().unwrap();
+        let outline = surface.outline().unwrap();
+        let area = trimmed_area(surface.nurbs(), outline).unwrap();
+        // A cap, seen from the middle.
+        let cap = 2.0 * PI * 100.0 * (1.0 - 0.84_f64.sqrt());
+        let expected = 400.0 * PI - if bite { cap } else { 0.0 };
+        assert!((area / expected - 1.0).abs() < 0.03, "{area} {expected}");
+        assert_eq!(outline.is_whole(), !bite);
     }
 }

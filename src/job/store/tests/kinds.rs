@@ -192,7 +192,10 @@ fn trimmed_surfaces() -> impl Iterator<Item = Problem> {
                 points.push(&[x, y, x * y]);
             }
         }
-        let request = open_cubic(true);
+        let mut request = open_cubic(true);
+        let v = request.v.iter_mut();
+        let choices = std::iter::once(&mut request.u).chain(v);
+        choices.for_each(|it| it.parameters = Parametrization::ChordLength);
         let grid = Grid {
             rows: points.len(),
             columns: 1,

@@ -26,7 +26,13 @@ pub(super) fn write(
     outline: &Outline,
     label: &Label,
 ) -> Result<(), ExportError> {
-    let loops = edges::of_loops(nurbs, outline, Format::Iges)?;
+    let loops = edges::of_loops(nurbs, outline);
+    let counts = edges::counts(outline);
+    let is_at_pole = |(edges, all): (&Vec<Edge>, usize)| edges.len() < all;
+    if loops.iter().zip(counts).any(is_at_pole) {
+        let format = Format::Iges;
+        return Err(ExportError::TrimmedAtPole { format });
+    }
     let surface = entities.add(SURFACE, Status::Dependent, label, |data| {
         geometry(data, nurbs)
     });

@@ -9,9 +9,7 @@
 mod faces;
 
 use crate::export::document::Document;
-use crate::export::error::ExportError;
 use crate::export::fitted::GENERATOR;
-use crate::export::format::Format;
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::options::Unit;
 use crate::export::text::Text;
@@ -27,11 +25,7 @@ const ORIGIN: usize = 15;
 const FIRST_POINT: usize = 22;
 
 /// The curves and surfaces as a STEP file: one product, whose shape they are.
-///
-/// # Errors
-///
-/// If the outline of a surface has edges that are points.
-pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
+pub(super) fn write(document: &Document<'_>) -> Vec<u8> {
     let mut text = Text::default();
     let name = string(&document.title);
     header(&mut text, &name, document);
@@ -49,7 +43,7 @@ pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     );
     let mut next = FIRST_POINT;
     let (mut splines, mut shells) = (Vec::new(), Vec::new());
-    document.try_each(|shape| {
+    for shape in &document.shapes {
         let spline = Spline {
             nurbs: shape.nurbs,
             name: string(shape.title()),
@@ -62,14 +56,13 @@ pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
             Some(outline) => {
                 let trimmed = faces::Trimmed {
                     surface: number,
-                    edges: edges::of_loops(shape.nurbs, outline, Format::Step)?,
+                    edges: edges::of_loops(shape.nurbs, outline),
                     faces: &outline.faces,
                 };
                 shells.push(trimmed.write(&mut text, &mut next));
             }
         }
-        Ok(())
-    })?;
+    }
     let has_surface = document.shapes.iter().any(|it| it.nurbs.v.is_some());
     if !splines.is_empty() {
         next = representation(&mut text, &splines, next, has_surface);
@@ -78,7 +71,7 @@ pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
         faces::representation(&mut text, &shells, next);
     }
     text.push("ENDSEC;\nEND-ISO-10303-21;\n");
-    Ok(text.into_bytes())
+    text.into_bytes()
 }
 
 /// A curve or surface with its control points.

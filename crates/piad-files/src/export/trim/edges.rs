@@ -3,8 +3,6 @@
 //! A loop is divided where it turns. The curve of space of an edge has the same parameter as that in (u, v): a cubic with the
 //! places and derivatives of the surface at its breaks, which are as near to each other as a tolerance needs.
 
-use super::super::error::ExportError;
-use super::super::format::Format;
 use super::super::nurbs::{KnotVector, Nurbs};
 use piad_fit::data::Points;
 use piad_fit::engine::vectors::{length, minus};
@@ -34,28 +32,24 @@ pub(in super::super) fn tolerance(surface: &Nurbs) -> f64 {
     extent.max(surface.resolution())
 }
 
-/// The edges of each loop.
-///
-/// # Errors
-///
-/// If an edge is a point of space, as it is at a pole.
-pub(in super::super) fn of_loops(
-    surface: &Nurbs,
-    outline: &Outline,
-    format: Format,
-) -> Result<Vec<Vec<Edge>>, ExportError> {
+/// The edges of each loop. Those that are points of space, as they are at a pole, are not there.
+pub(in super::super) fn of_loops(surface: &Nurbs, outline: &Outline) -> Vec<Vec<Edge>> {
     let tolerance = tolerance(surface);
+    let is_long = |it: &Edge| it.in_space.points.bounding_diagonal() > 10.0 * tolerance;
     let edges = |curve: &Nurbs| {
-        let edges = pieces(curve).into_iter().map(|in_plane| {
-            let in_space = on_surface(surface, &in_plane, tolerance);
-            match in_space.points.bounding_diagonal() > 10.0 * tolerance {
-                true => Ok(Edge { in_plane, in_space }),
-                false => Err(ExportError::TrimmedAtPole { format }),
-            }
+        let edges = pieces(curve).into_iter().map(|in_plane| Edge {
+            in_space: on_surface(surface, &in_plane, tolerance),
+            in_plane,
         });
-        edges.collect::<Result<Vec<Edge>, ExportError>>()
+        edges.filter(is_long).collect()
     };
     outline.loops.iter().map(edges).collect()
+}
+
+/// How many edges each loop has with those that are points of space.
+pub(in super::super) fn counts(outline: &Outline) -> Vec<usize> {
+    let loops = outline.loops.iter();
+    loops.map(|curve| pieces(curve).len()).collect()
 }
 
 /// The pieces of a clamped curve between the knots at which it turns.
