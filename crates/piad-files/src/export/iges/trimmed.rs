@@ -1,8 +1,9 @@
 //! Trimmed surfaces (entity 144): a surface with curves on it (entity 142), each in its parameters and in space, as composite
 //! curves (entity 102) where there are several edges.
 
+use super::entities::{Entities, Label};
 use super::sections::Status;
-use super::{Entities, Label, geometry};
+use super::splines::geometry;
 use crate::export::error::ExportError;
 use crate::export::format::Format;
 use crate::export::nurbs::Nurbs;

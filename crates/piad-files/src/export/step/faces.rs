@@ -3,7 +3,7 @@
 //! An edge has a curve of space that is within the accuracy of the file of the surface, and a curve in (u, v) (`pcurve`) with
 //! the same parameter, which is its exact place.
 
-use super::{CONTEXT, ORIGIN, SHAPE, knots, real};
+use super::instances::{CONTEXT, ORIGIN, SHAPE, knots, real};
 use crate::export::nurbs::Nurbs;
 use crate::export::text::Text;
 use crate::export::trim::edges::Edge;

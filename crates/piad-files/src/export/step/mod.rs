@@ -7,6 +7,7 @@
 //! bounded wireframe or surface representation (ISO 10303-510 and -507). Trimmed surfaces are faces ([`faces`]).
 
 mod faces;
+mod instances;
 
 use crate::export::document::Document;
 use crate::export::fitted::GENERATOR;
@@ -14,13 +15,8 @@ use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::options::Unit;
 use crate::export::text::Text;
 use crate::export::trim::edges;
+use instances::{CONTEXT, ORIGIN, SHAPE, knots, real};
 
-/// The number of the context of the representation, written by [`product`].
-const CONTEXT: usize = 14;
-/// The number of the product's shape.
-const SHAPE: usize = 9;
-/// The number of the coordinate system.
-const ORIGIN: usize = 15;
 /// The number of the first control point.
 const FIRST_POINT: usize = 22;
 
@@ -263,24 +259,6 @@ fn representation(
          #{tie}=SHAPE_DEFINITION_REPRESENTATION(#{SHAPE},#{shape});\n"
     ));
     tie + 1
-}
-
-/// Multiplicities of all directions, then their knots, then the kind of knots.
-fn knots(text: &mut Text, directions: &[&KnotVector]) {
-    let distinct: Vec<_> = directions.iter().map(|it| it.multiplicities()).collect();
-    for knots in &distinct {
-        text.list(knots, |text, (_, times)| text.put(format_args!("{times}")));
-        text.push(",");
-    }
-    for knots in &distinct {
-        text.list(knots, |text, (knot, _)| real(text, *knot));
-        text.push(",");
-    }
-    text.push(".UNSPECIFIED.");
-}
-
-fn real(text: &mut Text, x: f64) {
-    text.real(x, 'E');
 }
 
 fn logical(value: bool) -> &'static str {
