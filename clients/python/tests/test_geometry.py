@@ -241,7 +241,7 @@ def test_surfaces_are_trimmed_to_their_data(client: piad.Client) -> None:
     k = np.arange(3000)
     x, y = 2 * (k * 0.754877666 % 1) - 1, 2 * (k * 0.56984029 % 1) - 1
     points = np.stack([x, y, 0 * x], axis=1)[(np.hypot(x, y) < 0.9) & (np.hypot(x, y) > 0.4)]
-    fit = client.fit(points, scattered=True, trim={"distance": 0.1}, control_points=4)
+    fit = client.fit(points, scattered=True, parameters="project", trim={"distance": 0.1}, control_points=4)
     assert fit.trim is not None and fit.trim.area is not None
     assert (len(fit.trim.loops), fit.trim.faces, fit.trim.distance) == (2, ((0, 1),), 0.1)
     areas = []
