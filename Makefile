@@ -63,6 +63,7 @@ files: $(VENV)/installed
 	$(PYTHON) tests/python/units.py target/debug/piad
 	$(PYTHON) tests/python/offsets.py target/debug/piad
 	$(PYTHON) tests/python/joins.py target/debug/piad
+	$(PYTHON) tests/python/trims.py target/debug/piad
 
 # A gRPC client in another language, from the contract alone.
 interop: $(VENV)/installed

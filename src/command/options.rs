@@ -121,6 +121,7 @@ impl Asked {
             ("--control-points", count.is_some()),
             ("--fairness", fairness.is_some()),
             ("--robust", arguments.robust),
+            ("--trim", arguments.trim.is_some()),
         ];
         let implied = implied.iter().find(|(_, is_given)| *is_given);
         match (method, implied) {
@@ -169,6 +170,7 @@ impl Asked {
             polyline,
             ends,
             closed,
+            trim,
             ..
         } = arguments;
         if let Some(text) = order {
@@ -179,6 +181,11 @@ impl Asked {
         }
         if *polyline {
             self.take("curve.polyline", "--polyline", Value::from(true))?;
+        }
+        if let Some(distance) = trim {
+            let distance = distance.as_deref().map(number);
+            let value = distance.map_or(Value::from(true), |it| json!({"distance": it}));
+            self.take("surface.trim", "--trim", value)?;
         }
         if degree.is_none() && basis.is_none() && ends.is_none() && !closed {
             return Ok(());

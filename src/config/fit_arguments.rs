@@ -54,7 +54,7 @@ pub struct FitArguments {
     pub(crate) tolerance: Option<String>,
 
     /// Method: global, weighted, local, adaptive, extended, transpose, convex, chebyshev, direct or
-    /// least_squares [default: global, or least_squares with --control-points].
+    /// least_squares [default: global, or least_squares with --control-points and --trim].
     #[arg(long, value_name = "METHOD", help_heading = "Fit")]
     pub(crate) method: Option<String>,
 
@@ -112,6 +112,11 @@ pub struct FitArguments {
     /// as that takes.
     #[arg(long, help_heading = "Fit")]
     pub(crate) polyline: bool,
+
+    /// A surface trimmed to the outline of its points: STEP, IGES, meshes and drawings leave the rest out. The points are at
+    /// most this distance from it [default: about their distance from each other].
+    #[arg(long, value_name = "DISTANCE", num_args = 0..=1, allow_negative_numbers = true, value_parser = distance, help_heading = "Fit")]
+    pub(crate) trim: Option<Option<String>>,
 
     /// How it ends: estimated, repeated or natural, or JSON [default: estimated].
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]
@@ -194,6 +199,16 @@ pub struct FitArguments {
     /// File with the bearer token for the server [default: the token in the variable PIAD_TOKEN, if any].
     #[arg(long, value_name = "FILE", requires = "server", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
+}
+
+/// A number.
+fn distance(text: &str) -> Result<String, String> {
+    match text.parse::<f64>() {
+        Ok(_) => Ok(text.to_owned()),
+        Err(_) => {
+            Err("not a distance such as 0.5; a file comes before --trim without a value".to_owned())
+        }
+    }
 }
 
 /// Rows and columns, such as 40x60.

@@ -54,6 +54,7 @@ pub(crate) mod state;
 pub(crate) mod store;
 pub(crate) mod tenant;
 pub(crate) mod trace;
+pub(crate) mod trim;
 mod turns;
 
 use std::sync::atomic::{AtomicBool, Ordering};

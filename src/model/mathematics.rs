@@ -2,7 +2,7 @@
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
 use piad_fit::basis::{BasisChoice, Knots};
-use piad_fit::engine::{Admission, DirectionChoice, Problem, Request, Weights};
+use piad_fit::engine::{Admission, DirectionChoice, Problem, Request, Weights, trimmed};
 use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::method::{LeastSquares, Method};
 use piad_fit::parameters::Parametrization;
@@ -23,7 +23,7 @@ impl Mistakes {
         let mut copy = few.then(|| request.clone());
         let mut next = Some(request);
         while let Some(request) = next.take() {
-            let error = match Problem::admitted(request, admission) {
+            let error = match Problem::admitted(request, admission).and_then(trimmed) {
                 Ok(problem) => return Some(problem),
                 Err(error) => error,
             };
@@ -54,6 +54,7 @@ impl Mistakes {
 fn correct(request: &mut Request, place: fit::Place) -> bool {
     let (u, v) = (&mut request.u, &mut request.v);
     match place {
+        fit::Place::Trim | fit::Place::TrimDistance => request.trim.take().is_some(),
         fit::Place::Tolerance | fit::Place::RelativeTolerance => request.tolerance.take().is_some(),
         fit::Place::Setting(_)
         | fit::Place::Index(_)

@@ -35,4 +35,5 @@ pub(crate) mod settings;
 pub(crate) mod shape;
 pub(crate) mod stop;
 pub(crate) mod stream;
+pub(crate) mod trim;
 pub(crate) mod weights;

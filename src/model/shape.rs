@@ -18,6 +18,7 @@ use super::per_direction::PerDirection;
 use super::points::{PointGrid, PointList, SectionList};
 use super::scattered::{FootPoints, SurfaceParameters};
 use super::schema;
+use super::trim::TrimInput;
 use super::weights::{self, Rational, Resolved, check_unused};
 use piad_fit::basis::MAX_DEGREE;
 use piad_fit::data::{Grid, Points};
@@ -156,6 +157,9 @@ pub(crate) struct SurfaceInput {
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "given_ends")]
     #[schemars(with = "Option<SurfaceEnds>")]
     pub ends: Option<PerDirection<DirectionEnds>>,
+    /// Whether it is trimmed to the outline of its data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub trim: Option<TrimInput>,
 }
 
 object!(CurveInput, "an object with points");
@@ -469,6 +473,7 @@ impl SurfaceInput {
         Some(Request {
             missing: placed.missing,
             scattered,
+            trim: self.trim.and_then(|TrimInput(trim)| trim),
             ..problem(placed.points, grid, (u, Some(v)), weights)
         })
     }
@@ -521,6 +526,7 @@ impl SurfaceInput {
             spacing: None,
             origin: None,
             ends: has_ends.then(|| PerDirection::of(ends(u), Some(ends(v)))),
+            trim: request.trim.map(|trim| TrimInput(Some(trim))),
         }
     }
 }

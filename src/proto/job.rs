@@ -22,10 +22,11 @@ use crate::model::scattered::{FootPoints, SurfaceParameters};
 use crate::model::shape::{CurveInput, PointOrder, RepeatedPoints, SurfaceInput};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
+use crate::model::trim::TrimInput;
 use crate::model::weights::Rational;
 use piad_fit::basis::Corners;
 use piad_fit::data::{Grid, MAX_DIMENSION, Points};
-use piad_fit::engine::{DirectionChoice, Request, Tolerance, Weights};
+use piad_fit::engine::{DirectionChoice, Request, Tolerance, Trim, Weights};
 use piad_fit::parameters::{
     CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sections, Sphere,
 };
@@ -169,6 +170,9 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
         }),
         spacing: surface.placement.map(|it| [it.dx, it.dy]),
         origin: surface.placement.map(|it| [it.x, it.y]),
+        trim: surface
+            .trim
+            .map(|pb::Trim { distance }| TrimInput(Some(Trim { distance }))),
         ..SurfaceInput::default()
     };
     let weights = pb::Weights {
@@ -558,6 +562,7 @@ fn surface_message(request: &Request, v: &DirectionChoice) -> pb::Surface {
         v: Some(direction(v, scattered)),
         weights: grid_weights(&request.weights).unwrap_or_default(),
         placement: None,
+        trim: request.trim.map(|Trim { distance }| pb::Trim { distance }),
     }
 }
 

@@ -131,6 +131,7 @@ mod texts;
 mod thresholds;
 mod tokens_file;
 mod transformed;
+mod trims;
 mod unfolding;
 mod views;
 mod warnings;

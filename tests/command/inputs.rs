@@ -393,3 +393,34 @@ fn flags_are_fields_of_the_job() {
         (&json!(1), &json!(4))
     );
 }
+
+/// Points of a disc, which a surface is trimmed to.
+#[test]
+fn surfaces_are_trimmed() {
+    let folder = Folder::with_curve();
+    let part = |k: usize, step: f64| 20.0 * (k as f64 * step).fract() - 10.0;
+    let points = (0..1500).map(|k| [part(k, 0.754_877_666), part(k, 0.569_840_29)]);
+    let inside = points.filter(|[x, y]| x.hypot(*y) < 9.5);
+    let lines = inside.map(|[x, y]| format!("{x} {y} {}\n", 0.01 * x * y));
+    folder.write("disc.xyz", &lines.collect::<String>());
+    let trim = |flags: &[&str]| {
+        let fixed = ["disc.xyz", "--control-points", "5"];
+        folder.result(&[&fixed[..], flags].concat())["trim"].clone()
+    };
+    let usual = trim(&["--trim"]);
+    assert_eq!(usual["loops"].as_array().unwrap().len(), 1);
+    let automatic = folder.result(&["disc.xyz", "--trim", "--tolerance", "0.1"]);
+    assert_eq!(automatic["trim"]["loops"].as_array().unwrap().len(), 1);
+    let wide = trim(&["--trim", "1.5"]);
+    assert_eq!(wide["distance"], 1.5);
+    assert!(wide["area"].as_f64() > usual["area"].as_f64());
+    let told = folder.fit(&["disc.xyz", "--trim", "-2", "--control-points", "5"]);
+    assert_eq!(told.status, 2, "{}", told.err);
+    assert!(told.err.contains("--trim"), "{}", told.err);
+    let told = folder.fit(&["--trim", "disc.xyz"]);
+    assert!(
+        told.err.contains("a file comes before --trim"),
+        "{}",
+        told.err
+    );
+}

@@ -237,6 +237,22 @@ def test_outliers_are_left_out(client: piad.Client) -> None:
     assert np.abs(on[:, 1] - 20 * np.sin(0.07 * on[:, 0])).max() < 0.05
 
 
+def test_surfaces_are_trimmed_to_their_data(client: piad.Client) -> None:
+    k = np.arange(3000)
+    x, y = 2 * (k * 0.754877666 % 1) - 1, 2 * (k * 0.56984029 % 1) - 1
+    points = np.stack([x, y, 0 * x], axis=1)[(np.hypot(x, y) < 0.9) & (np.hypot(x, y) > 0.4)]
+    fit = client.fit(points, scattered=True, parameters="project", trim={"distance": 0.1}, control_points=4)
+    assert fit.trim is not None and fit.trim.area is not None
+    assert (len(fit.trim.loops), fit.trim.faces, fit.trim.distance) == (2, ((0, 1),), 0.1)
+    areas = []
+    for loop in fit.trim.loops:
+        low, high = loop.domain
+        u, v = np.asarray(loop.evaluate(np.linspace(low, high, 2000))).T
+        areas.append(0.5 * float((u[:-1] * v[1:] - u[1:] * v[:-1]).sum()))
+    assert areas[0] > 0 > areas[1]
+    assert abs(sum(areas) / fit.trim.area - 1) < 1e-3
+
+
 def test_ends_have_the_derivatives_that_are_given(client: piad.Client) -> None:
     angle = np.linspace(0, np.pi, 9)
     points = np.stack([np.cos(angle), np.sin(angle)], axis=1)

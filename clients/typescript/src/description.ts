@@ -1027,6 +1027,8 @@ export interface components {
             creases?: components["schemas"]["Creases"] | null;
             /** @description How it ends; one value for both directions, or one for each that is not closed. */
             ends?: components["schemas"]["SurfaceEnds"] | null;
+            /** @description Whether it is trimmed to the outline of its data. */
+            trim?: components["schemas"]["Trim"] | null;
         };
         /**
          * @description The data points of a surface: rows (u) of columns (v), all of the same length. Numbers instead of points, at least four of them in a row, are heights, points of one coordinate. Least-squares fits may have null for missing points.
@@ -1456,6 +1458,21 @@ export interface components {
              * @example natural
              */
             v?: ("estimated" | "repeated" | "natural") | components["schemas"]["SurfaceEndPair"];
+        };
+        /**
+         * @description Whether the surface is trimmed to the outline of its data, which is at most a distance from them, in the unit of the points: with `true` about the distance of the points from each other. Holes and gaps of up to two or three times the distance are filled; data in several islands give several loops. The result and files have the outline; the fit is the same without it. Default: `false`.
+         * @example true
+         * @example {
+         *       "distance": 0.5
+         *     }
+         */
+        Trim: boolean | {
+            /**
+             * Format: double
+             * @description The largest distance of the data from the surface that is left.
+             * @example 0.5
+             */
+            distance: number;
         };
         /**
          * @description How weights are used: in homogeneous coordinates, so that the weights of the control points
@@ -3342,6 +3359,8 @@ export interface components {
             fairness?: number;
             /** @description The points that a robust fit leaves out, if there are any. */
             outliers?: components["schemas"]["Outliers"];
+            /** @description What is left of a surface that is trimmed. */
+            trim?: components["schemas"]["Trimmed"];
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */
@@ -3350,6 +3369,131 @@ export interface components {
             control_points: components["schemas"]["PointArray"];
             /** @description The weights of the control points; fixed ones of a surface are those of each direction. */
             weights?: components["schemas"]["ResultWeights"];
+        };
+        /**
+         * @description What is left of a trimmed surface: where its parameters are on the left of all loops.
+         * @example {
+         *       "area": 2.9,
+         *       "distance": 0.1,
+         *       "faces": [
+         *         {
+         *           "outer": 0,
+         *           "holes": []
+         *         }
+         *       ],
+         *       "loops": [
+         *         {
+         *           "degree": 3,
+         *           "knots": [
+         *             0,
+         *             0,
+         *             0,
+         *             0,
+         *             2,
+         *             2,
+         *             2,
+         *             2
+         *           ],
+         *           "control_points": [
+         *             [
+         *               0,
+         *               0
+         *             ],
+         *             [
+         *               3,
+         *               0
+         *             ],
+         *             [
+         *               0,
+         *               3
+         *             ],
+         *             [
+         *               0,
+         *               0
+         *             ]
+         *           ]
+         *         }
+         *       ]
+         *     }
+         */
+        Trimmed: {
+            /**
+             * Format: double
+             * @description The area of what is left, of surfaces in the plane and in space.
+             */
+            area?: number;
+            /**
+             * Format: double
+             * @description How far the outline can be from the data, in the unit of the points.
+             */
+            distance: number;
+            /** @description The pieces that it is in; none if it is all of the surface. */
+            faces: components["schemas"]["TrimmedFace"][];
+            /** @description Closed curves in u and v; none if it is all of the surface. */
+            loops: components["schemas"]["TrimLoop"][];
+        };
+        /**
+         * @description A piece of a trimmed surface, by indices of loops.
+         * @example {
+         *       "outer": 0,
+         *       "holes": [
+         *         1
+         *       ]
+         *     }
+         */
+        TrimmedFace: {
+            /**
+             * Format: int64
+             * @description The loop around it, counter-clockwise.
+             */
+            outer: number;
+            /** @description Those around its holes, clockwise. */
+            holes: number[];
+        };
+        /**
+         * @description A closed B-spline curve in the parameters of a surface, which is on its left. It turns at knots of multiplicity 3.
+         * @example {
+         *       "degree": 3,
+         *       "knots": [
+         *         0,
+         *         0,
+         *         0,
+         *         0,
+         *         2,
+         *         2,
+         *         2,
+         *         2
+         *       ],
+         *       "control_points": [
+         *         [
+         *           0,
+         *           0
+         *         ],
+         *         [
+         *           3,
+         *           0
+         *         ],
+         *         [
+         *           0,
+         *           3
+         *         ],
+         *         [
+         *           0,
+         *           0
+         *         ]
+         *       ]
+         *     }
+         */
+        TrimLoop: {
+            /**
+             * Format: int64
+             * @description The degree.
+             */
+            degree: number;
+            /** @description The knots, clamped. */
+            knots: number[];
+            /** @description u and v of the control points; the last one is the first. */
+            control_points: number[][];
         };
         /**
          * @description Weights of control points: of each of them, or fixed ones of each direction of a surface.
@@ -3609,6 +3753,8 @@ export interface components {
             fairness?: number;
             /** @description The points that a robust fit leaves out, if there are any. */
             outliers?: components["schemas"]["Outliers"];
+            /** @description What is left of a surface that is trimmed. */
+            trim?: components["schemas"]["Trimmed"];
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */
@@ -5729,6 +5875,7 @@ export type SurfaceEnds = components['schemas']['SurfaceEnds'];
 export type SurfaceEndPair = components['schemas']['SurfaceEndPair'];
 export type SurfaceEnd = components['schemas']['SurfaceEnd'];
 export type SurfaceEndsPair = components['schemas']['SurfaceEndsPair'];
+export type Trim = components['schemas']['Trim'];
 export type Rational = components['schemas']['Rational'];
 export type Method = components['schemas']['Method'];
 export type MethodKind = components['schemas']['MethodKind'];
@@ -5801,6 +5948,9 @@ export type JobLine = components['schemas']['JobLine'];
 export type IterationLine = components['schemas']['IterationLine'];
 export type EndLine = components['schemas']['EndLine'];
 export type FitResult = components['schemas']['FitResult'];
+export type Trimmed = components['schemas']['Trimmed'];
+export type TrimmedFace = components['schemas']['TrimmedFace'];
+export type TrimLoop = components['schemas']['TrimLoop'];
 export type ResultWeights = components['schemas']['ResultWeights'];
 export type BatchEvent = components['schemas']['BatchEvent'];
 export type BatchLine = components['schemas']['BatchLine'];

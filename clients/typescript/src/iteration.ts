@@ -72,6 +72,8 @@ export interface Result {
   readonly controlPoints: Tensor;
   /** Of homogeneous fits; fixed ones are in `shape`. */
   readonly weights: Tensor | null;
+  /** What is left of a surface that is trimmed. */
+  readonly trim: api.Trimmed | null;
 }
 
 /**
@@ -116,6 +118,7 @@ export function resultOf(value: api.FitResult): Result {
     parameters: lines(value.parameters, value.encoding && "base64"),
     controlPoints: points(value, value.control_points),
     weights: homogeneous ? weightsOf(value, weights as api.WeightArray) : null,
+    trim: value.trim ?? null,
   };
 }
 

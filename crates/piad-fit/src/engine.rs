@@ -15,9 +15,10 @@ pub use crate::matrix::tensor::Tensor;
 pub use crate::parameters::{Parametrized, is_stack, parameters};
 pub use crate::problem::Problem;
 pub use crate::problem::admission::Admission;
-pub use crate::problem::request::{Request, Tolerance, Weights};
+pub use crate::problem::request::{Request, Tolerance, Trim, Weights};
 pub use crate::setup::Setup;
 pub use crate::termination::{Outcome, Reason};
+pub use crate::trim::trimmed;
 pub use crate::warning::Warning;
 
 /// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
@@ -84,6 +85,11 @@ pub mod samples {
 /// Levels in one pass over memory.
 pub mod sweep {
     pub use crate::iteration::sweep::{LEVELS, Measured, Plan, Sweep};
+}
+
+/// The outlines of surfaces.
+pub mod outline {
+    pub use crate::geometry::trimmed_area::trimmed_area;
 }
 
 /// Vectors of space.

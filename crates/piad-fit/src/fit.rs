@@ -21,7 +21,8 @@ use crate::data::{IntoGrid, IntoPoints};
 use crate::geometry::norms::FitError;
 use crate::iteration::system::System;
 use crate::parameters::scattered::Scattered;
-use crate::problem::request::{Request, Tolerance, Weights};
+use crate::problem::request::{Request, Tolerance, Trim, Weights};
+use crate::trim::trimmed;
 
 /// The degree of B-splines where none is given.
 const DEGREE: usize = 3;
@@ -167,6 +168,17 @@ impl Fit<Surface> {
 }
 
 impl Fit<Surface> {
+    /// The surface is trimmed to the outline of its data, which is as far from them as they are from each other.
+    pub fn trimmed(self) -> Self {
+        self.with(|request| request.trim = Some(Trim::default()))
+    }
+
+    /// The same with an outline that is at most so far from the data, in the unit of the points.
+    pub fn trimmed_within(self, distance: f64) -> Self {
+        let distance = Some(distance);
+        self.with(|request| request.trim = Some(Trim { distance }))
+    }
+
     /// Lines of points across which the surface of a grid may turn, by indices of rows and of columns.
     pub fn creases(self, rows: &[usize], columns: &[usize]) -> Self {
         self.with(|request| {
@@ -244,7 +256,7 @@ impl<S: Shape> Fit<S> {
     ///
     /// What is wrong, where, and why.
     pub fn prepare(self) -> Result<Prepared<S>, Invalid> {
-        let problem = Problem::new(self.request?)?;
+        let problem = trimmed(Problem::new(self.request?)?)?;
         Ok(Prepared {
             system: Arc::new(System::new(Arc::new(problem))),
             shape: PhantomData,

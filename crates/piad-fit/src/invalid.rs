@@ -233,6 +233,10 @@ pub enum Place {
     RepeatedPoints,
     /// The choice of a polyline, whose edges are data, too.
     Polyline,
+    /// The choice to trim a surface.
+    Trim,
+    /// How far data may be from the outline of a trimmed surface.
+    TrimDistance,
     /// How a direction ends.
     Ends(Axis),
     /// How a direction ends on one side.

@@ -77,7 +77,8 @@
 //! - [`method`]: a file for each method: its settings, level 0, transform U, stop rule and forecast;
 //! - `knot_selection`: as few control points as a tolerance needs;
 //! - `problem`: validation, sizes and admission; [`invalid`]: what is wrong with a request; `warning`: what is doubtful;
-//! - `iteration`: the loop, sweeps over memory, termination and predictions.
+//! - `iteration`: the loop, sweeps over memory, termination and predictions;
+//! - `trim`: the outline of the data of a surface.
 //!
 //! Folders use those above them in this list, and not those below.
 //!
@@ -113,6 +114,7 @@ mod properties;
 pub(crate) mod setup;
 mod shape;
 pub(crate) mod termination;
+pub(crate) mod trim;
 pub(crate) mod warning;
 #[cfg(feature = "serde")]
 #[cfg(test)]

@@ -1,10 +1,13 @@
 //! Fitted curves and surfaces: evaluation and derivatives.
 
+use std::sync::Arc;
+
 use super::problem::Problem;
 use crate::data::points::Points;
 use crate::geometry::norms::FitError;
 use crate::geometry::nurbs::sampling::Jet;
 use crate::geometry::nurbs::{KnotVector, Nurbs};
+use crate::geometry::outline::Outline;
 
 /// What is fitted: a [`Curve`] or a [`Surface`].
 pub trait Shape: Sized + sealed::Sealed {
@@ -33,6 +36,7 @@ pub struct Curve {
 pub struct Surface {
     nurbs: Nurbs,
     error: FitError,
+    outline: Option<Arc<Outline>>,
 }
 
 /// A parameter of a closed direction, moved into the domain by whole periods.
@@ -120,6 +124,11 @@ impl Surface {
         self.error
     }
 
+    /// The outline of the data in its parameters, if it is trimmed.
+    pub fn outline(&self) -> Option<&Outline> {
+        self.outline.as_deref()
+    }
+
     /// Its degrees, knots, control points and weights.
     pub fn nurbs(&self) -> &Nurbs {
         &self.nurbs
@@ -135,7 +144,10 @@ impl Shape for Curve {
 
 impl Shape for Surface {
     fn of(problem: &Problem, control_points: &Points, error: FitError) -> Self {
-        let nurbs = Nurbs::of(problem, control_points);
-        Self { nurbs, error }
+        Self {
+            nurbs: Nurbs::of(problem, control_points),
+            error,
+            outline: problem.outline().cloned(),
+        }
     }
 }

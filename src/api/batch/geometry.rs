@@ -5,6 +5,7 @@ use serde::Deserialize;
 use piad_files::export::Nurbs;
 use piad_files::export::nurbs::{DirectionData, assemble, products};
 use piad_fit::data::Points;
+use piad_fit::geometry::{Face, Outline};
 
 /// A fitted curve or surface.
 #[derive(Debug, Deserialize)]
@@ -15,6 +16,28 @@ pub(crate) struct Geometry {
     knots: Each<Option<Vec<f64>>>,
     control_points: Net,
     weights: Option<Weights>,
+    trim: Option<Trim>,
+}
+
+/// What is left of a trimmed surface.
+#[derive(Debug, Deserialize)]
+struct Trim {
+    distance: f64,
+    faces: Vec<TrimFace>,
+    loops: Vec<TrimLoop>,
+}
+
+#[derive(Debug, Deserialize)]
+struct TrimFace {
+    outer: usize,
+    holes: Vec<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+struct TrimLoop {
+    degree: usize,
+    knots: Vec<f64>,
+    control_points: Vec<[f64; 2]>,
 }
 
 /// A value of both directions, or one of each.
@@ -95,6 +118,39 @@ impl Geometry {
             }
         };
         assemble(u, v, points, self.weights()).map_err(|reason| reason.to_string())
+    }
+
+    /// The outline of a trimmed surface.
+    pub(super) fn outline(&self) -> Result<Option<Outline>, String> {
+        let Some(trim) = &self.trim else {
+            return Ok(None);
+        };
+        let curve = |it: &TrimLoop| {
+            let direction = DirectionData {
+                degree: it.degree,
+                knots: Some(it.knots.clone()),
+                closed: true,
+            };
+            let points = Points::from_flat(2, it.control_points.as_flattened());
+            assemble(direction, None, points, None).map_err(|reason| reason.to_string())
+        };
+        let loops: Vec<Nurbs> = trim.loops.iter().map(curve).collect::<Result<_, _>>()?;
+        let face = |it: &TrimFace| {
+            let first = it.outer + 1;
+            let holes = first..first + it.holes.len();
+            let is_known = holes.end <= loops.len() && holes.clone().eq(it.holes.iter().copied());
+            let outer = it.outer;
+            let wrong = "the holes of a piece of a trimmed surface follow its outer loop";
+            is_known
+                .then_some(Face { outer, holes })
+                .ok_or_else(|| wrong.to_owned())
+        };
+        let faces = trim.faces.iter().map(face).collect::<Result<_, _>>()?;
+        Ok(Some(Outline {
+            loops,
+            faces,
+            distance: trim.distance,
+        }))
     }
 
     /// The weights of all control points, row by row.

@@ -85,10 +85,11 @@ impl PartFile {
     pub(crate) fn write(&self, format: Format, options: Options) -> Result<Vec<u8>, String> {
         let mut parts = Vec::with_capacity(self.0.len());
         for (name, geometry) in &self.0 {
-            let nurbs = geometry.nurbs();
+            let wrong = |reason| format!("{name}: {reason}");
             parts.push(Part {
                 name: Some(name.as_str()),
-                nurbs: nurbs.map_err(|reason| format!("{name}: {reason}"))?,
+                nurbs: geometry.nurbs().map_err(wrong)?,
+                outline: geometry.outline().map_err(wrong)?,
             });
         }
         let header = Header::new(Timestamp::now(), options);

@@ -111,6 +111,8 @@ impl MessageLayout {
             P::Order => format!("{root}.unordered"),
             P::RepeatedPoints => format!("{root}.merge_repeated"),
             P::Polyline => format!("{root}.polyline"),
+            P::Trim => format!("{root}.trim"),
+            P::TrimDistance => format!("{root}.trim.distance"),
             P::Corners(axis) if root == SURFACE => self.direction(axis, "creases"),
             P::Corner(axis, index) if root == SURFACE => {
                 self.direction(axis, &format!("creases[{index}]"))

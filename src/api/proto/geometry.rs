@@ -14,6 +14,7 @@ use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::job::content::Content;
 use crate::job::frame::Frame;
 use crate::job::state::State;
+use crate::job::trim::Trimmed;
 use crate::model::stream::form::{Form, View};
 use crate::proto::job;
 use crate::proto::messages::{self as pb, iteration};
@@ -112,8 +113,39 @@ pub(crate) fn result(head: &ResultHead<'_>, frame: &Frame, view: View) -> Conten
         notices: head.notices.to_vec(),
         fairness: problem.method().fairness(),
         outliers: outliers(problem),
+        trim: Trimmed::of(frame).map(trimmed),
     };
     written(&message, large)
+}
+
+/// What is left of a trimmed surface.
+fn trimmed(trimmed: Trimmed) -> pb::Trimmed {
+    let Trimmed {
+        area,
+        distance,
+        faces,
+        loops,
+    } = trimmed;
+    let indices = |loops: Vec<usize>| loops.into_iter().map(count).collect();
+    pb::Trimmed {
+        area,
+        distance,
+        loops: loops
+            .into_iter()
+            .map(|it| pb::TrimLoop {
+                degree: count(it.degree),
+                knots: it.knots,
+                control_points: it.control_points.into_flattened(),
+            })
+            .collect(),
+        faces: faces
+            .into_iter()
+            .map(|it| pb::TrimmedFace {
+                outer: count(it.outer),
+                holes: indices(it.holes),
+            })
+            .collect(),
+    }
 }
 
 /// A message, and the field of it that is large.

@@ -19,7 +19,7 @@ use crate::model::job::JobRequest;
 use crate::proto::job;
 use crate::proto::messages as pb;
 use piad_fit::data::Points;
-use piad_fit::engine::{Bases, Lane, Problem, Request};
+use piad_fit::engine::{Bases, Lane, Problem, Request, trimmed};
 
 /// What a problem has besides what a client can ask for.
 #[derive(Serialize, Deserialize)]
@@ -143,7 +143,8 @@ pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
         outliers: start.outliers,
         ..request.map_err(|mistakes| StoreError::damaged(&what, mistakes))?
     };
-    Problem::new(request).map_err(|error| StoreError::damaged(what, error))
+    let problem = Problem::new(request).and_then(trimmed);
+    problem.map_err(|error| StoreError::damaged(what, error))
 }
 
 /// The start of a problem, and its message.

@@ -36,7 +36,7 @@ from .errors import (
     WaitTimeout,
 )
 from .geometry import Basis, Boundary, Curve, Surface
-from .iteration import BadWeight, Deviation, Distances, Iteration, Result, Samples, Shape, boundary
+from .iteration import BadWeight, Deviation, Distances, Iteration, Result, Samples, Shape, Trim, boundary
 from .job import Job
 from .plotting import plot
 from .points import FilePoints
@@ -89,6 +89,7 @@ __all__ = [
     "Status",
     "Surface",
     "SurfaceShape",
+    "Trim",
     "WaitTimeout",
     "__version__",
     "boundary",

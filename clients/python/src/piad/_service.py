@@ -51,6 +51,7 @@ class Service:
         closed: Optional[PerDirection[bool]] = None,
         corners: Optional[Corners] = None,
         creases: Optional[Mapping[str, Sequence[int]]] = None,
+        trim: Union[bool, Mapping[str, float]] = False,
         polyline: bool = False,
         order: Optional[str] = None,
         repeated_points: Optional[str] = None,
@@ -80,7 +81,8 @@ class Service:
         object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
         `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
         `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. At `corners` a curve may turn: indices of points, `"auto"`
-        or `{"angle": 30}`; across `creases` a surface, rows `u` and columns `v`: `{"u": [12]}`. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
+        or `{"angle": 30}`; across `creases` a surface, rows `u` and columns `v`: `{"u": [12]}`. With `trim` a surface is
+        trimmed to the outline of its data: True, or `{"distance": 0.5}` in their unit. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
         tolerance needs. With `order="nearest"` points in any order are put in that of their curve first; with
         `repeated_points="merge"` points that equal the one before them are kept once. What is not given is left to
         the server; docs/JOBS.md there says more about each.
@@ -102,6 +104,7 @@ class Service:
             closed=closed,
             corners=corners,
             creases=creases,
+            trim=trim,
             polyline=polyline,
             order=order,
             repeated_points=repeated_points,
@@ -130,6 +133,7 @@ class Service:
         closed: Optional[PerDirection[bool]] = None,
         corners: Optional[Corners] = None,
         creases: Optional[Mapping[str, Sequence[int]]] = None,
+        trim: Union[bool, Mapping[str, float]] = False,
         polyline: bool = False,
         order: Optional[str] = None,
         repeated_points: Optional[str] = None,
@@ -164,6 +168,7 @@ class Service:
             closed=closed,
             corners=corners,
             creases=creases,
+            trim=trim,
             polyline=polyline,
             order=order,
             repeated_points=repeated_points,

@@ -85,6 +85,33 @@ class Deviation:
         return cls(value["iteration"], value["max"], value["rms"], _index(value["at"]), percentiles, *lists)
 
 
+@dataclass(frozen=True)
+class Trim:
+    """What is left of a trimmed surface: where its parameters are on the left of all loops."""
+
+    loops: tuple[Curve, ...]
+    """Closed curves in u and v; none if it is all of the surface."""
+    faces: tuple[tuple[int, ...], ...]
+    """The pieces that it is in, by indices of loops: that around it, and those of its holes."""
+    area: Optional[float]
+    """The area of what is left, of surfaces in the plane and in space."""
+    distance: float
+    """How far the outline can be from the data, in the unit of the points."""
+
+    def __repr__(self) -> str:
+        return f"<piad.Trim of {len(self.loops)} loops, area {self.area}>"
+
+    @classmethod
+    def from_json(cls, value: Mapping[str, Any]) -> Trim:
+        """Reads `trim`."""
+        loops = (
+            Curve(Basis("bspline", it["degree"], tuple(it["knots"]), True), as_array(it["control_points"]), None)
+            for it in value["loops"]
+        )
+        faces = ((it["outer"], *it["holes"]) for it in value["faces"])
+        return cls(tuple(loops), tuple(faces), value.get("area"), value["distance"])
+
+
 def _index(value: Any) -> Index:
     return (value[0], value[1]) if isinstance(value, list) else value
 
@@ -303,6 +330,8 @@ class Result:
     """That of a least-squares fit, also if the data have chosen it."""
     outliers: tuple[int, ...] = ()
     """The points that a robust fit leaves out, at most the first 1000."""
+    trim: Optional[Trim] = None
+    """What is left of a surface that is trimmed."""
 
     def __repr__(self) -> str:
         return f"<piad.Result {self.id}: {self.state} after iteration {self.iteration}, {self.error.brief}>"
@@ -326,6 +355,7 @@ class Result:
             _bad_weight(value),
             value.get("fairness"),
             tuple(value.get("outliers", {}).get("indices", ())),
+            Trim.from_json(value["trim"]) if "trim" in value else None,
         )
 
     @property

@@ -10,6 +10,7 @@ use super::fitted::Fitted;
 use super::nurbs::Nurbs;
 use super::options::Options;
 use super::part::{Header, Part};
+use piad_fit::geometry::Outline;
 
 /// The content of a file.
 #[derive(Debug)]
@@ -36,6 +37,8 @@ pub(super) struct Shape<'a> {
     pub(super) name: Option<&'a str>,
     /// Its geometry.
     pub(super) nurbs: &'a Nurbs,
+    /// The part of a surface that is left, if it is not all of it.
+    pub(super) outline: Option<&'a Outline>,
 }
 
 impl<'a> Document<'a> {
@@ -49,6 +52,7 @@ impl<'a> Document<'a> {
             shapes: vec![Shape {
                 name: fitted.name.filter(|name| !name.is_empty()),
                 nurbs,
+                outline: fitted.problem.outline().and_then(|it| trimmed(it)),
             }],
             has_parts: false,
         }
@@ -103,6 +107,7 @@ impl<'a> Shape<'a> {
         Self {
             name: part.name.filter(|name| !name.is_empty()),
             nurbs: &part.nurbs,
+            outline: part.outline.as_ref().and_then(trimmed),
         }
     }
 
@@ -110,6 +115,11 @@ impl<'a> Shape<'a> {
     pub(super) fn title(&self) -> &'a str {
         self.name.unwrap_or(kind(self.nurbs))
     }
+}
+
+/// An outline that leaves something out.
+fn trimmed(outline: &Outline) -> Option<&Outline> {
+    Some(outline).filter(|it| !it.is_whole())
 }
 
 fn kind(nurbs: &Nurbs) -> &'static str {

@@ -80,6 +80,28 @@ pub enum ExportError {
         /// The format asked for.
         format: Format,
     },
+    /// An edge of a trimmed surface is a point.
+    #[error(
+        "the outline of the trimmed surface goes through a pole, where an edge would be a point, which {format} files do not hold: \
+         export gltf, stl or ply"
+    )]
+    TrimmedAtPole {
+        /// The format asked for.
+        format: Format,
+    },
+    /// A trimmed surface has no rows and columns.
+    #[error(
+        "{format} files hold surfaces as meshes of rows and columns, and a trimmed one has none: export step, gltf or stl"
+    )]
+    Trimmed {
+        /// The format asked for.
+        format: Format,
+    },
+    /// The loops of a trimmed surface cross where they are sampled.
+    #[error(
+        "the outline of the trimmed surface crosses itself between samples: ask for more samples"
+    )]
+    NoTriangulation,
     /// A surface is no line.
     #[error("{format} {what}, and a surface is none: export {instead}")]
     NoLine {

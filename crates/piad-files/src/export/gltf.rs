@@ -25,7 +25,7 @@ pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     let mut file = Buffers::default();
     let (mut nodes, mut meshes) = (Vec::new(), Vec::new());
     document.try_each(|shape| {
-        let mesh = Mesh::new(shape.nurbs, &document.options, Format::Gltf)?;
+        let mesh = Mesh::new(shape.nurbs, shape.outline, &document.options, Format::Gltf)?;
         // The title of a fit names the scene, too.
         let title = shape.title();
         nodes.push(node(title, nodes.len(), mesh.origin));

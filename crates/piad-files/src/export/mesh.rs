@@ -5,8 +5,10 @@ use crate::export::format::Format;
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::options::Options;
 use crate::export::sampling::along_curve;
+use crate::export::trim::triangles::{self as trim, Triangles};
 use piad_fit::engine::nurbs::{Jet, SpanParameter, steps_between};
 use piad_fit::engine::vectors::{cross, length, minus, unit};
+use piad_fit::geometry::Outline;
 
 /// The most steps along a curve and along each direction of a surface: some 10⁵ vertices, which
 /// every viewer can show.
@@ -35,10 +37,11 @@ impl Mesh {
     /// Samples a curve or surface, as densely as requested or as suits it.
     pub(super) fn new(
         nurbs: &Nurbs,
+        outline: Option<&Outline>,
         options: &Options,
         format: Format,
     ) -> Result<Self, ExportError> {
-        let grid = SampledGrid::new(nurbs, options)?;
+        let grid = SampledGrid::new(nurbs, outline, options)?;
         let origin = origin(&grid.jets);
         let mut mesh = Self {
             origin,
@@ -50,10 +53,10 @@ impl Mesh {
                 .push([single(x, format)?, single(y, format)?, single(z, format)?]);
         }
         if nurbs.v.is_some() {
-            mesh.triangles = grid.triangles();
             mesh.normals = grid.normals(nurbs);
+            mesh.triangles = grid.triangles;
         } else {
-            let count = grid.u.len() as u32;
+            let count = grid.jets.len() as u32;
             mesh.lines = (1..count).map(|end| [end - 1, end]).collect();
         }
         Ok(mesh)
@@ -63,46 +66,91 @@ impl Mesh {
 /// Samples of a curve or surface in double precision.
 #[derive(Clone, Debug)]
 pub(super) struct SampledGrid {
-    u: Vec<SpanParameter>,
-    /// Empty for curves.
-    v: Vec<SpanParameter>,
-    /// The samples, row by row.
+    /// Where each sample is; v is not there for curves.
+    sites: Vec<(SpanParameter, Option<SpanParameter>)>,
+    /// The number of samples in a row of a surface that is not trimmed.
+    columns: Option<usize>,
+    /// The samples; of a surface that is not trimmed row by row.
     pub(super) jets: Vec<Jet>,
+    /// The triangles of a surface, counterclockwise seen from the side of its normals.
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 impl SampledGrid {
-    /// Samples a curve or surface, as densely as requested or as suits it.
-    pub(super) fn new(nurbs: &Nurbs, options: &Options) -> Result<Self, ExportError> {
+    /// Samples a curve or surface, as densely as requested or as suits it, where it is inside of an outline.
+    pub(super) fn new(
+        nurbs: &Nurbs,
+        outline: Option<&Outline>,
+        options: &Options,
+    ) -> Result<Self, ExportError> {
         let across = |knots: &KnotVector, requested: Option<usize>| {
             let steps = requested.map_or_else(|| knots.steps(MOST_ALONG_SURFACE), steps_between);
             knots.sites(steps)
         };
-        let samples = options.samples;
-        let (u, v) = match &nurbs.v {
-            None => (along_curve(nurbs, options, MOST_ALONG_CURVE)?, Vec::new()),
-            Some(v) => (
-                across(&nurbs.u, samples.map(|grid| grid.rows)),
-                across(v, samples.map(|grid| grid.columns)),
-            ),
+        let Some(v) = &nurbs.v else {
+            let u = along_curve(nurbs, options, MOST_ALONG_CURVE)?;
+            let jets = nurbs.evaluate(&u, &[]);
+            return Ok(Self::of_grid(nurbs, &u, &[], jets));
         };
-        let mut jets = nurbs.evaluate(&u, &v);
+        let samples = options.samples;
+        let u = across(&nurbs.u, samples.map(|grid| grid.rows));
+        let v = across(v, samples.map(|grid| grid.columns));
+        match outline {
+            None => Ok(Self::of_grid(nurbs, &u, &v, nurbs.evaluate(&u, &v))),
+            Some(outline) => Self::trimmed(nurbs, outline, [&u, &v]),
+        }
+    }
+
+    fn of_grid(
+        nurbs: &Nurbs,
+        u: &[SpanParameter],
+        v: &[SpanParameter],
+        mut jets: Vec<Jet>,
+    ) -> Self {
         close(nurbs, v.len().max(1), &mut jets);
-        Ok(Self { u, v, jets })
+        let surface = |u| v.iter().map(move |&v| (u, Some(v)));
+        let sites = match v {
+            [] => u.iter().map(|&u| (u, None)).collect(),
+            _ => u.iter().flat_map(|&u| surface(u)).collect(),
+        };
+        Self {
+            sites,
+            columns: Some(v.len().max(1)),
+            jets,
+            triangles: match v {
+                [] => Vec::new(),
+                _ => triangles(u.len(), v.len()),
+            },
+        }
     }
 
-    /// The number of samples in a row of a surface; one for a curve.
-    pub(super) fn columns(&self) -> usize {
-        self.v.len().max(1)
+    fn trimmed(
+        nurbs: &Nurbs,
+        outline: &Outline,
+        sites: [&[SpanParameter]; 2],
+    ) -> Result<Self, ExportError> {
+        let triangulation = trim::triangles(nurbs, outline, sites);
+        let Triangles { places, triangles } = triangulation.ok_or(ExportError::NoTriangulation)?;
+        let site =
+            |[u, v]: [f64; 2]| (nurbs.u.site_at(u), nurbs.v.as_ref().map(|it| it.site_at(v)));
+        let sites: Vec<_> = places.into_iter().map(site).collect();
+        let jets = trim::evaluate(nurbs, &sites);
+        Ok(Self {
+            sites,
+            columns: None,
+            jets,
+            triangles,
+        })
     }
 
-    /// The triangles of a surface, counterclockwise seen from the side of its normals.
-    pub(super) fn triangles(&self) -> Vec<[u32; 3]> {
-        triangles(self.u.len(), self.v.len())
+    /// The number of samples in a row of a surface that is not trimmed; one for a curve.
+    pub(super) fn columns(&self) -> Option<usize> {
+        self.columns
     }
 
     /// The unit normals of a surface.
     pub(super) fn normals(&self, nurbs: &Nurbs) -> Vec<[f32; 3]> {
-        normals(nurbs, &self.u, &self.v, &self.jets)
+        normals(nurbs, self)
     }
 }
 
@@ -152,40 +200,40 @@ fn triangles(rows: usize, columns: usize) -> Vec<[u32; 3]> {
 /// The direction of ∂S/∂u × ∂S/∂v. Where control points coincide, as they do at the ends with knots
 /// at the data, a derivative can vanish: there the normal is that of a point a little inside, or if
 /// that has none either, of the triangles around.
-fn normals(nurbs: &Nurbs, u: &[SpanParameter], v: &[SpanParameter], jets: &[Jet]) -> Vec<[f32; 3]> {
+fn normals(nurbs: &Nurbs, grid: &SampledGrid) -> Vec<[f32; 3]> {
     let normal = |jet: &Jet| cross(jet.du, jet.dv);
-    let largest = jets.iter().map(normal).map(length).fold(0.0, f64::max);
-    let of_triangles = |index: usize| around(index, u.len(), v.len(), jets);
-    let vertex = |(index, jet): (usize, &Jet)| {
-        let (i, j) = (index / v.len(), index % v.len());
+    let largest = grid.jets.iter().map(normal).map(length).fold(0.0, f64::max);
+    let mut around = None;
+    let mut normals = Vec::with_capacity(grid.jets.len());
+    for (index, jet) in grid.jets.iter().enumerate() {
+        let (u, v) = grid.sites[index];
         let regular = |jet: &Jet| Some(normal(jet)).filter(|n| length(*n) > 1e-8 * largest);
         let direction = regular(jet).and_then(unit).or_else(|| {
-            let inside = nurbs.v.as_ref()?.inside(v[j]);
-            let near = nurbs.evaluate(&[nurbs.u.inside(u[i])], &[inside]);
+            let inside = nurbs.v.as_ref()?.inside(v?);
+            let near = nurbs.evaluate(&[nurbs.u.inside(u)], &[inside]);
             near.first().map(normal).and_then(unit)
         });
-        let direction = direction
-            .or_else(|| unit(of_triangles(index)))
-            .unwrap_or([0.0, 0.0, 1.0]);
-        direction.map(|x| x as f32)
-    };
-    jets.iter().enumerate().map(vertex).collect()
+        let direction = direction.or_else(|| {
+            let areas = around.get_or_insert_with(|| areas(grid));
+            unit(areas[index])
+        });
+        normals.push(direction.unwrap_or([0.0, 0.0, 1.0]).map(|x| x as f32));
+    }
+    normals
 }
 
-/// The vector area of the cells around a vertex.
-fn around(index: usize, rows: usize, columns: usize, jets: &[Jet]) -> [f64; 3] {
-    let (i, j) = (index / columns, index % columns);
-    let at = |i: usize, j: usize| jets[i * columns + j].point;
-    let mut sum = [0.0; 3];
-    for i in i.saturating_sub(1)..(i + 1).min(rows - 1) {
-        for j in j.saturating_sub(1)..(j + 1).min(columns - 1) {
-            let diagonal = minus(at(i + 1, j + 1), at(i, j));
-            let other = minus(at(i, j + 1), at(i + 1, j));
-            let area = cross(diagonal, other);
-            sum = [sum[0] + area[0], sum[1] + area[1], sum[2] + area[2]];
+/// The vector areas of the triangles around each vertex.
+fn areas(grid: &SampledGrid) -> Vec<[f64; 3]> {
+    let mut areas = vec![[0.0; 3]; grid.jets.len()];
+    for triangle in &grid.triangles {
+        let [a, b, c] = triangle.map(|index| grid.jets[index as usize].point);
+        let area = cross(minus(b, a), minus(c, a));
+        for index in triangle {
+            let sum = &mut areas[*index as usize];
+            *sum = [0, 1, 2].map(|c| sum[c] + area[c]);
         }
     }
-    sum
+    areas
 }
 
 /// A coordinate in single precision.
@@ -211,7 +259,7 @@ mod tests {
 
     #[test]
     fn normals_of_a_cylinder_point_away_from_its_axis() {
-        let mesh = Mesh::new(&cylinder(), &Options::default(), Format::Gltf).unwrap();
+        let mesh = Mesh::new(&cylinder(), None, &Options::default(), Format::Gltf).unwrap();
         assert_eq!(mesh.origin, [0.0; 3]);
         assert_eq!(mesh.positions.len(), mesh.normals.len());
         for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals) {
@@ -241,7 +289,7 @@ mod tests {
         doubled.weights = None;
         pole.weights = None;
         for nurbs in [doubled, pole] {
-            let mesh = Mesh::new(&nurbs, &Options::default(), Format::Gltf).unwrap();
+            let mesh = Mesh::new(&nurbs, None, &Options::default(), Format::Gltf).unwrap();
             for &normal in &mesh.normals {
                 assert!((length(wide(normal)) - 1.0).abs() < 1e-6);
             }
@@ -262,7 +310,7 @@ mod tests {
         nurbs.points.lanes_mut()[0]
             .iter_mut()
             .for_each(|x| *x += 5e6);
-        let mesh = Mesh::new(&nurbs, &Options::default(), Format::Gltf).unwrap();
+        let mesh = Mesh::new(&nurbs, None, &Options::default(), Format::Gltf).unwrap();
         for &position in &mesh.positions {
             let [x, y, _] = wide(position);
             let (x, y) = (x + mesh.origin[0] - 5e6, y + mesh.origin[1]);
@@ -279,7 +327,7 @@ mod tests {
             }),
             ..Options::default()
         };
-        let mesh = Mesh::new(&cylinder(), &options, Format::Gltf).unwrap();
+        let mesh = Mesh::new(&cylinder(), None, &options, Format::Gltf).unwrap();
         assert_eq!(mesh.positions.len(), 12);
         assert_eq!(mesh.triangles.len(), 2 * 2 * 3);
     }

@@ -11,6 +11,7 @@
 //! - `sampling`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
 //! - `deviation`: how far it is from each data point, for `svg`;
 //! - `csv`: samples as numbers; [`shape`]: with curvatures, which is no file;
+//! - `trim`: edges and triangles of trimmed surfaces;
 //! - `text`: numbers and names as text.
 //!
 //! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits
@@ -47,6 +48,7 @@ mod svg;
 #[cfg(test)]
 mod tests;
 mod text;
+mod trim;
 
 /// The most coordinates of points in files of curves and surfaces.
 const SPACE: usize = 3;
@@ -105,7 +107,7 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
 /// // The numbers of a result in JSON: a Bézier curve of degree 2 has no knots.
 /// let u = DirectionData { degree: 2, knots: None, closed: false };
 /// let points = Points::from_flat(2, &[0.0, 0.0, 1.0, 2.0, 2.0, 0.0]);
-/// let parts = [Part { name: Some("arch"), nurbs: assemble(u, None, points, None)? }];
+/// let parts = [Part { name: Some("arch"), nurbs: assemble(u, None, points, None)?, outline: None }];
 /// let header = Header::new(Timestamp::now(), Options::default());
 /// assert!(write_parts(Format::Dxf, &parts, &header)?.ends_with(b"EOF\n"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -138,6 +140,12 @@ fn check_shape_of(format: Format, nurbs: &Nurbs, options: &Options) -> Result<()
 }
 
 fn write_document(format: Format, document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
+    if format == Format::Dxf {
+        document.try_each(|shape| match shape.outline {
+            None => Ok(()),
+            Some(_) => Err(ExportError::Trimmed { format }),
+        })?;
+    }
     match format {
         Format::Step => Ok(step::write(document)),
         Format::Iges => iges::write(document),

@@ -1,10 +1,11 @@
 //! Wavefront OBJ with free-form geometry (Object Files, appendix B1 of the Advanced Visualizer
 //! manual): the exact B-spline, not a mesh.
 
-use super::document::Document;
+use super::document::{Document, Shape};
 use super::fitted::GENERATOR;
 use super::nurbs::{KnotVector, Nurbs};
 use super::text::{Text, one_line};
+use piad_fit::geometry::Outline;
 
 /// Numbers in a line, before it is continued on the next.
 const PER_LINE: usize = 12;
@@ -18,27 +19,70 @@ pub(super) fn write(document: &Document<'_>) -> Vec<u8> {
     text.put(format_args!(
         "# {title} ({description}), written by {GENERATOR}\n"
     ));
-    let mut first = 1;
+    let (mut first, mut loops) = (1, 1);
     for shape in &document.shapes {
         if document.has_parts {
             // A backslash at the end would continue the line.
             let name = one_line(shape.title()).replace('\\', "_");
             text.put(format_args!("o {name}\n"));
         }
-        element(&mut text, shape.nurbs, first);
+        if let Some(outline) = shape.outline {
+            curves_in_plane(&mut text, outline);
+        }
+        element(&mut text, shape, (first, loops));
         first += shape.nurbs.points.len();
+        loops += shape.outline.map_or(0, |it| it.loops.len());
     }
     text.into_bytes()
 }
 
-/// A curve or surface, whose first vertex has this number.
-fn element(text: &mut Text, nurbs: &Nurbs, first: usize) {
+/// The loops of a trimmed surface as curves in its parameters ("curv2"), which are numbered, too; their points come before
+/// each.
+fn curves_in_plane(text: &mut Text, outline: &Outline) {
+    for curve in &outline.loops {
+        for index in 0..curve.points.len() {
+            text.push("vp");
+            curve.points.point(index).for_each(|x| number(text, x));
+            text.push("\n");
+        }
+        text.put(format_args!(
+            "cstype bspline\ndeg {}\ncurv2",
+            curve.u.degree
+        ));
+        for index in 0..curve.points.len() {
+            continue_line(text, index);
+            // The last points are meant.
+            text.put(format_args!(" -{}", curve.points.len() - index));
+        }
+        text.push("\n");
+        parm(text, 'u', &curve.u);
+        text.push("end\n");
+    }
+}
+
+/// Which loops are around a surface, and around holes: with the range of their parameter, and their numbers.
+fn trims(text: &mut Text, outline: &Outline, first: usize) {
+    for face in &outline.faces {
+        for index in face.loops() {
+            text.push(if index == face.outer { "trim" } else { "hole" });
+            domain(text, &outline.loops[index].u);
+            text.put(format_args!(" {}\n", first + index));
+        }
+    }
+}
+
+/// A curve or surface, whose first vertex and loop have these numbers.
+fn element(text: &mut Text, shape: &Shape<'_>, (first, loops): (usize, usize)) {
+    let nurbs = shape.nurbs;
     vertices(text, nurbs);
     let rational = if nurbs.weights.is_some() { "rat " } else { "" };
     text.put(format_args!("cstype {rational}bspline\n"));
     match &nurbs.v {
         None => curve(text, nurbs, first),
         Some(v) => surface(text, nurbs, v, first),
+    }
+    if let Some(outline) = shape.outline {
+        trims(text, outline, loops);
     }
     text.push("end\n");
 }

@@ -4,6 +4,7 @@ use jiff::Timestamp;
 
 use super::nurbs::Nurbs;
 use super::options::Options;
+use piad_fit::geometry::Outline;
 
 /// A curve or surface of a file with several.
 #[derive(Clone, Debug)]
@@ -13,6 +14,8 @@ pub struct Part<'a> {
     /// Its geometry: that of a fit ([`checked`](super::nurbs::checked)), or of plain data
     /// ([`assemble`](super::nurbs::assemble)).
     pub nurbs: Nurbs,
+    /// The part of a surface that is left, if it is trimmed.
+    pub outline: Option<Outline>,
 }
 
 /// What is common to all parts of a file.

@@ -15,7 +15,7 @@ const CORNERS: u8 = 3;
 pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     let mut mesh = Mesh::default();
     document.try_each(|shape| {
-        let grid = SampledGrid::new(shape.nurbs, &document.options)?;
+        let grid = SampledGrid::new(shape.nurbs, shape.outline, &document.options)?;
         let first = mesh.vertices;
         mesh.append(&grid, &grid.normals(shape.nurbs))?;
         if document.has_parts {
@@ -48,7 +48,7 @@ impl Mesh {
         let format = Format::Ply;
         let too_large = |_| ExportError::TooLarge { format };
         let first = i32::try_from(self.vertices).map_err(too_large)?;
-        let points = finite(&grid.jets, Some(grid.columns()))?;
+        let points = finite(&grid.jets, grid.columns())?;
         for (point, normal) in points.iter().zip(normals) {
             self.vertex_bytes
                 .extend(point.iter().flat_map(|x| x.to_le_bytes()));
@@ -58,10 +58,10 @@ impl Mesh {
         self.vertices += points.len();
         // Numbers of vertices are signed in files that old programs read.
         i32::try_from(self.vertices).map_err(too_large)?;
-        for triangle in grid.triangles() {
+        for triangle in &grid.triangles {
             self.face_bytes.push(CORNERS);
             for corner in triangle {
-                let number = first.saturating_add_unsigned(corner);
+                let number = first.saturating_add_unsigned(*corner);
                 self.face_bytes.extend(number.to_le_bytes());
             }
             self.faces += 1;

@@ -20,7 +20,7 @@ pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     file.extend([0; 4]);
     let mut count = 0_usize;
     document.try_each(|shape| {
-        let mesh = Mesh::new(shape.nurbs, &document.options, Format::Stl)?;
+        let mesh = Mesh::new(shape.nurbs, shape.outline, &document.options, Format::Stl)?;
         count += triangles(&mut file, &mesh)?;
         Ok(())
     })?;

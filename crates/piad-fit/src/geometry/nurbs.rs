@@ -26,7 +26,7 @@ pub struct KnotVector {
 
 impl KnotVector {
     /// The knots of a direction; those of Bézier curves for all polynomial bases.
-    fn new(direction: &Direction) -> Self {
+    pub(crate) fn new(direction: &Direction) -> Self {
         let degree = direction.basis.degree();
         let knots = direction.basis.knots().map(Cow::into_owned);
         Self {

@@ -41,6 +41,7 @@ use crate::data::grid::Grid;
 use crate::data::missing::Missing;
 use crate::data::points::{self, Points};
 use crate::data::weights;
+use crate::geometry::outline::Outline;
 use crate::matrix::collocation::Collocation;
 use crate::matrix::sparse::Sparse;
 use crate::parameters::{Domain, Pairs, Scattered};
@@ -66,6 +67,8 @@ pub struct Problem {
     robust: Option<Robust>,
     /// How scattered points get their parameters, if that was chosen by the fit.
     chosen: Option<Scattered>,
+    /// The outline of the data, of a surface that is trimmed.
+    outline: Option<Arc<Outline>>,
 }
 
 /// What a robust fit leaves out.
@@ -84,6 +87,9 @@ impl Deref for Problem {
         &self.setup
     }
 }
+
+/// The bytes for each point that it takes to find an outline: its parameters and its place, and at most 16 cells.
+const BYTES_OF_OUTLINE: usize = 192;
 
 impl Problem {
     /// Validates a request, computes parameters and knots and resolves the tolerance.
@@ -178,6 +184,7 @@ impl Problem {
             tolerance,
             robust: None,
             chosen,
+            outline: None,
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
@@ -212,6 +219,19 @@ impl Problem {
     /// How scattered points get their parameters, if the fit has chosen that.
     pub fn chosen_parameters(&self) -> Option<&Scattered> {
         self.chosen.as_ref()
+    }
+
+    /// The outline of the data in the parameters of a trimmed surface.
+    pub fn outline(&self) -> Option<&Arc<Outline>> {
+        self.outline.as_ref()
+    }
+
+    /// The same with the outline of its data.
+    pub(crate) fn with_outline(self, outline: Arc<Outline>) -> Self {
+        Self {
+            outline: Some(outline),
+            ..self
+        }
     }
 
     /// The same problem as it would be asked for with all that was derived from its points:
@@ -365,6 +385,8 @@ impl Problem {
         let vectors = 3 + given + shifted + demand.vectors;
         let scratch = usize::from(self.v().is_some());
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
+        let outline = self.request.trim.map_or(0, |_| BYTES_OF_OUTLINE * points);
+        let arrays = arrays + outline;
         if let Some((settings, _)) = self.method().automatic() {
             let most = self.most_control_points();
             return arrays + first::memory(self, settings, most) + demand.bytes;

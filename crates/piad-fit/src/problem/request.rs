@@ -41,6 +41,15 @@ pub enum Weights {
     FixedGrid(Vec<f64>),
 }
 
+/// A surface is trimmed to the outline of its data.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Trim {
+    /// How far the outline is from the data at most, in the unit of the points; without it as the data are far from each
+    /// other.
+    pub distance: Option<f64>,
+}
+
 /// A fitting problem as asked for.
 #[derive(Clone, Debug)]
 pub struct Request {
@@ -85,6 +94,8 @@ pub struct Request {
     pub tolerance: Option<Tolerance>,
     /// The last level that is computed.
     pub max_iterations: usize,
+    /// Surfaces: to what part of their parameters they are trimmed.
+    pub trim: Option<Trim>,
 }
 
 /// The most iterations where no number is given.
@@ -122,6 +133,7 @@ impl Request {
             lambda_min: None,
             tolerance: None,
             max_iterations: ITERATIONS,
+            trim: None,
         }
     }
 }

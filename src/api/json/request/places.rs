@@ -189,6 +189,8 @@ impl Places {
             P::Order => format!("{root}/order"),
             P::RepeatedPoints => format!("{root}/repeated_points"),
             P::Polyline => format!("{root}/polyline"),
+            P::Trim => format!("{root}/trim"),
+            P::TrimDistance => format!("{root}/trim/distance"),
             P::Corners(axis) if root == SURFACE => self.part("creases", true, axis),
             P::Corners(_) => format!("{root}/corners"),
             P::Corner(axis, index) => format!("{}/{index}", self.pointer(P::Corners(axis))),

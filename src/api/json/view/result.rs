@@ -17,6 +17,7 @@ use crate::job::frame::Frame;
 use crate::job::outliers::Outliers;
 use crate::job::outline::Outline;
 use crate::job::state::{State, Status};
+use crate::job::trim::Trimmed;
 use crate::model::basis::BasisKind;
 use crate::model::per_direction::{Count, Pair, PerDirection};
 use crate::model::schema::schema_of;
@@ -79,6 +80,10 @@ pub(crate) struct FitGeometry<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Outliers")]
     outliers: Option<Outliers<'a>>,
+    /// What is left of a surface that is trimmed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Trimmed")]
+    trim: Option<Trimmed>,
     /// How the arrays are written, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
@@ -145,6 +150,7 @@ impl<'a> FitGeometry<'a> {
             parameters,
             fairness: problem.method().fairness(),
             outliers: Outliers::of(problem),
+            trim: Trimmed::of(frame),
             encoding,
             shape: encoding.map(|_| ArrayShape(net.shape)),
             control_points: net.points,

@@ -11,7 +11,7 @@ use crate::model::stream::{
 };
 use piad_fit::basis::{BasisChoice, Corners, End, Ends, Knots, Polynomial};
 use piad_fit::data::{Grid, Points};
-use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance, Weights};
+use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance, Trim, Weights, trimmed};
 use piad_fit::method::{
     AS_MANY_AS_DATA, Adaptive, Automatic, Convex, Custom, Extended, LeastSquares, Local, Method,
     Omega, Start, Sweeps, Threshold, Variant, Weighted,
@@ -47,6 +47,7 @@ pub(super) fn problems() -> Vec<Problem> {
             problems.push(Problem::new(request).unwrap());
         }
         problems.extend(surface.then(scattered).into_iter().flatten());
+        problems.extend(surface.then(trimmed_surfaces).into_iter().flatten());
         problems.extend(automatic(surface));
         problems.push(turning(surface));
         for (method, selected) in &methods {
@@ -182,6 +183,38 @@ fn scattered() -> impl Iterator<Item = Problem> {
             v.parameters = Parametrization::ChordLength;
         }
         Problem::new(request).unwrap()
+    })
+}
+
+/// Scattered points of a surface that is trimmed.
+fn trimmed_surfaces() -> impl Iterator<Item = Problem> {
+    [None, Some(0.3)].into_iter().map(|distance| {
+        let mut points = Points::new(3);
+        for k in 0..400 {
+            let [x, y] = [k % 20, k / 20].map(|i| f64::from(i) / 10.0);
+            if x + y < 2.5 {
+                points.push(&[x, y, x * y]);
+            }
+        }
+        let mut request = open_cubic(true);
+        let v = request.v.iter_mut();
+        let choices = std::iter::once(&mut request.u).chain(v);
+        choices.for_each(|it| it.parameters = Parametrization::ChordLength);
+        let grid = Grid {
+            rows: points.len(),
+            columns: 1,
+        };
+        let request = Request {
+            points: Arc::new(points),
+            grid,
+            method: Method::LeastSquares(LeastSquares::new(5, 5)),
+            scattered: Some(Scattered::Plane),
+            trim: Some(Trim { distance }),
+            ..request
+        };
+        let problem = trimmed(Problem::new(request).unwrap()).unwrap();
+        assert!(problem.outline().is_some_and(|it| it.loops.len() == 1));
+        problem
     })
 }
 

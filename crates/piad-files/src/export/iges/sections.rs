@@ -165,6 +165,17 @@ pub(super) fn fixed_lines(file: &mut Text, section: char, content: &str) -> usiz
     }
 }
 
+/// What an entity is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Status {
+    /// Geometry by itself.
+    Independent,
+    /// A part of another entity.
+    Dependent,
+    /// A part of another entity in parameters of a surface.
+    InParameters,
+}
+
 /// The directory entry of an entity.
 #[derive(Clone, Debug)]
 pub(super) struct DirectoryEntry {
@@ -176,6 +187,8 @@ pub(super) struct DirectoryEntry {
     pub(super) first_line: usize,
     /// The number of these lines.
     pub(super) lines: usize,
+    /// What it is for.
+    pub(super) status: Status,
     /// Up to eight characters.
     pub(super) label: String,
     /// A number behind the label.
@@ -183,8 +196,7 @@ pub(super) struct DirectoryEntry {
 }
 
 impl DirectoryEntry {
-    /// Writes twenty fields of eight columns in two lines (section 2.2.4.4). The entity is visible, independent
-    /// geometry, drawn with solid lines, on level 0.
+    /// Writes twenty fields of eight columns in two lines (section 2.2.4.4). The entity is visible, drawn with solid lines, on level 0.
     pub(super) fn write(&self, file: &mut Text) {
         let Self {
             entity,
@@ -200,7 +212,11 @@ impl DirectoryEntry {
         file.put(format_args!(
             "{entity:8}{first_line:8}{none:8}{font:8}{none:8}{none:8}{none:8}{none:8}{status}D{first:7}\n",
             font = 1,
-            status = "00000000",
+            status = match self.status {
+                Status::Independent => "00000000",
+                Status::Dependent => "00010000",
+                Status::InParameters => "00010500",
+            },
         ));
         // Type, line weight, colour, lines of data, form, two reserved fields, label, subscript.
         file.put(format_args!(
@@ -261,6 +277,7 @@ mod tests {
             entity: 128,
             first_line: 1,
             lines: 1234,
+            status: Status::Independent,
             label: "SURFACE".to_owned(),
             subscript: 0,
         };

@@ -22,6 +22,8 @@ pub(super) enum SurfacePart {
     Face([Projected; 4], f64, Option<Heat>),
     /// An edge of the control net.
     Edge([Projected; 2]),
+    /// A piece of the outline of a trimmed surface.
+    Rim([Projected; 2]),
     /// A data point.
     Dot(Projected),
 }

@@ -8,10 +8,12 @@ use super::scene::{Scene, SurfacePart};
 use super::view::{Canvas, Projected, Projection};
 use crate::export::nurbs::{KnotVector, Nurbs};
 use crate::export::text::Text;
+use crate::export::trim::triangles::{self, Triangles};
 use piad_fit::data::Grid;
 use piad_fit::engine::Problem;
 use piad_fit::engine::nurbs::{SpanParameter, steps_between};
 use piad_fit::engine::vectors::{cross, minus, unit};
+use piad_fit::geometry::Outline;
 
 /// The most faces in each direction, unless a number of samples is asked for.
 const MOST_FACES: usize = 64;
@@ -59,7 +61,12 @@ pub(super) fn scene(
     let rows = along(&nurbs.u, samples.map(|grid| grid.rows));
     let columns = along(v, samples.map(|grid| grid.columns));
     let heat = measured.map(|it| heat::of_faces(problem, it, (&rows, &columns)));
-    let mut parts = faces(nurbs, (&rows, &columns), view, &heat.unwrap_or_default());
+    let heat = heat.unwrap_or_default();
+    let outline = problem.outline().filter(|it| !it.is_whole());
+    let mut parts = match outline {
+        None => faces(nurbs, (&rows, &columns), view, &heat),
+        Some(outline) => trimmed(nurbs, outline, [&rows, &columns], (view, &heat)),
+    };
     if shows_net(nurbs) {
         parts.extend(edges(nurbs, view));
     }
@@ -97,6 +104,49 @@ fn faces(
     faces
 }
 
+/// The triangles of a trimmed surface, each with the heat of the face in whose place it is, and its outline.
+fn trimmed(
+    nurbs: &Nurbs,
+    outline: &Outline,
+    sites: [&[SpanParameter]; 2],
+    (view, heat): (&Projection, &[Heat]),
+) -> Vec<SurfacePart> {
+    let Triangles { places, triangles } =
+        triangles::triangles(nurbs, outline, sites).unwrap_or_default();
+    let jets = |places: &[[f64; 2]]| {
+        let site =
+            |[u, v]: [f64; 2]| (nurbs.u.site_at(u), nurbs.v.as_ref().map(|it| it.site_at(v)));
+        let sites: Vec<_> = places.iter().map(|it| site(*it)).collect();
+        triangles::evaluate(nurbs, &sites)
+    };
+    let points = jets(&places);
+    let mut parts = Vec::with_capacity(triangles.len());
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|index| points[index as usize].point);
+        let light = unit(cross(minus(b, a), minus(c, a)));
+        let light = light.map_or(1.0, |normal| view.light(normal));
+        let middle = [0, 1].map(|axis| {
+            let sum: f64 = triangle.iter().map(|&it| places[it as usize][axis]).sum();
+            let after = sites[axis].partition_point(|site| site.t <= sum / 3.0);
+            after.saturating_sub(1).min(sites[axis].len() - 2)
+        });
+        let heat = heat
+            .get(middle[0] * (sites[1].len() - 1) + middle[1])
+            .copied();
+        let corners = [a, b, c, c].map(|it| view.project(it));
+        parts.push(SurfacePart::Face(corners, light, heat));
+    }
+    for polygon in outline.polygons(nurbs, 1.0 / RIM_STEPS) {
+        let along = jets(&polygon);
+        let ends = along.windows(2).map(|pair| [pair[0].point, pair[1].point]);
+        parts.extend(ends.map(|ends| SurfacePart::Rim(ends.map(|it| view.project(it)))));
+    }
+    parts
+}
+
+/// The steps along an outline that is as long as the surface.
+const RIM_STEPS: f64 = 128.0;
+
 /// The edges of the control net in both directions.
 fn edges(nurbs: &Nurbs, view: &Projection) -> Vec<SurfacePart> {
     let (rows, columns) = (nurbs.rows(), nurbs.columns());
@@ -120,7 +170,7 @@ impl SurfacePart {
     pub(super) fn depth(&self, lift: f64) -> f64 {
         match self {
             Self::Face(corners, ..) => mean(corners),
-            Self::Edge(ends) => mean(ends) + lift,
+            Self::Edge(ends) | Self::Rim(ends) => mean(ends) + lift,
             Self::Dot(place) => place.depth + 2.0 * lift,
         }
     }
@@ -143,6 +193,13 @@ impl SurfacePart {
                     "<path d=\"M{:.1} {:.1}L{:.1} {:.1} {:.1} {:.1} {:.1} {:.1}Z\" \
                      fill=\"{fill}\" stroke=\"{stroke}\" stroke-width=\".5\"/>\n",
                     a.0, a.1, b.0, b.1, c.0, c.1, d.0, d.1
+                ));
+            }
+            Self::Rim(ends) => {
+                let [a, b] = ends.map(|end| canvas.pixel(end));
+                text.put(format_args!(
+                    "<path class=\"curve\" d=\"M{:.1} {:.1}L{:.1} {:.1}\"/>\n",
+                    a.0, a.1, b.0, b.1
                 ));
             }
             Self::Edge(ends) => {

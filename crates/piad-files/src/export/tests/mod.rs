@@ -7,6 +7,7 @@ mod drawn;
 mod exact;
 mod refused;
 mod sampled;
+mod trimmed;
 
 use jiff::Timestamp;
 use piad_fit::data::Points;
@@ -69,6 +70,7 @@ fn part(name: &str, nurbs: Nurbs) -> Part<'_> {
     Part {
         name: Some(name),
         nurbs,
+        outline: None,
     }
 }
 
@@ -80,6 +82,7 @@ fn curves() -> [Part<'static>; 3] {
         Part {
             name: None,
             nurbs: arc(),
+            outline: None,
         },
     ]
 }

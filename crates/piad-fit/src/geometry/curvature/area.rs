@@ -70,7 +70,7 @@ struct Rectangle {
 }
 
 /// The area of a surface with these knots in its second direction; NaN if numbers overflow.
-pub(super) fn area(nurbs: &Nurbs, across: &KnotVector) -> f64 {
+pub(crate) fn area(nurbs: &Nurbs, across: &KnotVector) -> f64 {
     let (u, v) = (Side::all(&nurbs.u), Side::all(across));
     let rows = u.iter().map(|&u| (u, strip(nurbs, u, &v)));
     let rows: Vec<(Side, Vec<f64>)> = rows.collect();

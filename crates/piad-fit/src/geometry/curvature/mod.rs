@@ -6,7 +6,7 @@
 //!
 //! Curvatures that do not exist, where a derivative vanishes or a surface has no normal, are NaN.
 
-mod area;
+pub(crate) mod area;
 mod curve;
 mod degenerate;
 mod extremes;

@@ -4,20 +4,19 @@
 //! definition, its shape, a representation of the shape with units and accuracy, and in it a set
 //! that holds the curve or surface. A curve or surface is not allowed directly in a plain shape
 //! representation (readers load such a file, and show nothing); its place is in a geometrically
-//! bounded wireframe or surface representation (ISO 10303-510 and -507).
+//! bounded wireframe or surface representation (ISO 10303-510 and -507). Trimmed surfaces are faces ([`faces`]).
 
-use super::document::Document;
-use super::fitted::GENERATOR;
-use super::nurbs::{KnotVector, Nurbs};
-use super::options::Unit;
-use super::text::Text;
+mod faces;
+mod instances;
 
-/// The number of the context of the representation, written by [`product`].
-const CONTEXT: usize = 14;
-/// The number of the product's shape.
-const SHAPE: usize = 9;
-/// The number of the coordinate system.
-const ORIGIN: usize = 15;
+use crate::export::document::Document;
+use crate::export::fitted::GENERATOR;
+use crate::export::nurbs::{KnotVector, Nurbs};
+use crate::export::options::Unit;
+use crate::export::text::Text;
+use crate::export::trim::edges;
+use instances::{CONTEXT, ORIGIN, SHAPE, knots, real};
+
 /// The number of the first control point.
 const FIRST_POINT: usize = 22;
 
@@ -28,22 +27,45 @@ pub(super) fn write(document: &Document<'_>) -> Vec<u8> {
     header(&mut text, &name, document);
     text.push("DATA;\n");
     let unit = document.options.unit.unwrap_or_default();
-    let resolutions = document.shapes.iter().map(|shape| shape.nurbs.resolution());
-    let resolution = resolutions.fold(f64::INFINITY, f64::min);
-    product(&mut text, &name, resolution, unit);
+    let accuracies = document.shapes.iter().map(|shape| match shape.outline {
+        None => shape.nurbs.resolution(),
+        Some(_) => edges::tolerance(shape.nurbs),
+    });
+    product(
+        &mut text,
+        &name,
+        accuracies.fold(f64::INFINITY, f64::min),
+        unit,
+    );
     let mut next = FIRST_POINT;
-    let mut splines = Vec::with_capacity(document.shapes.len());
+    let (mut splines, mut shells) = (Vec::new(), Vec::new());
     for shape in &document.shapes {
         let spline = Spline {
             nurbs: shape.nurbs,
             name: string(shape.title()),
             first: next,
         };
-        splines.push(spline.write(&mut text));
-        next = spline.number() + 1;
+        let number = spline.write(&mut text);
+        next = number + 1;
+        match shape.outline {
+            None => splines.push(number),
+            Some(outline) => {
+                let trimmed = faces::Trimmed {
+                    surface: number,
+                    edges: edges::of_loops(shape.nurbs, outline),
+                    faces: &outline.faces,
+                };
+                shells.push(trimmed.write(&mut text, &mut next));
+            }
+        }
     }
     let has_surface = document.shapes.iter().any(|it| it.nurbs.v.is_some());
-    representation(&mut text, &splines, next, has_surface);
+    if !splines.is_empty() {
+        next = representation(&mut text, &splines, next, has_surface);
+    }
+    if !shells.is_empty() {
+        faces::representation(&mut text, &shells, next);
+    }
     text.push("ENDSEC;\nEND-ISO-10303-21;\n");
     text.into_bytes()
 }
@@ -215,8 +237,13 @@ fn length_unit(unit: Unit) -> &'static str {
     }
 }
 
-/// The set of the curves and surfaces, with this number, and its tie to the product.
-fn representation(text: &mut Text, splines: &[usize], set_number: usize, has_surface: bool) {
+/// The set of the curves and surfaces, with this number, and its tie to the product; the next number.
+fn representation(
+    text: &mut Text,
+    splines: &[usize],
+    set_number: usize,
+    has_surface: bool,
+) -> usize {
     // A set of curves holds nothing else; the other one holds curves, too.
     let (set, kind) = if has_surface {
         ("GEOMETRIC_SET", "SURFACE")
@@ -231,24 +258,7 @@ fn representation(text: &mut Text, splines: &[usize], set_number: usize, has_sur
          #{shape}=GEOMETRICALLY_BOUNDED_{kind}_SHAPE_REPRESENTATION('',(#{ORIGIN},#{set_number}),#{CONTEXT});\n\
          #{tie}=SHAPE_DEFINITION_REPRESENTATION(#{SHAPE},#{shape});\n"
     ));
-}
-
-/// Multiplicities of all directions, then their knots, then the kind of knots.
-fn knots(text: &mut Text, directions: &[&KnotVector]) {
-    let distinct: Vec<_> = directions.iter().map(|it| it.multiplicities()).collect();
-    for knots in &distinct {
-        text.list(knots, |text, (_, times)| text.put(format_args!("{times}")));
-        text.push(",");
-    }
-    for knots in &distinct {
-        text.list(knots, |text, (knot, _)| real(text, *knot));
-        text.push(",");
-    }
-    text.push(".UNSPECIFIED.");
-}
-
-fn real(text: &mut Text, x: f64) {
-    text.real(x, 'E');
+    tie + 1
 }
 
 fn logical(value: bool) -> &'static str {
