@@ -203,6 +203,8 @@ pub enum Place {
     Points,
     /// The data point with this index; on surfaces `row · columns + column`.
     Point(usize),
+    /// The triangle with this index of a mesh.
+    Triangle(usize),
     /// A row (u) or a column (v) of the data of a surface; a data point of a curve.
     Line(Axis, usize),
     /// The degree of a direction.

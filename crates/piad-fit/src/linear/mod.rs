@@ -13,10 +13,12 @@
 //! - `qr`: the transform of the extended method, of cyclic matrices by `bordered`;
 //! - `triangular`: least-squares factorizations of the matrices that `rows` collects;
 //! - `stencil`: symmetric matrices over the functions of a grid, by diagonals;
+//! - `bicgstab`: sparse systems that are not symmetric;
 //! - `band`: cyclic matrices on their way into a factorization.
 
 mod band;
 pub(crate) mod banded;
+pub(crate) mod bicgstab;
 mod bordered;
 pub(crate) mod columns;
 mod dense;

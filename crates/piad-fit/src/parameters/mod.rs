@@ -23,7 +23,10 @@ use crate::data::missing::Missing;
 use crate::data::monotonic;
 use crate::data::points::Points;
 
-pub use scattered::{CoordinatePlane, Cylinder, Domain, Pairs, Scattered, Sphere};
+pub use scattered::{
+    CoordinatePlane, Cylinder, Domain, FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, Pairs,
+    Scattered, Sphere, pieces,
+};
 
 /// The largest absolute value of a knot or parameter: sums of a few larger ones could overflow.
 pub(crate) const LARGEST: f64 = 1e300;

@@ -7,6 +7,7 @@
 
 mod circle;
 mod cylinder;
+mod mesh;
 mod normals;
 mod pairs;
 mod plane;
@@ -21,10 +22,12 @@ use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 
 pub use cylinder::Cylinder;
+pub use mesh::{FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, pieces};
 pub use pairs::{Domain, Pairs};
 pub(crate) use plane::nearest_to_their_plane;
 pub use sphere::Sphere;
 
+use mesh::Choice;
 use plane::{Plane, no_plane, no_third_coordinate};
 
 /// How scattered points get their parameters.
@@ -44,6 +47,8 @@ pub enum Scattered {
     Cylinder(Cylinder),
     /// Longitude and latitude on the sphere nearest to them.
     Sphere(Sphere),
+    /// As vertices of a mesh: their places on a surface that unfolds all triangles, or mean value coordinates.
+    Mesh(Mesh),
 }
 
 /// A plane of two coordinates, of which the first is u.
@@ -98,7 +103,11 @@ impl Scattered {
                 }
                 pairs.clone()
             }
-            Self::Auto => return self.chosen(points)?.parameters_by(points, some, closed),
+            Self::Auto
+            | Self::Mesh(Mesh {
+                map: MeshMap::Auto, ..
+            }) => return self.chosen(points)?.parameters_by(points, some, closed),
+            Self::Mesh(mesh) => mesh.mean_values(points)?,
             Self::Plane => open(Plane::of(points, some)?.parameters()),
             Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
             Self::Coordinates(plane) => {
@@ -131,6 +140,7 @@ impl Scattered {
         match self {
             Self::Auto if points.dimension() == 3 => {}
             Self::Auto => return Ok(Self::Plane),
+            Self::Mesh(mesh) => return mesh.choice(points).map(|it| Self::of_mesh(mesh, it)),
             other => return Ok(other.clone()),
         }
         let cylinder = Cylinder::default().known(points).map(Self::Cylinder);
@@ -145,6 +155,19 @@ impl Scattered {
         let most = kept.iter().map(|(share, _)| *share).fold(0.0, f64::max);
         let simplest = kept.into_iter().find(|(share, _)| *share >= most - SIMPLER);
         Ok(simplest.map_or(Self::Plane, |(_, rule)| rule))
+    }
+
+    /// The rule that is taken for a mesh.
+    fn of_mesh(mesh: &Mesh, choice: Choice) -> Self {
+        match choice {
+            Choice::Plane => Self::Plane,
+            Choice::Cylinder(cylinder) => Self::Cylinder(cylinder),
+            Choice::Sphere(sphere) => Self::Sphere(sphere),
+            Choice::MeanValue => Self::Mesh(Mesh {
+                map: MeshMap::MeanValue,
+                ..mesh.clone()
+            }),
+        }
     }
 }
 
