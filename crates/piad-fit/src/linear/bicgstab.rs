@@ -1,6 +1,10 @@
 //! Sparse systems that are not symmetric: the stabilized method of biconjugate gradients (van der Vorst 1992), with an
 //! incomplete factorization without fill-in as its preconditioner (Meijerink, van der Vorst 1977), which exists for
-//! M-matrices.
+//! M-matrices. Several right-hand sides are solved at the same time, each by one thread.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use crate::interrupt;
 
@@ -13,6 +17,10 @@ const DONE: f64 = 1e-13;
 
 /// A residual up to this part is a solution where rounding ends the steps before.
 const NEAR: f64 = 1e-8;
+
+/// The part of the fill-in that is left out which the diagonal gets instead, so that smooth vectors are kept (Gustafsson
+/// 1978).
+const MODIFIED: f64 = 0.99;
 
 /// The rows of a square matrix whose diagonal is 1.
 #[derive(Debug)]
@@ -87,6 +95,8 @@ impl SparseRows {
                         diagonal[row] -= values[k] * values[l];
                     } else if place[column] != u32::MAX {
                         values[place[column] as usize] -= values[k] * values[l];
+                    } else {
+                        diagonal[row] -= MODIFIED * values[k] * values[l];
                     }
                 }
             }
@@ -116,7 +126,12 @@ impl SparseRows {
     pub(crate) fn solve(&self, all: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
         let factor = self.factor();
         interrupt::check();
-        all.into_iter().map(|b| self.solution(&factor, b)).collect()
+        let rule = interrupt::rule();
+        let solved = all.into_par_iter().map(|b| match &rule {
+            Some(rule) => interrupt::until(Arc::clone(rule), || self.solution(&factor, b)),
+            None => self.solution(&factor, b),
+        });
+        solved.collect()
     }
 
     fn solution(&self, factor: &(Vec<f64>, Vec<f64>), b: Vec<f64>) -> Option<Vec<f64>> {

@@ -27,7 +27,7 @@ pub use pairs::{Domain, Pairs};
 pub(crate) use plane::nearest_to_their_plane;
 pub use sphere::Sphere;
 
-use mesh::Choice;
+use mesh::{Choice, Solved};
 use plane::{Plane, no_plane, no_third_coordinate};
 
 /// How scattered points get their parameters.
@@ -103,11 +103,8 @@ impl Scattered {
                 }
                 pairs.clone()
             }
-            Self::Auto
-            | Self::Mesh(Mesh {
-                map: MeshMap::Auto, ..
-            }) => return self.chosen(points)?.parameters_by(points, some, closed),
-            Self::Mesh(mesh) => mesh.mean_values(points)?,
+            Self::Auto => return self.chosen(points)?.parameters_by(points, some, closed),
+            Self::Mesh(mesh) => mesh.solved(points, closed[0])?.pairs,
             Self::Plane => open(Plane::of(points, some)?.parameters()),
             Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
             Self::Coordinates(plane) => {
@@ -140,7 +137,10 @@ impl Scattered {
         match self {
             Self::Auto if points.dimension() == 3 => {}
             Self::Auto => return Ok(Self::Plane),
-            Self::Mesh(mesh) => return mesh.choice(points).map(|it| Self::of_mesh(mesh, it)),
+            Self::Mesh(mesh) => {
+                let choice = mesh.solved(points, false)?.choice;
+                return Ok(Self::of_mesh(mesh, choice));
+            }
             other => return Ok(other.clone()),
         }
         let cylinder = Cylinder::default().known(points).map(Self::Cylinder);
@@ -157,6 +157,31 @@ impl Scattered {
         Ok(simplest.map_or(Self::Plane, |(_, rule)| rule))
     }
 
+    /// What is found out about a mesh at once; `None` of other rules.
+    ///
+    /// # Errors
+    ///
+    /// Why the mesh has no parameters.
+    pub(crate) fn unfolded(
+        &self,
+        points: &Points,
+        closed: [bool; 2],
+    ) -> Result<Option<Unfolded>, Invalid> {
+        let Self::Mesh(mesh) = self else {
+            return Ok(None);
+        };
+        let Solved {
+            choice,
+            pairs,
+            folded,
+        } = mesh.solved(points, closed[0])?;
+        Ok(Some(Unfolded {
+            rule: Self::of_mesh(mesh, choice),
+            pairs,
+            folded,
+        }))
+    }
+
     /// The rule that is taken for a mesh.
     fn of_mesh(mesh: &Mesh, choice: Choice) -> Self {
         match choice {
@@ -169,6 +194,15 @@ impl Scattered {
             }),
         }
     }
+}
+
+/// A mesh with parameters.
+pub(crate) struct Unfolded {
+    /// The rule that was taken.
+    pub rule: Scattered,
+    pub pairs: Pairs,
+    /// The triangles that it turns over.
+    pub folded: Option<FoldedTriangles>,
 }
 
 /// A simpler surface is taken if it keeps this part less of the neighbours.

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::super::cylinder::Cylinder;
-use super::super::normals::Cloud;
 use super::super::pairs::{Domain, Pairs};
 use super::super::plane::Plane;
 use super::super::sphere::Sphere;
@@ -12,7 +11,6 @@ use super::stretch::Stretch;
 use super::topology::Topology;
 use crate::data::points::Points;
 use crate::interrupt;
-use crate::invalid::Invalid;
 
 /// A simpler surface is taken if it stretches the mesh by this much more.
 const SIMPLER: f64 = 0.1;
@@ -29,73 +27,82 @@ pub(in super::super) enum Choice {
     MeanValue,
 }
 
-/// The simplest surface among those that turn no triangle over and stretch the mesh least; else mean value coordinates.
-///
-/// # Errors
-///
-/// Why there are no mean value coordinates, if no surface unfolds the mesh.
-pub(super) fn best(
+/// A surface that unfolds a mesh.
+pub(super) struct Simple {
+    choice: Choice,
+    pairs: Pairs,
+    stretch: Stretch,
+}
+
+impl Simple {
+    /// True if there is no need to look for anything else.
+    pub(super) fn stretches_little(&self) -> bool {
+        self.stretch.energy <= MUCH
+    }
+
+    /// True if it stretches the mesh more than other parameters that turn no triangle over.
+    pub(super) fn stretches_more(&self, other: &Stretch) -> bool {
+        other.folded == 0 && other.energy < self.stretch.energy
+    }
+
+    pub(super) fn parts(self) -> (Choice, Stretch, Pairs) {
+        (self.choice, self.stretch, self.pairs)
+    }
+}
+
+/// The simplest surface among those that turn no triangle over and stretch the mesh least.
+pub(super) fn simplest(
     points: &Points,
-    cloud: &Cloud,
     topology: &Topology,
-    mean_values: impl FnOnce() -> Result<Pairs, Invalid>,
-) -> Result<Choice, Invalid> {
-    let energy = |pairs: &Pairs| {
-        interrupt::check();
-        let stretch = Stretch::new(cloud, &topology.triangles, pairs);
-        let is_whole = stretch.folded == 0 && !overlaps(&topology.triangles, pairs);
-        is_whole.then_some(stretch.energy)
-    };
-    let mut kept = Vec::new();
+    is_closed: bool,
+    stretch: impl Fn(&Pairs) -> Stretch,
+) -> Option<Simple> {
+    let mut kept: Vec<Simple> = Vec::new();
     if topology.genus == 0 {
-        for (choice, pairs) in surfaces(points, topology) {
-            kept.extend(energy(&pairs).map(|energy| (energy, choice)));
+        for (choice, pairs) in surfaces(points, topology, is_closed) {
+            interrupt::check();
+            let stretch = stretch(&pairs);
+            if stretch.folded == 0 && !overlaps(&topology.triangles, &pairs) {
+                kept.push(Simple {
+                    choice,
+                    pairs,
+                    stretch,
+                });
+            }
         }
     }
-    let least = kept
-        .iter()
-        .map(|(energy, _)| *energy)
-        .fold(f64::INFINITY, f64::min);
-    let simplest = kept
-        .into_iter()
-        .find(|(energy, _)| *energy <= least + SIMPLER);
-    let Some((_, simplest)) = simplest else {
-        return mean_values().map(|_| Choice::MeanValue);
-    };
-    if least <= MUCH || topology.loops.is_empty() {
-        return Ok(simplest);
-    }
-    let other = mean_values().ok().and_then(|pairs| energy(&pairs));
-    Ok(match other {
-        Some(other) if other < least => Choice::MeanValue,
-        _ => simplest,
-    })
+    let energies = kept.iter().map(|it| it.stretch.energy);
+    let least = energies.fold(f64::INFINITY, f64::min);
+    let is_enough = |it: &Simple| it.stretch.energy <= least + SIMPLER;
+    kept.into_iter().find(is_enough)
 }
 
 /// The surfaces near the points that may unfold the mesh, with the parameters on them.
-fn surfaces(points: &Points, topology: &Topology) -> Vec<(Choice, Pairs)> {
+fn surfaces(points: &Points, topology: &Topology, is_closed: bool) -> Vec<(Choice, Pairs)> {
     let mut found = Vec::new();
-    let is_closed = topology.loops.is_empty();
-    if !is_closed {
+    let has_boundary = !topology.loops.is_empty();
+    if has_boundary {
         let all: Vec<usize> = (0..points.len()).collect();
         if let Ok(plane) = Plane::of(points, &all) {
             let pairs = Pairs::open(Arc::new(Points::from_lanes(plane.parameters())));
             found.push((Choice::Plane, pairs));
         }
         let cylinder = Cylinder::default().known(points);
-        let pairs = cylinder.and_then(|it| Ok((it, it.parameters(points, false)?)));
+        let pairs = cylinder.and_then(|it| Ok((it, it.parameters(points, is_closed)?)));
         // One loop does not go around.
-        let goes = |pairs: &Pairs| pairs.domains[0] == Domain::Data || topology.loops.len() > 1;
+        let goes = |pairs: &Pairs| {
+            is_closed || pairs.domains[0] == Domain::Data || topology.loops.len() > 1
+        };
         if let Some((cylinder, pairs)) = pairs.ok().filter(|(_, pairs)| goes(pairs)) {
             found.push((Choice::Cylinder(cylinder), pairs));
         }
     }
     let sphere = Sphere::default().known(points);
-    let pairs = sphere.and_then(|it| Ok((it, it.parameters(points, false)?)));
+    let pairs = sphere.and_then(|it| Ok((it, it.parameters(points, is_closed)?)));
     let has_poles = |pairs: &Pairs| pairs.domains[1].poles() == [true; 2];
     if let Some((sphere, pairs)) = pairs
         .ok()
-        .filter(|(_, pairs)| !is_closed || has_poles(pairs))
+        .filter(|(_, pairs)| has_boundary || has_poles(pairs))
     {
         found.push((Choice::Sphere(sphere), pairs));
     }

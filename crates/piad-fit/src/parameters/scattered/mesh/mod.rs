@@ -89,6 +89,13 @@ pub struct FoldedTriangles {
     pub share: f64,
 }
 
+/// The parameters of a mesh, and how they were found.
+pub(super) struct Solved {
+    pub choice: Choice,
+    pub pairs: Pairs,
+    pub folded: Option<FoldedTriangles>,
+}
+
 impl Mesh {
     /// Bytes, and about how many multiplications, that parameters take.
     pub(crate) fn cost(&self) -> (usize, usize) {
@@ -97,61 +104,70 @@ impl Mesh {
         (count.saturating_mul(BYTES), count.saturating_mul(each))
     }
 
-    /// The rule for points that is taken.
+    /// The parameters of points; u is closed where they go around, or where that is asked for.
     ///
     /// # Errors
     ///
     /// Why the triangles are no surface, or one that nothing unfolds.
-    pub(super) fn choice(&self, points: &Points) -> Result<Choice, Invalid> {
-        let (cloud, topology) = self.topology(points)?;
-        match self.map {
-            MeshMap::MeanValue => Ok(Choice::MeanValue),
-            MeshMap::Auto => {
-                choice::best(points, &cloud, &topology, || mean_values(&cloud, &topology))
-            }
+    pub(super) fn solved(&self, points: &Points, is_closed: bool) -> Result<Solved, Invalid> {
+        let count = self.triangles.len();
+        if count == 0 {
+            return Err(wrong("a mesh has triangles, and there are none"));
         }
-    }
-
-    /// Mean value coordinates of all points.
-    ///
-    /// # Errors
-    ///
-    /// Why the triangles are no surface with one loop or two.
-    pub(super) fn mean_values(&self, points: &Points) -> Result<Pairs, Invalid> {
-        let (cloud, topology) = self.topology(points)?;
-        mean_values(&cloud, &topology)
-    }
-
-    /// The triangles that parameters turn over, if there are some.
-    pub(crate) fn folded(&self, points: &Points, pairs: &Pairs) -> Option<FoldedTriangles> {
-        let (cloud, topology) = self.topology(points).ok()?;
+        self.check_count()?;
+        let cloud = Cloud::new(points, "mesh")?;
+        let topology = Topology::new(&self.triangles, points.len())?;
+        interrupt::check();
+        let mean_values = || {
+            let pairs = mean_values(&cloud, &topology)?;
+            Ok((Stretch::new(&cloud, &topology.triangles, &pairs), pairs))
+        };
+        let stretch = |pairs: &Pairs| Stretch::new(&cloud, &topology.triangles, pairs);
+        let simple = match self.map {
+            MeshMap::MeanValue => None,
+            MeshMap::Auto => choice::simplest(points, &topology, is_closed, stretch),
+        };
+        let (choice, stretch, pairs) = match simple {
+            Some(simple) if simple.stretches_little() || topology.loops.is_empty() => {
+                simple.parts()
+            }
+            Some(simple) => match mean_values() {
+                Ok((stretch, pairs)) if simple.stretches_more(&stretch) => {
+                    (Choice::MeanValue, stretch, pairs)
+                }
+                _ => simple.parts(),
+            },
+            None => {
+                let (stretch, pairs) = mean_values()?;
+                (Choice::MeanValue, stretch, pairs)
+            }
+        };
         let Stretch {
             folded,
             first,
             share,
             ..
-        } = Stretch::new(&cloud, &topology.triangles, pairs);
-        (folded > 0).then_some(FoldedTriangles {
+        } = stretch;
+        let folded = (folded > 0).then_some(FoldedTriangles {
             count: folded,
             triangle: first,
             share,
+        });
+        Ok(Solved {
+            choice,
+            pairs,
+            folded,
         })
     }
 
-    fn topology(&self, points: &Points) -> Result<(Cloud, Topology), Invalid> {
+    /// Refuses more triangles than the limit.
+    pub(crate) fn check_count(&self) -> Result<(), Invalid> {
         let count = self.triangles.len();
-        if count == 0 {
-            return Err(wrong("a mesh has triangles, and there are none"));
+        if count <= MAX_TRIANGLES {
+            return Ok(());
         }
-        if count > MAX_TRIANGLES {
-            let detail =
-                format!("the mesh has {count} triangles, and the limit is {MAX_TRIANGLES}");
-            return Err(wrong(detail));
-        }
-        let cloud = Cloud::new(points, "mesh")?;
-        let topology = Topology::new(&self.triangles, points.len())?;
-        interrupt::check();
-        Ok((cloud, topology))
+        let detail = format!("the mesh has {count} triangles, and the limit is {MAX_TRIANGLES}");
+        Err(wrong(detail))
     }
 }
 
