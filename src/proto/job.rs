@@ -27,7 +27,7 @@ use piad_fit::basis::Corners;
 use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 use piad_fit::engine::{DirectionChoice, Request, Tolerance, Weights};
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sphere,
+    CoordinatePlane, Cylinder, Domain, Mesh, MeshMap, Pairs, Parametrization, Scattered, Sphere,
 };
 
 const RATIONALS: [(Rational, pb::Rational); 2] = [
@@ -219,6 +219,8 @@ fn scattered(
         center,
         u,
         v,
+        triangles,
+        map,
     } = parameters;
     if grid.is_rows() {
         let detail = "scattered points have one column, or neither rows nor columns";
@@ -226,6 +228,24 @@ fn scattered(
     }
     let field = "surface.scattered.values";
     let projection = known(projection, "surface.scattered.projection")?;
+    let map = known(map, "surface.scattered.map")?;
+    if triangles.is_empty() && map != pb::MeshMap::Unspecified {
+        let detail = "a map is that of triangles";
+        return Err(Mistake::at_text("surface.scattered.map", detail));
+    }
+    if !triangles.is_empty() {
+        let is_alone = projection == pb::Projection::Unspecified
+            && values.is_empty()
+            && foot_points.is_none()
+            && [&axis, &center].iter().all(|it| it.is_empty())
+            && u.is_none()
+            && v.is_none();
+        if !is_alone {
+            let detail = "a mesh has triangles and a map, and nothing else";
+            return Err(Mistake::at_text("surface.scattered.triangles", detail));
+        }
+        return mesh(&triangles, map);
+    }
     if let Some(pb::FootPoints { job, iteration }) = foot_points {
         if projection != pb::Projection::Unspecified || !values.is_empty() {
             let detail = "scattered points have foot points, a projection or values, one of them";
@@ -282,6 +302,23 @@ fn scattered(
             Err(Mistake::at_text(field, detail))
         }
     }
+}
+
+/// The parameters of the vertices of a mesh.
+fn mesh(indices: &[u32], map: pb::MeshMap) -> Result<SurfaceParameters, Mistake> {
+    let (triangles, rest) = indices.as_chunks::<3>();
+    if !rest.is_empty() {
+        let count = indices.len();
+        let detail = format!("{count} indices are no triangles: each has three");
+        return Err(Mistake::at_text("surface.scattered.triangles", detail));
+    }
+    Ok(SurfaceParameters::Scattered(Scattered::Mesh(Mesh {
+        triangles: Arc::new(triangles.to_vec()),
+        map: match map {
+            pb::MeshMap::Unspecified | pb::MeshMap::Auto => MeshMap::Auto,
+            pb::MeshMap::MeanValue => MeshMap::MeanValue,
+        },
+    })))
 }
 
 /// How far a direction of explicit parameters goes.
@@ -370,6 +407,15 @@ fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
             }
         }
         Scattered::Auto => pb::ScatteredParameters::default(),
+        Scattered::Mesh(Mesh { triangles, map }) => pb::ScatteredParameters {
+            triangles: triangles.as_flattened().to_vec(),
+            map: match map {
+                MeshMap::Auto => pb::MeshMap::Unspecified,
+                MeshMap::MeanValue => pb::MeshMap::MeanValue,
+            }
+            .into(),
+            ..Default::default()
+        },
         Scattered::Plane => on(pb::Projection::Plane),
         Scattered::Coordinates(CoordinatePlane::Xy) => on(pb::Projection::Xy),
         Scattered::Coordinates(CoordinatePlane::Xz) => on(pb::Projection::Xz),
