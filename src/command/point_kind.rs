@@ -31,7 +31,7 @@ impl PointKind {
                 let read = read.into_iter().next()?;
                 let surface = hints.kind == Some(Kind::Surface);
                 Some(Self {
-                    surface: surface || read.grid.is_some(),
+                    surface: surface || read.grid.is_some() || !read.triangles.is_empty(),
                     dimension: read.points.dimension(),
                     origin: read.origin,
                 })

@@ -81,6 +81,10 @@ pub struct FitArguments {
     #[arg(long, value_name = "PART", help_heading = "Input")]
     pub(crate) part: Option<String>,
 
+    /// Which piece of a mesh is fitted, from 1 for the largest.
+    #[arg(long, value_name = "NUMBER", help_heading = "Input")]
+    pub(crate) piece: Option<String>,
+
     /// Basis: bspline, bernstein, said_ball or wang_ball [default: bspline].
     #[arg(long, value_name = "BASIS", help_heading = "Fit")]
     pub(crate) basis: Option<String>,

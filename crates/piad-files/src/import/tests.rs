@@ -13,6 +13,8 @@ pub(super) const HINTS: Hints = Hints {
     ordered: false,
     columns: None,
     part: None,
+    piece: None,
+    meshes: false,
     times: false,
     most: 100,
 };

@@ -36,6 +36,9 @@ pub(crate) const COLUMNS: &str = "columns";
 /// Which part is read of a file with several.
 pub(crate) const PART: &str = "part";
 
+/// Which piece of a mesh is read.
+pub(crate) const PIECE: &str = "piece";
+
 /// What is said of a file of points beside the fields of a job, as a help to read it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FileHints {
@@ -47,6 +50,8 @@ pub(crate) struct FileHints {
     pub columns: Option<Columns>,
     /// Which part is read of a file with several.
     pub part: Option<PartChoice>,
+    /// Which piece of a mesh is read, from 1.
+    pub piece: Option<usize>,
 }
 
 impl FileHints {
@@ -59,6 +64,15 @@ impl FileHints {
         match name {
             SIZE => self.size = Some(size(text)?),
             PART => self.part = Some(PartChoice::of_text(text)),
+            PIECE => {
+                let piece = text.parse().map_err(|_| {
+                    format!(
+                        "{} is no number of a piece, such as 1 for the largest",
+                        short::quoted(text)
+                    )
+                })?;
+                self.piece = Some(piece);
+            }
             COLUMNS => self.columns = Some(Columns::of_text(text)?),
             ORDER if ORDERS.contains(&text) => self.ordered = true,
             ORDER => {
@@ -97,6 +111,7 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         ordered,
         columns,
         part,
+        piece,
     } = reading;
     let has = |name| fields.contains_key(name);
     let of_curve = |name| fields.get("curve").and_then(|curve| curve.get(name));
@@ -112,6 +127,8 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         ordered: ordered || of_curve("order").is_some(),
         columns,
         part,
+        piece,
+        meshes: true,
         times: of_curve("parameters").is_some_and(|it| it == TIME),
         most,
     }
@@ -171,6 +188,17 @@ pub(crate) fn json(
             "scattered",
             to_value(PointList(Arc::new(points))),
         ),
+        Data::Mesh(points, triangles) => {
+            if let Some(surface) = fields.get_mut("surface").and_then(Value::as_object_mut) {
+                let parameters = || json!({"triangles": triangles});
+                surface.entry("parameters").or_insert_with(parameters);
+            }
+            (
+                "surface",
+                "scattered",
+                to_value(PointList(Arc::new(points))),
+            )
+        }
         Data::Grid(points, grid, missing) => {
             let grid = PointGrid {
                 points: Arc::new(points),
@@ -196,7 +224,11 @@ fn parts_of_job(
         columns: file.grid.map_or(1, |grid| grid.columns),
         lines: file.lines,
     };
-    let shown = file.grid.map_or(FileKind::Curve, |_| FileKind::Surface);
+    let has_triangles = !file.triangles.is_empty();
+    let shown = match file.grid.is_some() || has_triangles {
+        true => FileKind::Surface,
+        false => FileKind::Curve,
+    };
     let kind = hints.kind.unwrap_or(shown);
     let (name, list, data) = match (kind, file.grid) {
         (FileKind::Curve, _) => ("curve", "points", Data::Curve(file.points)),
@@ -204,18 +236,23 @@ fn parts_of_job(
             let data = Data::Grid(file.points, grid, file.missing);
             ("surface", "points", data)
         }
+        (FileKind::Surface, None) if has_triangles => {
+            let data = Data::Mesh(file.points, file.triangles);
+            ("surface", "scattered", data)
+        }
         (FileKind::Surface, None) => ("surface", "scattered", Data::Scattered(file.points)),
     };
+    let is_mesh = matches!(data, Data::Mesh(..));
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
         if let Some(parameters) = file.surface_parameters {
             let parameters = || json!(parameters);
             shape.entry("parameters").or_insert_with(parameters);
         }
-        if list == "scattered" && file.unordered {
+        if list == "scattered" && file.unordered && !is_mesh {
             shape.entry("parameters").or_insert("auto".into());
         }
-        if list == "scattered" && !shape.contains_key("parameters") {
+        if list == "scattered" && !is_mesh && !shape.contains_key("parameters") {
             let detail = "the file does not show the rows of a surface: say how many rows and columns there are, such as 40x60, or give surface.parameters for scattered points, such as project";
             return Err(Problem::at_parameter(SIZE, detail));
         }

@@ -1,5 +1,7 @@
 //! The JSON of a job.
 
+use std::sync::Arc;
+
 use bytes::Bytes;
 use serde_json::Value;
 
@@ -9,6 +11,8 @@ use crate::api::json::read::parse;
 use crate::api::problem::Problem;
 use crate::model::job::JobRequest;
 use crate::model::points::{PointGrid, PointList};
+use crate::model::scattered::SurfaceParameters;
+use piad_fit::parameters::{Mesh, MeshMap, Scattered};
 
 /// Shorter bodies are read by serde alone, which takes no time to speak of.
 const LONG: usize = 2 * 1024;
@@ -90,6 +94,16 @@ impl JobRequest {
                     grid,
                 };
                 put(place.filter(|it| it.points.is_empty()), points)
+            }
+            Data::Mesh(points, triangles) => {
+                if let Some(surface) = surface {
+                    let triangles = Arc::new(triangles);
+                    let map = MeshMap::default();
+                    let mesh = || Scattered::Mesh(Mesh { triangles, map });
+                    let parameters = &mut surface.parameters;
+                    parameters.get_or_insert_with(|| SurfaceParameters::Scattered(mesh()));
+                }
+                self.take(Data::Scattered(points))
             }
             Data::Scattered(points) => {
                 let place = surface.and_then(|surface| surface.scattered.as_mut());

@@ -32,6 +32,8 @@ pub(crate) enum Data {
     Grid(Points, Grid, Vec<usize>),
     /// Those of a surface, without rows.
     Scattered(Points),
+    /// Those of a surface that are the vertices of a mesh, with its triangles.
+    Mesh(Points, Vec<[u32; 3]>),
 }
 
 /// Takes the points out of the JSON of a job, at most as many as `most`: what is left has an empty list in their
