@@ -58,7 +58,7 @@ names!(ProjectionSurface, "projection", [
 
 /// How the vertices of a mesh get their parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum MeshMapInput {
+pub(crate) enum MeshMapInput {
     Auto,
     MeanValue,
 }
@@ -67,6 +67,15 @@ names!(MeshMapInput, "map of a mesh", [
     "auto" => Auto,
     "mean_value" => MeanValue,
 ]);
+
+impl From<MeshMapInput> for MeshMap {
+    fn from(map: MeshMapInput) -> Self {
+        match map {
+            MeshMapInput::Auto => Self::Auto,
+            MeshMapInput::MeanValue => Self::MeanValue,
+        }
+    }
+}
 
 /// A projection with what is known of its surface.
 #[derive(Deserialize, Serialize)]
@@ -354,10 +363,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         if let (Some(triangles), None, None, None, None, None) =
             (&triangles, project, &pairs, &foot_points, &u, &v)
         {
-            let map = match map.unwrap_or(MeshMapInput::Auto) {
-                MeshMapInput::Auto => MeshMap::Auto,
-                MeshMapInput::MeanValue => MeshMap::MeanValue,
-            };
+            let map = map.map_or(MeshMap::Auto, MeshMap::from);
             let triangles = Arc::clone(triangles);
             return Ok(SurfaceParameters::Scattered(Scattered::Mesh(Mesh {
                 triangles,

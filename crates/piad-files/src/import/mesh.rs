@@ -214,8 +214,9 @@ mod tests {
         );
         assert_eq!(whole.lines, [2, 3, 4, 5, 6]);
         assert_eq!(
-            whole.notices[..3],
+            whole.notices,
             [
+                "The file has a mesh of 9 vertices and 7 faces (OBJ).",
                 "The mesh has 2 pieces: the points are the 5 vertices of the largest one, whose 4 triangles give them parameters.",
                 "4 vertices of the file are in no triangle of it, and are left out.",
                 "2 triangles without three corners, or between those of another one, are left out.",
@@ -310,7 +311,7 @@ mod tests {
             ),
             (
                 format!("{ply}3 0 1 2\n3 0 1 -1\n"),
-                "line 19: there is no vertex -1, the file has 9, from 0 (PLY)",
+                "line 20: there is no vertex -1, the file has 9, from 0 (PLY)",
             ),
         ] {
             assert_eq!(surface(&text, None).unwrap_err(), expected, "{text}");

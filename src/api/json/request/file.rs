@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use bytes::Bytes;
+use serde::Deserialize;
 use serde_json::{Map, Value, json, to_value};
 
 use super::job;
@@ -16,10 +17,12 @@ use crate::api::problem::{Kind, Location, Problem, Words};
 use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
 use crate::model::points::{PointGrid, PointList};
+use crate::model::scattered::{MeshMapInput, SurfaceParameters};
 use crate::model::stream::Samples;
 use piad_files::import::{Columns, Hints, Imported, Kind as FileKind, PartChoice};
 use piad_files::short;
 use piad_fit::data::Grid;
+use piad_fit::parameters::{Mesh, MeshMap, Scattered};
 
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 pub(crate) const SIZE: &str = "surface.size";
@@ -188,10 +191,10 @@ pub(crate) fn json(
             "scattered",
             to_value(PointList(Arc::new(points))),
         ),
-        Data::Mesh(points, triangles) => {
+        Data::Mesh(points, mesh) => {
             if let Some(surface) = fields.get_mut("surface").and_then(Value::as_object_mut) {
-                let parameters = || json!({"triangles": triangles});
-                surface.entry("parameters").or_insert_with(parameters);
+                let mesh = SurfaceParameters::Scattered(Scattered::Mesh(mesh));
+                surface.entry("parameters").or_insert_with(|| json!(mesh));
             }
             (
                 "surface",
@@ -237,12 +240,20 @@ fn parts_of_job(
             ("surface", "points", data)
         }
         (FileKind::Surface, None) if has_triangles => {
-            let data = Data::Mesh(file.points, file.triangles);
-            ("surface", "scattered", data)
+            let mesh = Mesh {
+                triangles: Arc::new(file.triangles),
+                map: map_of_mesh(&mut fields)?,
+            };
+            ("surface", "scattered", Data::Mesh(file.points, mesh))
         }
         (FileKind::Surface, None) => ("surface", "scattered", Data::Scattered(file.points)),
     };
     let is_mesh = matches!(data, Data::Mesh(..));
+    if is_mesh {
+        // No other method fits scattered points.
+        let least_squares = || json!({"kind": "least_squares", "control_points": "auto"});
+        fields.entry("method").or_insert_with(least_squares);
+    }
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
         if let Some(parameters) = file.surface_parameters {
@@ -271,6 +282,26 @@ fn parts_of_job(
     }
     Ok((fields, data, lines))
 }
+
+/// Takes out of the fields how the vertices of a mesh get their parameters: all that is said of these but their triangles.
+fn map_of_mesh(fields: &mut Map<String, Value>) -> Result<MeshMap, Problem> {
+    let surface = fields.get_mut("surface").and_then(Value::as_object_mut);
+    let parameters = surface.and_then(|surface| match surface.get("parameters") {
+        Some(Value::Object(given)) if given.len() == 1 && given.contains_key("map") => {
+            surface.remove("parameters")
+        }
+        _ => None,
+    });
+    let map = parameters.as_ref().and_then(|given| given.get("map"));
+    let map = map.map(|map| {
+        MeshMapInput::deserialize(map)
+            .map_err(|error| Problem::at_parameter(MAP, error.to_string()))
+    });
+    Ok(map.transpose()?.map_or(MeshMap::Auto, MeshMap::from))
+}
+
+/// How the vertices of a mesh get their parameters.
+const MAP: &str = "surface.parameters.map";
 
 /// Where the parts of such a job stand.
 #[derive(Debug)]

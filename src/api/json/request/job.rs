@@ -1,7 +1,5 @@
 //! The JSON of a job.
 
-use std::sync::Arc;
-
 use bytes::Bytes;
 use serde_json::Value;
 
@@ -12,7 +10,7 @@ use crate::api::problem::Problem;
 use crate::model::job::JobRequest;
 use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::SurfaceParameters;
-use piad_fit::parameters::{Mesh, MeshMap, Scattered};
+use piad_fit::parameters::Scattered;
 
 /// Shorter bodies are read by serde alone, which takes no time to speak of.
 const LONG: usize = 2 * 1024;
@@ -95,13 +93,10 @@ impl JobRequest {
                 };
                 put(place.filter(|it| it.points.is_empty()), points)
             }
-            Data::Mesh(points, triangles) => {
+            Data::Mesh(points, mesh) => {
                 if let Some(surface) = surface {
-                    let triangles = Arc::new(triangles);
-                    let map = MeshMap::default();
-                    let mesh = || Scattered::Mesh(Mesh { triangles, map });
-                    let parameters = &mut surface.parameters;
-                    parameters.get_or_insert_with(|| SurfaceParameters::Scattered(mesh()));
+                    let mesh = SurfaceParameters::Scattered(Scattered::Mesh(mesh));
+                    surface.parameters.get_or_insert(mesh);
                 }
                 self.take(Data::Scattered(points))
             }
