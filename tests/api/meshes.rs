@@ -183,13 +183,6 @@ async fn messages_have_triangles() {
             },
             "nothing else",
         ),
-        (
-            pb::ScatteredParameters {
-                triangles: vec![1; 20_000_000],
-                ..Default::default()
-            },
-            "indices, the limit",
-        ),
     ] {
         let mut input = input.clone();
         if let Some(pb::job_input::Geometry::Surface(surface)) = &mut input.geometry {

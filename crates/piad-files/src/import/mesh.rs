@@ -76,6 +76,7 @@ pub(super) fn take_piece(part: &mut Part, hints: &Hints) -> Result<(), FileError
     };
     let mut triangles: Vec<[u32; 3]> = all.into_iter().filter(is_new).collect();
     let left_out = part.triangles.len() - triangles.len();
+    let branching = leave_branches_out(&mut triangles);
     let of = pieces(&triangles);
     let count = of.iter().max().map_or(0, |last| *last as usize + 1);
     let wanted = hints.piece.unwrap_or(1);
@@ -123,12 +124,119 @@ pub(super) fn take_piece(part: &mut Part, hints: &Hints) -> Result<(), FileError
                 .push(format!("{count} vertices of the file {what}."));
         }
     }
+    if branching > 0 {
+        part.notices.push(format!(
+            "{branching} triangles are left out, with which the mesh branches at an edge, or touches itself in a point."
+        ));
+    }
     if left_out > 0 {
         part.notices.push(format!(
             "{left_out} triangles without three corners, or between those of another one, are left out."
         ));
     }
     Ok(())
+}
+
+/// The most rounds in which triangles are left out.
+const ROUNDS: usize = 100;
+
+/// Leaves triangles out until each edge has one or two, and those around each vertex are one fan: of an edge with more the
+/// later ones, of a vertex those of the smaller fans. Returns how many.
+fn leave_branches_out(triangles: &mut Vec<[u32; 3]>) -> usize {
+    let before = triangles.len();
+    for _ in 0..ROUNDS {
+        let kept = unbranched(triangles);
+        if kept.iter().all(|is_kept| *is_kept) {
+            break;
+        }
+        let mut kept = kept.into_iter();
+        triangles.retain(|_| kept.next() == Some(true));
+    }
+    before - triangles.len()
+}
+
+/// Which triangles are kept in a round.
+fn unbranched(triangles: &[[u32; 3]]) -> Vec<bool> {
+    let mut kept = vec![true; triangles.len()];
+    let mut drop = |triangle: usize| {
+        if let Some(is_kept) = kept.get_mut(triangle) {
+            *is_kept = false;
+        }
+    };
+    // Each edge with its triangle, and the corners of this at its ends, the lower vertex first.
+    let mut edges: Vec<([u32; 2], [usize; 2])> = Vec::with_capacity(3 * triangles.len());
+    for (t, &[a, b, c]) in triangles.iter().enumerate() {
+        for (from, to, k) in [(a, b, 0), (b, c, 1), (c, a, 2)] {
+            let corners = [3 * t + k, 3 * t + (k + 1) % 3];
+            edges.push(match from < to {
+                true => ([from, to], corners),
+                false => ([to, from], [corners[1], corners[0]]),
+            });
+        }
+    }
+    edges.sort_unstable();
+    let mut fans = Fans::new(3 * triangles.len());
+    for same in edges.chunk_by(|a, b| a.0 == b.0) {
+        same.iter()
+            .skip(2)
+            .for_each(|(_, [corner, _])| drop(corner / 3));
+        if let [(_, one), (_, other), ..] = same {
+            one.iter().zip(other).for_each(|(a, b)| fans.join(*a, *b));
+        }
+    }
+    // The fans around each vertex: all corners of a vertex, with the first corner of their fan.
+    let mut corners: Vec<(u32, usize)> = Vec::with_capacity(3 * triangles.len());
+    for (corner, vertex) in triangles.iter().flatten().enumerate() {
+        corners.push((*vertex, fans.first(corner)));
+    }
+    let mut sizes = vec![0_u32; corners.len()];
+    for (_, fan) in &corners {
+        if let Some(size) = sizes.get_mut(*fan) {
+            *size += 1;
+        }
+    }
+    let size = |fan: usize| sizes.get(fan).copied().unwrap_or_default();
+    let mut largest: HashMap<u32, usize> = HashMap::new();
+    for &(vertex, fan) in &corners {
+        let most = largest.entry(vertex).or_insert(fan);
+        if (size(fan), std::cmp::Reverse(fan)) > (size(*most), std::cmp::Reverse(*most)) {
+            *most = fan;
+        }
+    }
+    for (corner, (vertex, fan)) in corners.iter().enumerate() {
+        if largest.get(vertex) != Some(fan) {
+            drop(corner / 3);
+        }
+    }
+    kept
+}
+
+/// Corners of triangles that are joined.
+struct Fans(Vec<usize>);
+
+impl Fans {
+    fn new(count: usize) -> Self {
+        Self((0..count).collect())
+    }
+
+    /// The first corner of a fan.
+    fn first(&mut self, mut of: usize) -> usize {
+        while let Some(&above) = self.0.get(of).filter(|above| **above != of) {
+            let next = self.0.get(above).copied().unwrap_or(above);
+            if let Some(place) = self.0.get_mut(of) {
+                *place = next;
+            }
+            of = next;
+        }
+        of
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.first(a), self.first(b));
+        if let Some(place) = self.0.get_mut(a.max(b)) {
+            *place = a.min(b);
+        }
+    }
 }
 
 /// What is said of a piece.
@@ -231,6 +339,19 @@ mod tests {
             let error = surface(&obj(), Some(piece)).unwrap_err();
             assert!(error.contains("pieces 1 to 2"), "{error}");
         }
+    }
+
+    /// A mesh that branches at an edge and touches itself in a vertex loses the smaller part there.
+    #[test]
+    fn branches_are_left_out() {
+        let mut triangles: Vec<[u32; 3]> = (0..6).map(|k| [0, k + 1, (k + 1) % 6 + 1]).collect();
+        assert_eq!(leave_branches_out(&mut triangles), 0);
+        // A fan of two beside vertex 0, and a third triangle on an edge.
+        triangles.extend([[0, 10, 11], [0, 11, 12], [1, 2, 13]]);
+        assert_eq!(leave_branches_out(&mut triangles), 2);
+        triangles.push([2, 1, 14]);
+        assert_eq!(leave_branches_out(&mut triangles), 1);
+        assert_eq!(triangles.len(), 7);
     }
 
     /// The same mesh in all formats.

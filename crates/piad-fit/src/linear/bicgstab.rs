@@ -1,16 +1,16 @@
-//! Sparse systems that are not symmetric: the stabilized method of biconjugate gradients (van der Vorst 1992), with an
-//! incomplete factorization without fill-in as its preconditioner (Meijerink, van der Vorst 1977), which exists for
-//! M-matrices. Several right-hand sides are solved at the same time, each by one thread.
+//! Sparse systems that are not symmetric: the stabilized method of biconjugate gradients (van der Vorst 1992), with a
+//! multigrid cycle as its preconditioner. Several right-hand sides are solved at the same time, each by one thread.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::aggregation::Hierarchy;
+use super::sparse_rows::SparseRows;
 use crate::interrupt;
 
-/// Steps that are taken at most, and those that each unknown adds by the square root of their number.
-const STEPS: usize = 400;
-const STEPS_BY_ROOT: usize = 20;
+/// The most steps.
+const STEPS: usize = 1000;
 
 /// A residual that is this part of the right-hand side is none.
 const DONE: f64 = 1e-13;
@@ -18,129 +18,25 @@ const DONE: f64 = 1e-13;
 /// A residual up to this part is a solution where rounding ends the steps before.
 const NEAR: f64 = 1e-8;
 
-/// The part of the fill-in that is left out which the diagonal gets instead, so that smooth vectors are kept (Gustafsson
-/// 1978).
-const MODIFIED: f64 = 0.99;
-
-/// The rows of a square matrix whose diagonal is 1.
-#[derive(Debug)]
-pub(crate) struct SparseRows {
-    /// Where each row starts, and the last one ends.
-    starts: Vec<u32>,
-    /// The columns of the entries beside the diagonal, increasing in each row.
-    columns: Vec<u32>,
-    values: Vec<f64>,
-}
-
 impl SparseRows {
-    /// No rows yet, with room for some.
-    pub(crate) fn with_room(rows: usize, entries: usize) -> Self {
-        let mut starts = Vec::with_capacity(rows + 1);
-        starts.push(0);
-        Self {
-            starts,
-            columns: Vec::with_capacity(entries),
-            values: Vec::with_capacity(entries),
-        }
-    }
-
-    /// Appends a row of entries beside the diagonal, whose columns increase.
-    pub(crate) fn push(&mut self, entries: impl Iterator<Item = (u32, f64)>) {
-        for (column, value) in entries {
-            self.columns.push(column);
-            self.values.push(value);
-        }
-        self.starts.push(self.columns.len() as u32);
-    }
-
-    fn len(&self) -> usize {
-        self.starts.len() - 1
-    }
-
-    fn range(&self, row: usize) -> std::ops::Range<usize> {
-        self.starts[row] as usize..self.starts[row + 1] as usize
-    }
-
-    /// `y = A x`.
-    fn apply(&self, x: &[f64], y: &mut [f64]) {
-        for (row, y) in y.iter_mut().enumerate() {
-            let range = self.range(row);
-            let entries = self.columns[range.clone()].iter().zip(&self.values[range]);
-            *y = x[row] + entries.map(|(&k, a)| a * x[k as usize]).sum::<f64>();
-        }
-    }
-
-    /// `L U` with the entries that the matrix has: those of L, whose diagonal is 1, and of U, and the diagonal of U.
-    fn factor(&self) -> (Vec<f64>, Vec<f64>) {
-        let mut values = self.values.clone();
-        let mut diagonal = vec![1.0; self.len()];
-        let mut place = vec![u32::MAX; self.len()];
-        for row in 0..self.len() {
-            let range = self.range(row);
-            for k in range.clone() {
-                place[self.columns[k] as usize] = k as u32;
-            }
-            for k in range.clone() {
-                let other = self.columns[k] as usize;
-                if other >= row {
-                    break;
-                }
-                values[k] /= diagonal[other];
-                for l in self.range(other) {
-                    let column = self.columns[l] as usize;
-                    if column <= other {
-                        continue;
-                    }
-                    if column == row {
-                        diagonal[row] -= values[k] * values[l];
-                    } else if place[column] != u32::MAX {
-                        values[place[column] as usize] -= values[k] * values[l];
-                    } else {
-                        diagonal[row] -= MODIFIED * values[k] * values[l];
-                    }
-                }
-            }
-            range.for_each(|k| place[self.columns[k] as usize] = u32::MAX);
-        }
-        (values, diagonal)
-    }
-
-    /// `x ← (L U)⁻¹ x`.
-    fn precondition(&self, (values, diagonal): &(Vec<f64>, Vec<f64>), x: &mut [f64]) {
-        for row in 0..self.len() {
-            let below = self
-                .range(row)
-                .take_while(|&k| (self.columns[k] as usize) < row);
-            let sum: f64 = below.map(|k| values[k] * x[self.columns[k] as usize]).sum();
-            x[row] -= sum;
-        }
-        for row in (0..self.len()).rev() {
-            let above = self.range(row).rev();
-            let above = above.take_while(|&k| (self.columns[k] as usize) > row);
-            let sum: f64 = above.map(|k| values[k] * x[self.columns[k] as usize]).sum();
-            x[row] = (x[row] - sum) / diagonal[row];
-        }
-    }
-
     /// The solutions of `A x = b` for several right-hand sides; `None` if the steps do not come near one.
     pub(crate) fn solve(&self, all: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
-        let factor = self.factor();
+        let hierarchy = Hierarchy::new(self);
         interrupt::check();
         let rule = interrupt::rule();
         let solved = all.into_par_iter().map(|b| match &rule {
-            Some(rule) => interrupt::until(Arc::clone(rule), || self.solution(&factor, b)),
-            None => self.solution(&factor, b),
+            Some(rule) => interrupt::until(Arc::clone(rule), || self.solution(&hierarchy, b)),
+            None => self.solution(&hierarchy, b),
         });
         solved.collect()
     }
 
-    fn solution(&self, factor: &(Vec<f64>, Vec<f64>), b: Vec<f64>) -> Option<Vec<f64>> {
+    fn solution(&self, hierarchy: &Hierarchy<'_>, b: Vec<f64>) -> Option<Vec<f64>> {
         let count = self.len();
         let size = norm(&b);
-        let mut x = b.clone();
-        self.precondition(factor, &mut x);
+        let mut x = hierarchy.apply(&b);
         let mut r = vec![0.0; count];
-        let mut steps = STEPS + STEPS_BY_ROOT * count.isqrt();
+        let mut steps = STEPS;
         let (mut best, mut least) = (x.clone(), f64::INFINITY);
         // It starts again from where it is if it breaks down, or if the residual that it updates has drifted away.
         while steps > 0 {
@@ -156,7 +52,7 @@ impl SparseRows {
             if left <= DONE * size {
                 break;
             }
-            self.steps(factor, &mut x, &mut r, (DONE * size, &mut steps));
+            self.steps(hierarchy, &mut x, &mut r, (DONE * size, &mut steps));
         }
         (least <= NEAR * size).then_some(best)
     }
@@ -164,7 +60,7 @@ impl SparseRows {
     /// Steps until the residual is small, or a step cannot be taken.
     fn steps(
         &self,
-        factor: &(Vec<f64>, Vec<f64>),
+        hierarchy: &Hierarchy<'_>,
         x: &mut [f64],
         r: &mut [f64],
         (done, left): (f64, &mut usize),
@@ -172,13 +68,12 @@ impl SparseRows {
         let count = self.len();
         let shadow = r.to_vec();
         let mut p = r.to_vec();
-        let [mut v, mut t, mut y] = [(); 3].map(|()| vec![0.0; count]);
+        let [mut v, mut t] = [(); 2].map(|()| vec![0.0; count]);
         let mut rho = dot(&shadow, r);
         while *left > 0 {
             *left -= 1;
             interrupt::check();
-            y.copy_from_slice(&p);
-            self.precondition(factor, &mut y);
+            let y = hierarchy.apply(&p);
             self.apply(&y, &mut v);
             let alpha = rho / dot(&shadow, &v);
             if !alpha.is_finite() {
@@ -186,8 +81,7 @@ impl SparseRows {
             }
             add(x, alpha, &y);
             add(r, -alpha, &v);
-            y.copy_from_slice(r);
-            self.precondition(factor, &mut y);
+            let y = hierarchy.apply(r);
             self.apply(&y, &mut t);
             let omega = dot(&t, r) / dot(&t, &t);
             if !omega.is_finite() || omega == 0.0 {

@@ -18,6 +18,9 @@ const SIMPLER: f64 = 0.1;
 /// A surface that stretches the mesh more than this is compared with mean value coordinates.
 const MUCH: f64 = 0.5;
 
+/// A surface that has less of its rectangle on the mesh is compared with mean value coordinates if these fill theirs.
+const FILLED: f64 = 0.95;
+
 /// The rule by which a mesh gets its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) enum Choice {
@@ -35,14 +38,32 @@ pub(super) struct Simple {
 }
 
 impl Simple {
-    /// True if there is no need to look for anything else.
-    pub(super) fn stretches_little(&self) -> bool {
-        self.stretch.energy <= MUCH
+    /// True if it stretches the mesh so much that something else may be better.
+    pub(super) fn stretches_much(&self) -> bool {
+        self.stretch.energy > MUCH
     }
 
-    /// True if it stretches the mesh more than other parameters that turn no triangle over.
-    pub(super) fn stretches_more(&self, other: &Stretch) -> bool {
-        other.folded == 0 && other.energy < self.stretch.energy
+    /// True if a good part of the rectangle of its parameters is beside the mesh.
+    pub(super) fn leaves_corners(&self, topology: &Topology) -> bool {
+        let [u, v] = [0, 1].map(|axis| self.pairs.values.lane(axis));
+        let extent = |values: &[f64]| {
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+            values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - low
+        };
+        let area = |&triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|vertex| [u, v].map(|lane| lane[vertex as usize]));
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        let is_open = self.pairs.domains == [Domain::Data; 2];
+        let filled = || topology.triangles.iter().map(area).sum::<f64>().abs() / 2.0;
+        is_open && filled() < FILLED * extent(u) * extent(v)
+    }
+
+    /// True if other parameters turn no triangle over and stretch the mesh less; or also if they fill a rectangle, as these
+    /// do not, and stretch it little.
+    pub(super) fn is_worse(&self, other: &Stretch, is_patch: bool) -> bool {
+        let is_little = other.energy < self.stretch.energy || is_patch && other.energy <= MUCH;
+        other.folded == 0 && is_little
     }
 
     pub(super) fn parts(self) -> (Choice, Stretch, Pairs) {

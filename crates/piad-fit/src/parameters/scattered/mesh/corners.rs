@@ -25,8 +25,16 @@ const LEAST_TURN: f64 = 50.0 * PI / 180.0;
 /// The most turns among which the corners are chosen.
 const MOST: usize = 12;
 
-/// The indices of the four corners, increasing; `None` of a loop with fewer vertices.
-pub(super) fn corners(line: &Boundary) -> Option<[usize; 4]> {
+/// The corners of a rectangle.
+pub(super) struct Corners {
+    /// Their indices, increasing.
+    pub at: [usize; 4],
+    /// True if the loop has a sharp turn at each of them.
+    pub are_sharp: bool,
+}
+
+/// The four corners; `None` of a loop with fewer vertices.
+pub(super) fn corners(line: &Boundary) -> Option<Corners> {
     let count = line.len();
     if count < 4 {
         return None;
@@ -39,9 +47,11 @@ pub(super) fn corners(line: &Boundary) -> Option<[usize; 4]> {
         1..=3 => None,
         _ => best_of(&turns, line),
     };
-    chosen
-        .or_else(|| divided(&turns, line))
-        .or_else(|| Some([0, 1, 2, 3].map(|k| k * count / 4)))
+    let at = chosen.or_else(|| divided(&turns, line));
+    Some(Corners {
+        at: at.unwrap_or([0, 1, 2, 3].map(|k| k * count / 4)),
+        are_sharp: turns.len() >= 4,
+    })
 }
 
 /// The sharpest turns that are well apart, with their angles; in the order of the loop.

@@ -11,7 +11,7 @@ use super::sheet::Sheet;
 use super::topology::{wrong, wrong_at};
 use crate::interrupt;
 use crate::invalid::Invalid;
-use crate::linear::bicgstab::SparseRows;
+use crate::linear::sparse_rows::SparseRows;
 
 /// The largest tangent of half an angle: a vertex on the edge across is held by the ends of this edge.
 const LARGEST_TANGENT: f64 = 1e4;

@@ -128,15 +128,16 @@ impl Mesh {
             MeshMap::Auto => choice::simplest(points, &topology, is_closed, stretch),
         };
         let (choice, stretch, pairs) = match simple {
-            Some(simple) if simple.stretches_little() || topology.loops.is_empty() => {
-                simple.parts()
-            }
-            Some(simple) => match mean_values() {
-                Ok((stretch, pairs)) if simple.stretches_more(&stretch) => {
-                    (Choice::MeanValue, stretch, pairs)
+            Some(simple) => {
+                let is_patch = simple.leaves_corners(&topology) && is_patch(&cloud, &topology);
+                let others = (is_patch || simple.stretches_much()) && !topology.loops.is_empty();
+                match others.then(mean_values) {
+                    Some(Ok((stretch, pairs))) if simple.is_worse(&stretch, is_patch) => {
+                        (Choice::MeanValue, stretch, pairs)
+                    }
+                    _ => simple.parts(),
                 }
-                _ => simple.parts(),
-            },
+            }
             None => {
                 let (stretch, pairs) = mean_values()?;
                 (Choice::MeanValue, stretch, pairs)
@@ -188,6 +189,18 @@ fn mean_values(cloud: &Cloud, topology: &Topology) -> Result<Pairs, Invalid> {
         }
     }
     rectangle::parameters(cloud, sheet(&[loops[0].0]))
+}
+
+/// True if a mesh has one large loop, with four sharp corners.
+fn is_patch(cloud: &Cloud, topology: &Topology) -> bool {
+    match by_length(cloud, topology)[..] {
+        [(_, first), (_, second), ..] if second >= HOLE * first => false,
+        [(index, _), ..] => {
+            let sheet = Sheet::new(topology, &cloud.points, &[index]);
+            topology.genus == 0 && rectangle::is_patch(&sheet)
+        }
+        [] => false,
+    }
 }
 
 /// The loops with their lengths, the longest first.

@@ -23,11 +23,11 @@ pub(super) fn parameters(cloud: &Cloud, mut sheet: Sheet) -> Result<Pairs, Inval
             "the boundary of the mesh has {count} points: a rectangle has four corners"
         ))
     })?;
-    if line.is_ragged(&corners) {
+    if line.is_ragged(&corners.at) {
         sheet.surround(0, line.ring());
     }
     let sheet = sheet.split();
-    let values = on_sides(&sheet, corners);
+    let values = on_sides(&sheet, corners.at);
     let mut values = solved(&sheet, &values, None)?;
     let mut gradients = Gradients::new(&sheet, &values, None);
     let [width, height] = gradients.steps();
@@ -53,6 +53,12 @@ pub(super) fn parameters(cloud: &Cloud, mut sheet: Sheet) -> Result<Pairs, Inval
         lane(0),
         lane(1),
     ]))))
+}
+
+/// True if the boundary is smooth between four sharp corners.
+pub(super) fn is_patch(sheet: &Sheet) -> bool {
+    let line = Boundary::new(sheet, &sheet.loops[0]);
+    corners(&line).is_some_and(|corners| corners.are_sharp && !line.is_ragged(&corners.at))
 }
 
 /// The vertices of the loop on the sides of a square, by lengths of the loop.

@@ -173,6 +173,32 @@ fn simple_surfaces_are_preferred() {
     }
 }
 
+/// A patch whose four sides are curved fills a rectangle, from corner to corner.
+#[test]
+fn patches_fill_their_rectangle() {
+    let patch = |s: f64, t: f64| {
+        [
+            20.0 * s + 6.0 * t * t,
+            10.0 * t + 5.0 * (3.0 * s).sin(),
+            4.0 * (4.0 * s).sin(),
+        ]
+    };
+    let points = places(40, 25, patch);
+    let triangles = grid(40, 25, false);
+    let rule = mesh(triangles.clone(), MeshMap::Auto)
+        .chosen(&points)
+        .unwrap();
+    assert!(matches!(rule, Scattered::Mesh(_)), "{rule:?}");
+    assert_eq!(folded(&triangles, &points), None);
+    let pairs = mean_values(&triangles, &points);
+    let [u, v] = [0, 1].map(|axis| pairs.values.lane(axis));
+    let high = [u, v].map(|lane| lane.iter().copied().fold(0.0, f64::max));
+    for corner in [0, 24, 39 * 25, 39 * 25 + 24] {
+        let is_end = |value: f64, high: f64| value.min(high - value).abs() < 1e-9 * high;
+        assert!(is_end(u[corner], high[0]) && is_end(v[corner], high[1]));
+    }
+}
+
 /// A bent tube goes around: u has a period, no triangle folds, and rings have one v.
 #[test]
 fn two_loops_are_closed() {
