@@ -378,6 +378,7 @@ impl Problem {
         let vectors = 3 + given + shifted + demand.vectors;
         let scratch = usize::from(self.v().is_some());
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
+        let arrays = arrays + self.request.scattered.as_ref().map_or(0, Scattered::bytes);
         if let Some((settings, _)) = self.method().automatic() {
             let most = self.most_control_points();
             return arrays + first::memory(self, settings, most) + demand.bytes;

@@ -157,6 +157,14 @@ impl Scattered {
         Ok(simplest.map_or(Self::Plane, |(_, rule)| rule))
     }
 
+    /// The bytes of the triangles of a mesh.
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len() * size_of::<[u32; 3]>(),
+            _ => 0,
+        }
+    }
+
     /// What is found out about a mesh at once; `None` of other rules.
     ///
     /// # Errors

@@ -45,9 +45,8 @@ pub const MAX_TRIANGLES: usize = 4_000_000;
 /// Bytes that a triangle takes while parameters are computed.
 const BYTES: usize = 500;
 
-/// About how many multiplications take as long as a triangle of a small mesh, and what the square root of their number adds.
-const MULTIPLICATIONS: usize = 4_000;
-const MULTIPLICATIONS_BY_ROOT: usize = 60;
+/// About how many multiplications take as long as the parameters of a triangle.
+const MULTIPLICATIONS: usize = 8_000;
 
 /// Loops that are shorter than this part of the longest one are holes.
 const HOLE: f64 = 0.25;
@@ -100,8 +99,8 @@ impl Mesh {
     /// Bytes, and about how many multiplications, that parameters take.
     pub(crate) fn cost(&self) -> (usize, usize) {
         let count = self.triangles.len();
-        let each = MULTIPLICATIONS + MULTIPLICATIONS_BY_ROOT * count.isqrt();
-        (count.saturating_mul(BYTES), count.saturating_mul(each))
+        let [bytes, multiplications] = [BYTES, MULTIPLICATIONS].map(|it| count.saturating_mul(it));
+        (bytes, multiplications)
     }
 
     /// The parameters of points; u is closed where they go around, or where that is asked for.

@@ -459,31 +459,3 @@ fn pieces_are_counted() {
     let triangles = [[0, 1, 2], [3, 4, 5], [5, 4, 6], [7, 8, 0]];
     assert_eq!(pieces(&triangles), [1, 0, 0, 2]);
 }
-
-#[test]
-#[ignore = "takes long"]
-fn measure() {
-    for side in [100, 320, 1000] {
-        let place = |s: f64, t: f64| {
-            let (x, y) = (2.0 * s - 1.0, 2.0 * t - 1.0);
-            [
-                x + 0.002 * (700.0 * y).sin(),
-                y,
-                (3.0 * x).sin() * (2.0 * y).cos(),
-            ]
-        };
-        let points = places(side, side, place);
-        let (triangles, points) = cut_out(&grid(side, side, false), &points, |[x, y, _]| {
-            x.hypot(y) < 0.9
-        });
-        let start = std::time::Instant::now();
-        let folded = folded(&triangles, &points);
-        println!(
-            "{} points {} triangles {:?}",
-            points.len(),
-            triangles.len(),
-            start.elapsed()
-        );
-        println!("{folded:?}");
-    }
-}
