@@ -1119,7 +1119,7 @@ export interface components {
             v: components["schemas"]["Degree"];
         };
         /**
-         * @description How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection or by their foot points on another surface.
+         * @description How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection, by the triangles of a mesh or by their foot points on another surface.
          * @example centripetal
          * @example [
          *       [
@@ -1169,6 +1169,29 @@ export interface components {
             pairs: number[][];
             /** @description How far they go where that is not from the least to the largest parameter. */
             domains?: components["schemas"]["ParameterDomains"];
+        } | {
+            /**
+             * @description The indices of the corners of each triangle, from 0, in either sense.
+             * @example [
+             *       [
+             *         0,
+             *         1,
+             *         2
+             *       ],
+             *       [
+             *         2,
+             *         1,
+             *         3
+             *       ]
+             *     ]
+             */
+            triangles: number[][];
+            /**
+             * @description `mean_value`: no plane, cylinder or sphere is tried. Default: `"auto"`.
+             * @example mean_value
+             * @enum {string}
+             */
+            map?: "auto" | "mean_value";
         } | {
             /** @description The other job. */
             foot_points: components["schemas"]["FootPointsRequest"];
