@@ -345,7 +345,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             center,
             pairs,
             domains,
-            triangles,
+            mut triangles,
             map,
             foot_points,
         } = Each::deserialize(MapAccessDeserializer::new(map))?;
@@ -360,15 +360,15 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         if triangles.is_none() && map.is_some() {
             return wrong("map is that of triangles");
         }
-        if let (Some(triangles), None, None, None, None, None) =
-            (&triangles, project, &pairs, &foot_points, &u, &v)
+        let is_alone = project.is_none() && pairs.is_none() && foot_points.is_none();
+        if let (Some(TriangleList(triangles)), true, None, None) =
+            (&mut triangles, is_alone, &u, &v)
         {
-            let map = map.map_or(MeshMap::Auto, MeshMap::from);
-            let triangles = Arc::clone(triangles);
-            return Ok(SurfaceParameters::Scattered(Scattered::Mesh(Mesh {
-                triangles,
-                map,
-            })));
+            let mesh = Mesh {
+                triangles: Arc::new(std::mem::take(triangles)),
+                map: map.map_or(MeshMap::Auto, MeshMap::from),
+            };
+            return Ok(SurfaceParameters::Scattered(Scattered::Mesh(mesh)));
         }
         match (project, pairs, foot_points, u, v) {
             _ if triangles.is_some() => {
@@ -415,19 +415,14 @@ struct Each {
     center: Option<[f64; 3]>,
     pairs: Option<PairList>,
     domains: Option<Domains>,
-    #[serde(default, deserialize_with = "triangles")]
-    triangles: Option<Arc<Vec<[u32; 3]>>>,
+    triangles: Option<TriangleList>,
     map: Option<MeshMapInput>,
     foot_points: Option<FootPoints>,
 }
 
-/// Reads the triangles of a mesh.
-fn triangles<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> Result<Option<Arc<Vec<[u32; 3]>>>, D::Error> {
-    let triangles = Option::<Vec<[u32; 3]>>::deserialize(deserializer)?;
-    Ok(triangles.map(Arc::new))
-}
+/// The triangles of a mesh.
+#[derive(Deserialize)]
+struct TriangleList(Vec<[u32; 3]>);
 
 /// u and v of each point.
 struct PairList(Arc<Points>);

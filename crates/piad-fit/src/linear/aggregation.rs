@@ -171,8 +171,8 @@ fn aggregates(rows: &SparseRows) -> Vec<u32> {
         }
     }
     let first = of.clone();
-    for row in 0..rows.len() {
-        if of[row] != NONE {
+    for (row, of) in of.iter_mut().enumerate() {
+        if *of != NONE {
             continue;
         }
         let beside = strong(row).filter(|(other, _)| first[*other] != NONE);
@@ -180,7 +180,7 @@ fn aggregates(rows: &SparseRows) -> Vec<u32> {
             Some(most) if most.1.abs() >= it.1.abs() => Some(most),
             _ => Some(it),
         });
-        of[row] = match nearest {
+        *of = match nearest {
             Some((other, _)) => first[other],
             None => {
                 count += 1;
