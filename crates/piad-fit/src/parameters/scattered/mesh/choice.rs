@@ -12,6 +12,9 @@ use super::topology::Topology;
 use crate::data::points::Points;
 use crate::interrupt;
 
+/// The part of the area of a mesh that may be turned over: noise turns thin triangles of scans.
+const SLIVERS: f64 = 1e-3;
+
 /// A simpler surface is taken if it stretches the mesh by this much more.
 const SIMPLER: f64 = 0.1;
 
@@ -59,11 +62,11 @@ impl Simple {
         is_open && filled() < FILLED * extent(u) * extent(v)
     }
 
-    /// True if other parameters turn no triangle over and stretch the mesh less; or also if they fill a rectangle, as these
+    /// True if other parameters turn no more than slivers over and stretch the mesh less; or also if they fill a rectangle, as these
     /// do not, and stretch it little.
     pub(super) fn is_worse(&self, other: &Stretch, is_patch: bool) -> bool {
         let is_little = other.energy < self.stretch.energy || is_patch && other.energy <= MUCH;
-        other.folded == 0 && is_little
+        other.share <= SLIVERS && is_little
     }
 
     pub(super) fn parts(self) -> (Choice, Stretch, Pairs) {
@@ -71,7 +74,7 @@ impl Simple {
     }
 }
 
-/// The simplest surface among those that turn no triangle over and stretch the mesh least.
+/// The simplest surface among those that turn no more than slivers over and stretch the mesh least.
 pub(super) fn simplest(
     points: &Points,
     topology: &Topology,
@@ -83,7 +86,7 @@ pub(super) fn simplest(
         for (choice, pairs) in surfaces(points, topology, is_closed) {
             interrupt::check();
             let stretch = stretch(&pairs);
-            if stretch.folded == 0 && !overlaps(&topology.triangles, &pairs) {
+            if stretch.share <= SLIVERS && !overlaps(&topology.triangles, &pairs) {
                 kept.push(Simple {
                     choice,
                     pairs,
