@@ -178,8 +178,8 @@ fn simple_surfaces_are_preferred() {
 fn patches_fill_their_rectangle() {
     let patch = |s: f64, t: f64| {
         [
-            20.0 * s + 6.0 * t * t,
-            10.0 * t + 5.0 * (3.0 * s).sin(),
+            20.0 * s + 1.5 * t * t,
+            10.0 * t + 1.2 * (3.0 * s).sin(),
             4.0 * (4.0 * s).sin(),
         ]
     };
