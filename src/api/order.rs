@@ -96,11 +96,11 @@ impl Order {
         let is_short = is_small && !base.is_given();
         let validate = move || base.validate(request, limits, &words);
         let valid = compute(app, is_short, validate).await?;
+        let chosen = valid.problem.chosen_parameters();
         notices.extend(
-            valid
-                .problem
-                .chosen_parameters()
-                .and_then(scattered::notice),
+            chosen
+                .into_iter()
+                .flat_map(|chosen| scattered::notices(chosen, valid.problem.folded_triangles())),
         );
         Ok(Self {
             label: Label {

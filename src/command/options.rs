@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::input::{Content, Input, not_json, not_read};
 use super::point_kind::PointKind;
 use super::pointer;
-use crate::api::json::request::file::{self, COLUMNS, FileHints, PART, SECTIONS, SIZE};
+use crate::api::json::request::file::{self, COLUMNS, FileHints, PART, PIECE, SECTIONS, SIZE};
 use crate::api::json::request::path::{insert, insert_value};
 use crate::config::fit_arguments::FitArguments;
 use crate::files;
@@ -60,6 +60,7 @@ impl Asked {
         for (name, flag, text) in [
             (COLUMNS, "--columns", &arguments.columns),
             (PART, "--part", &arguments.part),
+            (PIECE, "--piece", &arguments.piece),
         ] {
             if let Some(text) = text {
                 asked.reading.push((name, text.clone()));

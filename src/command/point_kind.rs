@@ -31,7 +31,10 @@ impl PointKind {
                 let read = read.into_iter().next()?;
                 let surface = hints.kind == Some(Kind::Surface);
                 Some(Self {
-                    surface: surface || read.grid.is_some() || !read.sections.is_empty(),
+                    surface: surface
+                        || read.grid.is_some()
+                        || !read.sections.is_empty()
+                        || !read.triangles.is_empty(),
                     dimension: read.points.dimension(),
                     origin: read.origin,
                 })

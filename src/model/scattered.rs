@@ -21,7 +21,8 @@ use super::schema::schema_of;
 use piad_fit::data::Points;
 use piad_fit::geometry::{Nurbs, foot_points};
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sections, Sphere,
+    CoordinatePlane, Cylinder, Domain, FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, Pairs,
+    Parametrization, Scattered, Sections, Sphere,
 };
 
 /// The parameters of the data points of a surface.
@@ -55,6 +56,27 @@ names!(ProjectionSurface, "projection", [
     "yz" => Yz,
 ]);
 
+/// How the vertices of a mesh get their parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MeshMapInput {
+    Auto,
+    MeanValue,
+}
+
+names!(MeshMapInput, "map of a mesh", [
+    "auto" => Auto,
+    "mean_value" => MeanValue,
+]);
+
+impl From<MeshMapInput> for MeshMap {
+    fn from(map: MeshMapInput) -> Self {
+        match map {
+            MeshMapInput::Auto => Self::Auto,
+            MeshMapInput::MeanValue => Self::MeanValue,
+        }
+    }
+}
+
 /// A projection with what is known of its surface.
 #[derive(Deserialize, Serialize)]
 struct Projection {
@@ -86,11 +108,13 @@ impl Projection {
         })
     }
 
-    /// That of a rule; `None` of pairs and of `auto`.
+    /// That of a rule; `None` of pairs, of `auto` and of a mesh.
     fn of(rule: &Scattered) -> Option<Self> {
         use ProjectionSurface as S;
         let (project, axis, center) = match *rule {
-            Scattered::Given(_) | Scattered::Auto | Scattered::Sections(_) => return None,
+            Scattered::Given(_) | Scattered::Auto | Scattered::Sections(_) | Scattered::Mesh(_) => {
+                return None;
+            }
             Scattered::Plane => (S::Plane, None, None),
             Scattered::Coordinates(CoordinatePlane::Xy) => (S::Xy, None, None),
             Scattered::Coordinates(CoordinatePlane::Xz) => (S::Xz, None, None),
@@ -210,8 +234,23 @@ pub(super) fn on_surface(
     }
 }
 
-/// What is said of parameters that the fit has chosen.
-pub(crate) fn notice(chosen: &Scattered) -> Option<String> {
+/// What is said of parameters that the fit has chosen, and of triangles of a mesh that these turn over.
+pub(crate) fn notices(chosen: &Scattered, folded: Option<FoldedTriangles>) -> Vec<String> {
+    let folded = folded.map(|folded| {
+        let FoldedTriangles {
+            count,
+            triangle,
+            share,
+        } = folded;
+        let percent = 100.0 * share;
+        format!(
+            "{count} triangles of the mesh, with {percent:.2} % of its area, are turned over or have no area by the parameters of their points; the first of them is triangle {triangle}"
+        )
+    });
+    notice(chosen).into_iter().chain(folded).collect()
+}
+
+fn notice(chosen: &Scattered) -> Option<String> {
     let place = |place: Option<[f64; 3]>| {
         let [x, y, z] = place.unwrap_or_default();
         format!("({x:.6}, {y:.6}, {z:.6})")
@@ -224,6 +263,11 @@ pub(crate) fn notice(chosen: &Scattered) -> Option<String> {
                 _ => (sections.counts.len(), "open"),
             };
             return Some(format!("the points are {count} {kind} sections"));
+        }
+        Scattered::Mesh(_) => {
+            let notice =
+                "the parameters of the points are their mean value coordinates on the mesh";
+            return Some(notice.to_owned());
         }
         Scattered::Plane => "the plane nearest to them".to_owned(),
         Scattered::Cylinder(Cylinder { axis, center }) => {
@@ -266,7 +310,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         let (what, names) = (ParametersInput::WHAT, ParametersInput::names().join(", "));
         write!(
             f,
-            "the name of a {what}: {names}; or a list of numbers; or one for each direction, {{\"u\": …, \"v\": …}}; of scattered points pairs, [[u, v], …], \"auto\", \"project\" or foot_points"
+            "the name of a {what}: {names}; or a list of numbers; or one for each direction, {{\"u\": …, \"v\": …}}; of scattered points pairs, [[u, v], …], \"auto\", \"project\", triangles or foot_points"
         )
     }
 
@@ -311,6 +355,8 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             pairs,
             domains,
             sections,
+            mut triangles,
+            map,
             foot_points,
         } = Each::deserialize(MapAccessDeserializer::new(map))?;
         let missing = |name| Err(A::Error::missing_field(name));
@@ -323,6 +369,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         }
         if let Some(counts) = sections {
             let others = project.is_some() || pairs.is_some() || foot_points.is_some();
+            let others = others || triangles.is_some();
             return match others || u.is_some() || v.is_some() {
                 true => wrong("sections have parameters of their own"),
                 false => {
@@ -332,7 +379,21 @@ impl<'de> Visitor<'de> for ParametersVisitor {
                 }
             };
         }
+        if triangles.is_none() && map.is_some() {
+            return wrong("map is that of triangles");
+        }
+        let is_alone = project.is_none() && pairs.is_none() && foot_points.is_none();
+        if let (Some(TriangleList(triangles)), true, None, None) =
+            (&mut triangles, is_alone, &u, &v)
+        {
+            let mesh = Mesh {
+                triangles: Arc::new(std::mem::take(triangles)),
+                map: map.map_or(MeshMap::Auto, MeshMap::from),
+            };
+            return Ok(SurfaceParameters::Scattered(Scattered::Mesh(mesh)));
+        }
         match (project, pairs, foot_points, u, v) {
+            _ if triangles.is_some() => wrong(ONE_OF),
             (Some(project), None, None, None, None) => {
                 let projection = Projection {
                     project,
@@ -356,10 +417,14 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             }
             (None, None, None, None, _) => missing("u"),
             (None, None, None, _, None) => missing("v"),
-            _ => wrong("parameters are u and v, or project, or pairs, or sections, or foot_points"),
+            _ => wrong(ONE_OF),
         }
     }
 }
+
+/// What is wrong with parameters that have several rules.
+const ONE_OF: &str =
+    "parameters are u and v, or project, or pairs, or sections, or triangles, or foot_points";
 
 /// What parameters may have as an object.
 #[derive(Deserialize)]
@@ -373,8 +438,14 @@ struct Each {
     pairs: Option<PairList>,
     domains: Option<Domains>,
     sections: Option<Vec<Whole>>,
+    triangles: Option<TriangleList>,
+    map: Option<MeshMapInput>,
     foot_points: Option<FootPoints>,
 }
+
+/// The triangles of a mesh.
+#[derive(Deserialize)]
+struct TriangleList(Vec<[u32; 3]>);
 
 /// u and v of each point.
 struct PairList(Arc<Points>);
@@ -418,6 +489,14 @@ impl Serialize for SurfaceParameters {
             }
             Self::Scattered(Scattered::Auto) => serializer.serialize_str("auto"),
             Self::Scattered(Scattered::Plane) => serializer.serialize_str("project"),
+            Self::Scattered(Scattered::Mesh(Mesh { triangles, map })) => {
+                let mut fields = serializer.serialize_map(None)?;
+                fields.serialize_entry("triangles", &**triangles)?;
+                if *map == MeshMap::MeanValue {
+                    fields.serialize_entry("map", &MeshMapInput::MeanValue)?;
+                }
+                fields.end()
+            }
             Self::Scattered(rule) => Projection::of(rule).serialize(serializer),
             Self::FootPoints(base) => serializer.collect_map([("foot_points", base)]),
         }
@@ -498,6 +577,24 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
             "additionalProperties": false,
         }),
         json_schema!({
+            "title": "MeshParameters",
+            "description": "Of scattered points that are the vertices of a mesh, one piece without handles: the triangles between them. Where a plane, a cylinder or a sphere unfolds all triangles, the parameters are the places on it; else mean value coordinates (Floater 2003). A mesh with one boundary loop fills a rectangle, if its boundary is smooth between the corners; one with two loops is closed in u; a closed one is unrolled by a sphere. Loops shorter than a quarter of the longest one are holes. The notices of the job have the choice, and the triangles that are turned over.",
+            "type": "object",
+            "properties": {
+                "triangles": {
+                    "type": "array",
+                    "items": {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 3, "maxItems": 3},
+                    "minItems": 1,
+                    "maxItems": MAX_TRIANGLES,
+                    "description": "The indices of the corners of each triangle, from 0, in either sense.",
+                    "examples": [[[0, 1, 2], [2, 1, 3]]],
+                },
+                "map": {"type": "string", "enum": MeshMapInput::names(), "default": "auto", "description": "`mean_value`: no plane, cylinder or sphere is tried.", "examples": ["mean_value"]},
+            },
+            "required": ["triangles"],
+            "additionalProperties": false,
+        }),
+        json_schema!({
             "title": "FootPointParameters",
             "description": "Of scattered points: the parameters of the nearest points of the surface of another job.",
             "type": "object",
@@ -510,7 +607,7 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
     ];
     choices.extend(scattered.into_iter().map(Schema::to_value));
     json_schema!({
-        "description": "How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection, as sections or by their foot points on another surface.",
+        "description": "How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection, as sections, by the triangles of a mesh or by their foot points on another surface.",
         "oneOf": choices,
         "examples": ["centripetal", [[0, 0], [0.3, 1.2], [1, 0.7]], {"project": "xy"}],
     })

@@ -28,7 +28,8 @@ use piad_fit::basis::Corners;
 use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 use piad_fit::engine::{DirectionChoice, Request, Tolerance, Trim, Weights};
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sections, Sphere,
+    CoordinatePlane, Cylinder, Domain, Mesh, MeshMap, Pairs, Parametrization, Scattered, Sections,
+    Sphere,
 };
 
 const RATIONALS: [(Rational, pb::Rational); 2] = [
@@ -237,6 +238,8 @@ fn scattered(
         v,
         sections,
         closed_sections,
+        triangles,
+        map,
     } = parameters;
     if grid.is_rows() {
         let detail = "scattered points have one column, or neither rows nor columns";
@@ -244,6 +247,7 @@ fn scattered(
     }
     if !sections.is_empty() {
         let others = foot_points.is_some() || !values.is_empty() || projection != 0;
+        let others = others || !triangles.is_empty() || map != 0;
         if others || !axis.is_empty() || !center.is_empty() || u.is_some() || v.is_some() {
             let detail = "sections have parameters of their own";
             return Err(Mistake::at_text("surface.scattered.sections", detail));
@@ -258,6 +262,24 @@ fn scattered(
     }
     let field = "surface.scattered.values";
     let projection = known(projection, "surface.scattered.projection")?;
+    let map = known(map, "surface.scattered.map")?;
+    if triangles.is_empty() && map != pb::MeshMap::Unspecified {
+        let detail = "a map is that of triangles";
+        return Err(Mistake::at_text("surface.scattered.map", detail));
+    }
+    if !triangles.is_empty() {
+        let is_alone = projection == pb::Projection::Unspecified
+            && values.is_empty()
+            && foot_points.is_none()
+            && [&axis, &center].iter().all(|it| it.is_empty())
+            && u.is_none()
+            && v.is_none();
+        if !is_alone {
+            let detail = "a mesh has triangles and a map, and nothing else";
+            return Err(Mistake::at_text("surface.scattered.triangles", detail));
+        }
+        return mesh(&triangles, map);
+    }
     if let Some(pb::FootPoints { job, iteration }) = foot_points {
         if projection != pb::Projection::Unspecified || !values.is_empty() {
             let detail = "scattered points have foot points, a projection or values, one of them";
@@ -314,6 +336,23 @@ fn scattered(
             Err(Mistake::at_text(field, detail))
         }
     }
+}
+
+/// The parameters of the vertices of a mesh.
+fn mesh(indices: &[u32], map: pb::MeshMap) -> Result<SurfaceParameters, Mistake> {
+    let (triangles, rest) = indices.as_chunks::<3>();
+    if !rest.is_empty() {
+        let count = indices.len();
+        let detail = format!("{count} indices are no triangles: each has three");
+        return Err(Mistake::at_text("surface.scattered.triangles", detail));
+    }
+    Ok(SurfaceParameters::Scattered(Scattered::Mesh(Mesh {
+        triangles: Arc::new(triangles.to_vec()),
+        map: match map {
+            pb::MeshMap::Unspecified | pb::MeshMap::Auto => MeshMap::Auto,
+            pb::MeshMap::MeanValue => MeshMap::MeanValue,
+        },
+    })))
 }
 
 /// How far a direction of explicit parameters goes.
@@ -407,6 +446,15 @@ fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
             ..Default::default()
         },
         Scattered::Auto => pb::ScatteredParameters::default(),
+        Scattered::Mesh(Mesh { triangles, map }) => pb::ScatteredParameters {
+            triangles: triangles.as_flattened().to_vec(),
+            map: match map {
+                MeshMap::Auto => pb::MeshMap::Unspecified,
+                MeshMap::MeanValue => pb::MeshMap::MeanValue,
+            }
+            .into(),
+            ..Default::default()
+        },
         Scattered::Plane => on(pb::Projection::Plane),
         Scattered::Coordinates(CoordinatePlane::Xy) => on(pb::Projection::Xy),
         Scattered::Coordinates(CoordinatePlane::Xz) => on(pb::Projection::Xz),

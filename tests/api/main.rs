@@ -80,6 +80,7 @@ mod load;
 mod local;
 mod made_up;
 mod many_coordinates;
+mod meshes;
 mod messages_over_rest;
 mod methods;
 mod metrics;

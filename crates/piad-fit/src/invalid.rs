@@ -205,6 +205,8 @@ pub enum Place {
     Point(usize),
     /// One of the sections of a surface.
     Section(usize),
+    /// The triangle with this index of a mesh.
+    Triangle(usize),
     /// A row (u) or a column (v) of the data of a surface; a data point of a curve.
     Line(Axis, usize),
     /// The degree of a direction.

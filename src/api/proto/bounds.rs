@@ -14,11 +14,16 @@ use piad_fit::method::{LARGEST, MOST_CONDITIONS};
 /// in a table of those that change.
 const INDEX: usize = 160;
 
+/// The corners of triangles that take about as much as an index: each is kept twice, in four bytes.
+const CORNERS_OF_INDEX: usize = 16;
+
 /// What a field has.
 #[derive(Clone, Copy, Debug)]
 enum Content {
     /// At most one index for each point.
     Indices,
+    /// Three indices of points for each triangle of a mesh, at most four triangles for each point.
+    Corners,
     /// At most so many numbers for each point, and as many as knot vectors have more.
     Numbers(usize),
     /// The entries of a matrix.
@@ -47,7 +52,7 @@ const fn part(tag: u32, name: &'static str, content: Content) -> Part {
     Part { tag, name, content }
 }
 
-use Content::{Indices, Matrix, Message as One, Messages as Many, Numbers};
+use Content::{Corners, Indices, Matrix, Message as One, Messages as Many, Numbers};
 
 /// A number for each point, and vectors of as many coordinates as there are for each point.
 const NUMBERS: Content = Numbers(1);
@@ -74,7 +79,7 @@ const DIRECTION: &[Part] = &[
     part(5, "ends", One(ENDS)),
     part(6, "creases", Indices),
 ];
-const SCATTERED: &[Part] = &[part(2, "values", Numbers(2))];
+const SCATTERED: &[Part] = &[part(2, "values", Numbers(2)), part(8, "triangles", Corners)];
 const SURFACE: &[Part] = &[
     part(4, "points", VECTORS),
     part(5, "missing", Indices),
@@ -207,7 +212,7 @@ impl Count {
             count: 0,
             within: match part.content {
                 One(parts) | Many(_, parts) => Self::of(parts),
-                Indices | Numbers(_) | Matrix => Vec::new(),
+                Indices | Corners | Numbers(_) | Matrix => Vec::new(),
             },
         };
         parts.iter().map(count).collect()
@@ -217,6 +222,7 @@ impl Count {
     fn most(&self, points: usize) -> (usize, &'static str) {
         match self.part.content {
             Indices => (points, "indices"),
+            Corners => (points.saturating_mul(12), "indices"),
             Numbers(each) => (points.saturating_mul(each).saturating_add(EXTRA), "numbers"),
             Matrix => (LARGEST * LARGEST, "numbers"),
             One(_) => (usize::MAX, "messages"),
@@ -240,6 +246,7 @@ impl Count {
     fn small(&self) -> usize {
         let own = match self.part.content {
             Indices | Many(..) => self.count,
+            Corners => self.count.div_ceil(CORNERS_OF_INDEX),
             Numbers(_) | Matrix | One(_) => 0,
         };
         own + self.within.iter().map(Self::small).sum::<usize>()
@@ -262,7 +269,7 @@ fn add(counts: &mut [Count], mut message: &[u8], points: usize) -> bool {
         };
         count.count += match count.part.content {
             // The last byte of each number is below 128.
-            Indices => value.iter().filter(|byte| **byte < 0x80).count(),
+            Indices | Corners => value.iter().filter(|byte| **byte < 0x80).count(),
             Numbers(_) | Matrix => value.len() / size_of::<f64>(),
             One(_) | Many(..) => 1,
         };

@@ -103,6 +103,7 @@ impl MessageLayout {
                 let number = 2 * index + usize::from(axis == Axis::V);
                 format!("{root}.scattered.values[{number}]")
             }
+            P::Triangle(index) => format!("{root}.scattered.triangles[{}]", 3 * index),
             P::Parameters(axis) => self.direction(axis, "parameters"),
             P::Parameter(axis, index) => {
                 self.direction(axis, &format!("parameters.values[{index}]"))

@@ -49,11 +49,13 @@ ScatteredParameters = Union[
     Mapping[Literal["project", "axis", "center"], Any],
     Mapping[Literal["pairs", "domains"], Any],
     Mapping[Literal["sections"], Sequence[int]],
+    Mapping[Literal["triangles", "map"], Any],
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]
 """Of scattered points: u and v of each, shape (n, 2), `"auto"`, the surface on which they are, such as
-`{"project": "cylinder", "axis": [0, 0, 1]}`, or a job on whose surface their foot points are:
+`{"project": "cylinder", "axis": [0, 0, 1]}`, the triangles of a mesh whose vertices they are,
+`{"triangles": [[0, 1, 2], …]}`, or a job on whose surface their foot points are:
 `{"foot_points": {"job": job.id}}`."""
 
 SampleCount = Union[int, tuple[int, int]]

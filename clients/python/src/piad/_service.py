@@ -72,8 +72,9 @@ class Service:
         `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
         an array or nested lists, in any unit. `scattered` points of a surface have the shape (n,
         dimension), and as `parameters` an array (n, 2), `"auto"`, `"project"`, `{"project": "cylinder"}`,
-        `{"project": "xy"}` or `{"foot_points": {"job": job.id}}`; least squares fits them. `sections` of a
-        surface are arrays of points, each of its own length, which may start anywhere and go either way around. With a `spacing` `(dx, dy)`
+        `{"project": "xy"}`, `{"triangles": [[0, 1, 2], …]}` of a mesh or
+        `{"foot_points": {"job": job.id}}`; least squares fits them. `sections` of a surface are arrays of points, each of
+        its own length, which may start anywhere and go either way around. With a `spacing` `(dx, dy)`
         they are heights, of the shape (rows, columns), None where one is missing: x grows by dx from column to column
         and y by dy from row to row, from an `origin` `(x, y)` on. On surfaces `basis`, `degree`, `knots`, `parameters`
         and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data

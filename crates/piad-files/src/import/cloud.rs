@@ -101,12 +101,8 @@ pub(super) fn too_few(found: usize, said: u64, what: &str, format: &str) -> File
 pub(super) fn mesh_notice(vertices: usize, faces: u64, format: &str) -> String {
     match faces {
         0 => format!("The points are the {vertices} vertices of the file ({format})."),
-        1 => format!(
-            "The points are the {vertices} vertices of a mesh ({format}), whose face is not read."
-        ),
-        _ => format!(
-            "The points are the {vertices} vertices of a mesh ({format}), whose {faces} faces are not read."
-        ),
+        1 => format!("The file has a mesh of {vertices} vertices and one face ({format})."),
+        _ => format!("The file has a mesh of {vertices} vertices and {faces} faces ({format})."),
     }
 }
 

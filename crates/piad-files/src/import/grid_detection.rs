@@ -3,6 +3,7 @@
 use super::closed_outline;
 use super::error::FileError;
 use super::imported::{Hints, Imported, Kind};
+use super::mesh;
 use super::part::{Order, Part};
 use super::repeated;
 use super::times;
@@ -22,8 +23,14 @@ const SCATTERED: &str = "The points have no order, and are scattered points of a
 /// If they are neither: no order, another number of rows than is asked for, times that do not increase.
 pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileError> {
     let are_sections = part.order == Order::Sections;
-    let surface = hints.kind == Some(Kind::Surface) || are_sections;
-    let grid = grid(&mut part, hints)?;
+    let is_mesh = !part.triangles.is_empty();
+    let surface = hints.kind == Some(Kind::Surface)
+        || are_sections
+        || is_mesh && hints.meshes && hints.kind.is_none() && !hints.ordered;
+    let grid = match is_mesh && surface && hints.size.is_none() {
+        true => None,
+        false => grid(&mut part, hints)?,
+    };
     let looked_at = match part.order {
         Order::Unsaid => grid.is_none() && !hints.ordered && is_unordered(&part.points),
         Order::Curve | Order::Rows(_) | Order::Sections => false,
@@ -33,7 +40,12 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
     if unordered && !surface {
         return Err(FileError::of_file(NO_ORDER));
     }
-    if unordered {
+    if grid.is_none() && surface && (is_mesh || hints.piece.is_some()) {
+        mesh::take_piece(&mut part, hints)?;
+    } else {
+        part.triangles.clear();
+    }
+    if unordered && part.triangles.is_empty() {
         part.notices.push(SCATTERED.to_owned());
     }
     let curve = grid.is_none() && !surface;
@@ -58,6 +70,7 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
         unordered,
         parameters,
         surface_parameters: None,
+        triangles: part.triangles,
         origin: part.origin,
         lines: part.lines,
         name: part.name,

@@ -21,6 +21,10 @@ pub struct Hints {
     pub part: Option<PartChoice>,
     /// True if the parts of the file are sections of a surface; the file shows it where nobody says it.
     pub sections: Option<bool>,
+    /// Which piece of a mesh is read, from 1, the largest first.
+    pub piece: Option<usize>,
+    /// True if a mesh is a surface where nothing says what the points are of.
+    pub meshes: bool,
     /// True if the times of points are the parameters of a curve.
     pub times: bool,
     /// The most points that may be in it.
@@ -38,6 +42,8 @@ impl Default for Hints {
             columns: None,
             part: None,
             sections: None,
+            piece: None,
+            meshes: false,
             times: false,
             most: usize::MAX,
         }
@@ -90,6 +96,8 @@ pub struct Imported {
     pub parameters: Option<Vec<f64>>,
     /// The parameters (u, v) of scattered points of a surface, from 0 to 1, if they are known.
     pub surface_parameters: Option<Vec<[f64; 2]>>,
+    /// The triangles between scattered points that are the vertices of a mesh: the indices of their corners.
+    pub triangles: Vec<[u32; 3]>,
     /// Where the first two coordinates start, if they were longitudes and latitudes.
     pub origin: Option<Origin>,
     /// The line of each point, from 1; empty for files without lines.

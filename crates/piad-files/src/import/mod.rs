@@ -18,7 +18,7 @@
 //! - `table`: the numbers of these lines become coordinates and times (`timestamps`), and degrees metres;
 //!   `gaps`: what is missing;
 //! - `array`: points, rows of points and rows of heights in JSON;
-//! - `off`, `ply`, `stl`, `obj`: the vertices of meshes, and the polylines of OBJ;
+//! - `off`, `ply`, `stl`, `obj`: the vertices and faces of meshes, and the polylines of OBJ; `mesh`: one piece of them;
 //! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
 //! - `esri_grid`: heights at equal steps;
 //! - `curves`: the curves of a file with several, until each is a part;
@@ -58,6 +58,7 @@ mod las;
 mod layout;
 mod line;
 mod lines;
+mod mesh;
 mod names;
 mod number_format;
 mod obj;

@@ -1,10 +1,12 @@
-//! Meshes in OFF files: the vertices are points; the line of counts above them and the faces below are not.
+//! Meshes in OFF files: the vertices are points, and faces are between them.
 
+use super::cloud::too_few;
 use super::columns::Columns;
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::line::{line_end, without_comment};
 use super::lines;
+use super::mesh::{Faces, not_there};
 use super::part::{Order, Part};
 
 /// What such files begin with; letters before `OFF` name what follows the coordinates of a vertex.
@@ -19,8 +21,11 @@ struct Vertices<'a> {
     text: &'a str,
     /// How many lines are above them.
     above: usize,
-    /// How many faces the mesh has.
+    /// How many vertices and faces the mesh has.
+    count: usize,
     faces: usize,
+    /// The lines below the vertices, with the number of those above.
+    below: Lines<'a>,
     /// What is said of the file.
     notice: String,
 }
@@ -45,6 +50,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     part.notices.insert(0, vertices.notice);
     if vertices.faces > 0 {
         part.order = Order::None;
+        part.triangles = faces(vertices.below, vertices.faces, vertices.count)?.triangles;
     }
     part.breaks.clear();
     Ok(part)
@@ -78,16 +84,54 @@ fn vertices(text: &str) -> Option<Result<Vertices<'_>, FileError>> {
     let below = lines.rest.map_or(0, str::len);
     let notice = match faces {
         0 => format!("The points are the {count} vertices of the file (OFF)."),
-        _ => format!(
-            "The points are the {count} vertices of a mesh (OFF), whose {faces} faces are not read."
-        ),
+        _ => format!("The file has a mesh of {count} vertices and {faces} faces (OFF)."),
     };
     Some(Ok(Vertices {
         text: body.get(..body.len() - below).unwrap_or(body),
         above,
+        count,
         faces,
+        below: lines,
         notice,
     }))
+}
+
+/// The faces below the vertices: a count, the indices of the corners, and maybe a colour.
+fn faces(mut lines: Lines<'_>, count: usize, vertices: usize) -> Result<Faces, FileError> {
+    let mut faces = Faces::default();
+    let mut corners = Vec::new();
+    for found in 0..count {
+        let Some(line) = lines.next() else {
+            return Err(too_few(found, count as u64, "faces", "OFF"));
+        };
+        let at = lines.passed;
+        let mut words = line.split_whitespace();
+        let said: Option<usize> = words.next().and_then(|word| word.parse().ok());
+        let said = said.ok_or_else(|| {
+            FileError::at(
+                at,
+                "this is no face: the number of its corners, and their indices (OFF)",
+            )
+        })?;
+        corners.clear();
+        for word in words.take(said) {
+            let index = word
+                .parse::<u32>()
+                .ok()
+                .filter(|index| (*index as usize) < vertices);
+            let index = index.ok_or_else(|| not_there(word, vertices, "OFF", Some(at)))?;
+            corners.push(index);
+        }
+        if corners.len() < said {
+            let detail = format!(
+                "this face has {} corners, and says that it has {said} (OFF)",
+                corners.len()
+            );
+            return Err(FileError::at(at, detail));
+        }
+        faces.push(&corners, Some(at))?;
+    }
+    Ok(faces)
 }
 
 /// The lines of a text that are neither blank nor comments.
@@ -153,7 +197,7 @@ mod tests {
             assert_eq!(file.lines, [1, 2, 4, 5].map(|line| line + above));
             assert_eq!((&file.name, file.points.lane(0)[2]), (&None, 0.9));
             assert!(
-                file.notices[0].contains("2 faces are not read"),
+                file.notices[0].contains("a mesh of 4 vertices and 2 faces"),
                 "{:?}",
                 file.notices
             );

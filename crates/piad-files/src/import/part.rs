@@ -26,6 +26,8 @@ pub(super) struct Part {
     pub(super) closed: bool,
     /// The indices of points that are missing in a grid, increasing; their coordinates mean nothing.
     pub(super) missing: Vec<usize>,
+    /// The triangles of a mesh, by the indices of points.
+    pub(super) triangles: Vec<[u32; 3]>,
     /// The time of each point in seconds from the first one, if the file has times.
     pub(super) times: Option<Vec<f64>>,
     /// True if the times are the parameters without being asked for.
@@ -67,6 +69,7 @@ impl Part {
             order: Order::Unsaid,
             closed: false,
             missing: Vec::new(),
+            triangles: Vec::new(),
             times: None,
             times_are_parameters: false,
             origin: None,

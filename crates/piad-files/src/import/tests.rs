@@ -14,6 +14,8 @@ pub(super) const HINTS: Hints = Hints {
     columns: None,
     part: None,
     sections: None,
+    piece: None,
+    meshes: false,
     times: false,
     most: 100,
 };

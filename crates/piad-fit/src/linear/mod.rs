@@ -13,10 +13,13 @@
 //! - `qr`: the transform of the extended method, of cyclic matrices by `bordered`;
 //! - `triangular`: least-squares factorizations of the matrices that `rows` collects;
 //! - `stencil`: symmetric matrices over the functions of a grid, by diagonals;
+//! - `bicgstab`: sparse systems that are not symmetric (`sparse_rows`), with a multigrid cycle (`aggregation`);
 //! - `band`: cyclic matrices on their way into a factorization.
 
+mod aggregation;
 mod band;
 pub(crate) mod banded;
+pub(crate) mod bicgstab;
 mod bordered;
 pub(crate) mod columns;
 mod dense;
@@ -27,6 +30,7 @@ mod map;
 mod pack;
 pub(crate) mod qr;
 pub(crate) mod rows;
+pub(crate) mod sparse_rows;
 pub(crate) mod stencil;
 pub(crate) mod triangular;
 

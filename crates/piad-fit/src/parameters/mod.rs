@@ -23,8 +23,10 @@ use crate::data::missing::Missing;
 use crate::data::monotonic;
 use crate::data::points::Points;
 
-pub use scattered::is_stack;
-pub use scattered::{CoordinatePlane, Cylinder, Domain, Pairs, Scattered, Sections, Sphere};
+pub use scattered::{
+    CoordinatePlane, Cylinder, Domain, FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, Pairs,
+    Scattered, Sections, Sphere, is_stack, pieces,
+};
 
 /// The largest absolute value of a knot or parameter: sums of a few larger ones could overflow.
 pub(crate) const LARGEST: f64 = 1e300;

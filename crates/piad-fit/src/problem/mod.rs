@@ -44,7 +44,8 @@ use crate::data::weights;
 use crate::geometry::outline::Outline;
 use crate::matrix::collocation::Collocation;
 use crate::matrix::sparse::Sparse;
-use crate::parameters::{Domain, Pairs, Scattered};
+use crate::parameters::scattered::Unfolded;
+use crate::parameters::{Domain, FoldedTriangles, Pairs, Scattered};
 use admission::Admission;
 
 use checks::{
@@ -69,6 +70,8 @@ pub struct Problem {
     chosen: Option<Scattered>,
     /// The outline of the data, of a surface that is trimmed.
     outline: Option<Arc<Outline>>,
+    /// The triangles of a mesh that its parameters turn over.
+    folded: Option<FoldedTriangles>,
 }
 
 /// What a robust fit leaves out.
@@ -114,6 +117,12 @@ impl Problem {
         order::resolve(&mut request)?;
         repeated::merge(&mut request)?;
         check_scattered(&request)?;
+        let mesh = unfolded(&request, admission)?;
+        // What follows sees pairs; the request stays what it was.
+        let meshed = mesh
+            .as_ref()
+            .map(|mesh| Scattered::Given(mesh.pairs.clone()));
+        let meshed = meshed.and_then(|pairs| request.scattered.replace(pairs));
         let inliers = Inliers::of(&request, admission)?.map(Arc::new);
         let fitted = |it: &Arc<Inliers>| Arc::clone(&it.points);
         let fitted = inliers.as_ref().map_or(Arc::clone(&request.points), fitted);
@@ -178,13 +187,17 @@ impl Problem {
             diagonal,
             clustered: choices().any(DirectionChoice::is_clustered),
         };
+        if meshed.is_some() {
+            request.scattered = meshed;
+        }
         let mut problem = Self {
             request,
             setup: Arc::new(setup),
             tolerance,
             robust: None,
-            chosen,
             outline: None,
+            folded: mesh.as_ref().and_then(|mesh| mesh.folded),
+            chosen: mesh.map(|mesh| mesh.rule).or(chosen),
         };
         admission.check(problem.memory(), problem.step_cost(), problem.start_cost())?;
         check_start(&problem.setup)?;
@@ -232,6 +245,11 @@ impl Problem {
             outline: Some(outline),
             ..self
         }
+    }
+
+    /// The triangles of a mesh that its parameters turn over, if there are some.
+    pub fn folded_triangles(&self) -> Option<FoldedTriangles> {
+        self.folded
     }
 
     /// The same problem as it would be asked for with all that was derived from its points:
@@ -387,6 +405,7 @@ impl Problem {
         let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
         let outline = self.request.trim.map_or(0, |_| BYTES_OF_OUTLINE * points);
         let arrays = arrays + outline;
+        let arrays = arrays + self.request.scattered.as_ref().map_or(0, Scattered::bytes);
         if let Some((settings, _)) = self.method().automatic() {
             let most = self.most_control_points();
             return arrays + first::memory(self, settings, most) + demand.bytes;
@@ -431,12 +450,29 @@ fn chosen(request: &Request) -> Result<Option<Scattered>, Invalid> {
     }
 }
 
+/// The parameters of a mesh, unless these take too much.
+fn unfolded(request: &Request, admission: &Admission) -> Result<Option<Unfolded>, Invalid> {
+    let Some(rule) = &request.scattered else {
+        return Ok(None);
+    };
+    if let Scattered::Mesh(mesh) = rule {
+        mesh.check_count()?;
+        let (bytes, multiplications) = mesh.cost();
+        admission.check(bytes, 0, multiplications)?;
+    }
+    rule.unfolded(&request.points, closed(request))
+}
+
+/// Which directions are asked to be closed.
+fn closed(request: &Request) -> [bool; 2] {
+    [Some(&request.u), request.v.as_ref()].map(|it| it.is_some_and(|it| it.closed))
+}
+
 /// The parameters of scattered points. Surfaces with a pole end at the data unless they are as those of `auto` without
 /// conditions, of which all control points of a pole are one.
 fn pairs(request: &Request, chosen: Option<&Scattered>) -> Result<Option<Pairs>, Invalid> {
-    let closed = [Some(&request.u), request.v.as_ref()].map(|it| it.is_some_and(|it| it.closed));
     let scattered = chosen.or(request.scattered.as_ref());
-    let pairs = scattered.map(|it| it.parameters(&request.points, closed));
+    let pairs = scattered.map(|it| it.parameters(&request.points, closed(request)));
     let Some(mut pairs) = pairs.transpose()? else {
         return Ok(None);
     };

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use bytes::Bytes;
+use serde::Deserialize;
 use serde_json::{Map, Value, json, to_value};
 
 use super::job;
@@ -16,10 +17,12 @@ use crate::api::problem::{Kind, Location, Problem, Words};
 use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
 use crate::model::points::{PointGrid, PointList};
+use crate::model::scattered::{MeshMapInput, SurfaceParameters};
 use crate::model::stream::Samples;
 use piad_files::import::{Columns, Hints, Imported, Kind as FileKind, PartChoice};
 use piad_files::short;
 use piad_fit::data::Grid;
+use piad_fit::parameters::{Mesh, MeshMap, Scattered};
 
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 pub(crate) const SIZE: &str = "surface.size";
@@ -39,6 +42,9 @@ pub(crate) const COLUMNS: &str = "columns";
 /// Which part is read of a file with several.
 pub(crate) const PART: &str = "part";
 
+/// Which piece of a mesh is read.
+pub(crate) const PIECE: &str = "piece";
+
 /// What is said of a file of points beside the fields of a job, as a help to read it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FileHints {
@@ -52,6 +58,8 @@ pub(crate) struct FileHints {
     pub part: Option<PartChoice>,
     /// True if the parts are sections of one surface.
     pub sections: Option<bool>,
+    /// Which piece of a mesh is read, from 1.
+    pub piece: Option<usize>,
 }
 
 impl FileHints {
@@ -68,6 +76,15 @@ impl FileHints {
                 self.sections = Some(text.parse::<bool>().map_err(wrong)?);
             }
             PART => self.part = Some(PartChoice::of_text(text)),
+            PIECE => {
+                let piece = text.parse().map_err(|_| {
+                    format!(
+                        "{} is no number of a piece, such as 1 for the largest",
+                        short::quoted(text)
+                    )
+                })?;
+                self.piece = Some(piece);
+            }
             COLUMNS => self.columns = Some(Columns::of_text(text)?),
             ORDER if ORDERS.contains(&text) => self.ordered = true,
             ORDER => {
@@ -107,6 +124,7 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         columns,
         part,
         sections,
+        piece,
     } = reading;
     let has = |name| fields.contains_key(name);
     let of_curve = |name| fields.get("curve").and_then(|curve| curve.get(name));
@@ -124,6 +142,8 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         columns,
         part,
         sections,
+        piece,
+        meshes: true,
         times: of_curve("parameters").is_some_and(|it| it == TIME),
         most,
     }
@@ -183,6 +203,17 @@ pub(crate) fn json(
             "scattered",
             to_value(PointList(Arc::new(points))),
         ),
+        Data::Mesh(points, mesh) => {
+            if let Some(surface) = fields.get_mut("surface").and_then(Value::as_object_mut) {
+                let mesh = SurfaceParameters::Scattered(Scattered::Mesh(mesh));
+                surface.entry("parameters").or_insert_with(|| json!(mesh));
+            }
+            (
+                "surface",
+                "scattered",
+                to_value(PointList(Arc::new(points))),
+            )
+        }
         Data::Grid(points, grid, missing) => {
             let grid = PointGrid {
                 points: Arc::new(points),
@@ -209,7 +240,8 @@ fn parts_of_job(
         sections: file.sections.clone(),
         lines: file.lines,
     };
-    let shown = match file.grid.is_some() || !file.sections.is_empty() {
+    let has_triangles = !file.triangles.is_empty();
+    let shown = match file.grid.is_some() || !file.sections.is_empty() || has_triangles {
         true => FileKind::Surface,
         false => FileKind::Curve,
     };
@@ -220,8 +252,21 @@ fn parts_of_job(
             let data = Data::Grid(file.points, grid, file.missing);
             ("surface", "points", data)
         }
+        (FileKind::Surface, None) if has_triangles => {
+            let mesh = Mesh {
+                triangles: Arc::new(file.triangles),
+                map: map_of_mesh(&mut fields)?,
+            };
+            ("surface", "scattered", Data::Mesh(file.points, mesh))
+        }
         (FileKind::Surface, None) => ("surface", "scattered", Data::Scattered(file.points)),
     };
+    let is_mesh = matches!(data, Data::Mesh(..));
+    if is_mesh {
+        // No other method fits scattered points.
+        let least_squares = || json!({"kind": "least_squares", "control_points": "auto"});
+        fields.entry("method").or_insert_with(least_squares);
+    }
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
         if let Some(parameters) = file.surface_parameters {
@@ -232,10 +277,10 @@ fn parts_of_job(
             let parameters = || json!({"sections": file.sections});
             shape.entry("parameters").or_insert_with(parameters);
         }
-        if list == "scattered" && file.unordered {
+        if list == "scattered" && file.unordered && !is_mesh {
             shape.entry("parameters").or_insert("auto".into());
         }
-        if list == "scattered" && !shape.contains_key("parameters") {
+        if list == "scattered" && !is_mesh && !shape.contains_key("parameters") {
             let detail = "the file does not show the rows of a surface: say how many rows and columns there are, such as 40x60, or give surface.parameters for scattered points, such as project";
             return Err(Problem::at_parameter(SIZE, detail));
         }
@@ -254,6 +299,26 @@ fn parts_of_job(
     }
     Ok((fields, data, lines))
 }
+
+/// Takes out of the fields how the vertices of a mesh get their parameters: all that is said of these but their triangles.
+fn map_of_mesh(fields: &mut Map<String, Value>) -> Result<MeshMap, Problem> {
+    let surface = fields.get_mut("surface").and_then(Value::as_object_mut);
+    let parameters = surface.and_then(|surface| match surface.get("parameters") {
+        Some(Value::Object(given)) if given.len() == 1 && given.contains_key("map") => {
+            surface.remove("parameters")
+        }
+        _ => None,
+    });
+    let map = parameters.as_ref().and_then(|given| given.get("map"));
+    let map = map.map(|map| {
+        MeshMapInput::deserialize(map)
+            .map_err(|error| Problem::at_parameter(MAP, error.to_string()))
+    });
+    Ok(map.transpose()?.map_or(MeshMap::Auto, MeshMap::from))
+}
+
+/// How the vertices of a mesh get their parameters.
+const MAP: &str = "surface.parameters.map";
 
 /// Where the parts of such a job stand.
 #[derive(Debug)]

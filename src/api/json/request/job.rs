@@ -9,6 +9,8 @@ use crate::api::json::read::parse;
 use crate::api::problem::Problem;
 use crate::model::job::JobRequest;
 use crate::model::points::{PointGrid, PointList};
+use crate::model::scattered::SurfaceParameters;
+use piad_fit::parameters::Scattered;
 
 /// Shorter bodies are read by serde alone, which takes no time to speak of.
 const LONG: usize = 2 * 1024;
@@ -90,6 +92,13 @@ impl JobRequest {
                     grid,
                 };
                 put(place.filter(|it| it.points.is_empty()), points)
+            }
+            Data::Mesh(points, mesh) => {
+                if let Some(surface) = surface {
+                    let mesh = SurfaceParameters::Scattered(Scattered::Mesh(mesh));
+                    surface.parameters.get_or_insert(mesh);
+                }
+                self.take(Data::Scattered(points))
             }
             Data::Scattered(points) => {
                 let place = surface.and_then(|surface| surface.scattered.as_mut());

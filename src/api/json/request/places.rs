@@ -183,6 +183,7 @@ impl Places {
                 let number = usize::from(axis == Axis::V);
                 format!("{root}/parameters/{index}/{number}")
             }
+            P::Triangle(index) => format!("{root}/parameters/triangles/{index}"),
             P::Parameters(axis) => self.parameters(axis),
             P::Parameter(axis, index) => format!("{}/{index}", self.parameters(axis)),
             P::Closed(axis) => self.part("closed", self.closed_each, axis),

@@ -12,6 +12,7 @@ use memchr::memmem;
 use rayon::prelude::*;
 
 use piad_fit::data::{Grid, MAX_DIMENSION, MAX_SURFACE_DIMENSION, Points};
+use piad_fit::parameters::Mesh;
 
 /// The most lists within each other that are told apart.
 const DEEP: usize = 4;
@@ -32,6 +33,8 @@ pub(crate) enum Data {
     Grid(Points, Grid, Vec<usize>),
     /// Those of a surface, without rows.
     Scattered(Points),
+    /// Those of a surface that are the vertices of a mesh, with its triangles.
+    Mesh(Points, Mesh),
 }
 
 /// Takes the points out of the JSON of a job, at most as many as `most`: what is left has an empty list in their

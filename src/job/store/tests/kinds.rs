@@ -17,7 +17,8 @@ use piad_fit::method::{
     Omega, Start, Sweeps, Threshold, Variant, Weighted,
 };
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Pairs, Parametrization, Scattered, Sections, Sphere,
+    CoordinatePlane, Cylinder, Domain, Mesh, MeshMap, Pairs, Parametrization, Scattered, Sections,
+    Sphere,
 };
 
 const CURVE: Grid = Grid {
@@ -138,6 +139,23 @@ fn automatic(surface: bool) -> impl Iterator<Item = Problem> {
     })
 }
 
+/// The points of the rows and columns as the vertices of a mesh.
+fn mesh(map: MeshMap) -> Scattered {
+    let Grid { rows, columns } = SURFACE;
+    let corners = (0..rows - 1).flat_map(|i| (0..columns - 1).map(move |j| i * columns + j));
+    let triangles = corners.flat_map(|k| {
+        let triangles = [
+            [k, k + columns, k + 1],
+            [k + 1, k + columns, k + columns + 1],
+        ];
+        triangles.map(|it| it.map(|index| index as u32))
+    });
+    Scattered::Mesh(Mesh {
+        triangles: Arc::new(triangles.collect()),
+        map,
+    })
+}
+
 /// Scattered points, with all kinds of parameters.
 fn scattered() -> impl Iterator<Item = Problem> {
     let pairs = (0..SURFACE.count()).map(|i| [0.1 * i as f64, 1e-300 * i as f64]);
@@ -167,6 +185,8 @@ fn scattered() -> impl Iterator<Item = Problem> {
             axis: None,
             center: axis,
         }),
+        mesh(MeshMap::Auto),
+        mesh(MeshMap::MeanValue),
     ];
     kinds.into_iter().map(|kind| {
         // Closed directions are B-splines.

@@ -1,4 +1,5 @@
-//! OBJ files: the vertices of a mesh are points, and each polyline is a curve. Faces and free-form geometry are not read.
+//! OBJ files: the vertices of a mesh are points, between which its faces are, and each polyline is a curve. Free-form
+//! geometry is not read.
 //!
 //! - `statements`: lines, and what they begin with;
 //! - `polylines`: the curves.
@@ -10,9 +11,10 @@ use super::byte_lines::number;
 use super::cloud::{Cloud, mesh_notice};
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
+use super::mesh::Faces;
 use super::part::{Part, Parts};
 use crate::short::{plain, quoted};
-use polylines::Polylines;
+use polylines::{Polylines, no_vertex, vertex_index};
 use statements::{Kind, Statements};
 
 /// Returns true if a text is OBJ: lines of such files down to a vertex.
@@ -36,6 +38,9 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let mut reader = Reader {
         vertices: Cloud::new(3, text.len() / 8, hints.most),
         polylines: Polylines::new(hints.most),
+        faces: Faces::default(),
+        corners: Vec::new(),
+        last: (0, 0),
         seen: Seen::default(),
         name: None,
         names: 0,
@@ -49,6 +54,11 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
 struct Reader {
     vertices: Cloud,
     polylines: Polylines,
+    faces: Faces,
+    /// Those of the face that is read.
+    corners: Vec<u32>,
+    /// The largest index of a corner, and its line.
+    last: (u32, usize),
     seen: Seen,
     /// The object or the group that the lines belong to.
     name: Option<String>,
@@ -77,7 +87,7 @@ impl Reader {
                 let name = self.name.as_deref();
                 return self.polylines.push(words, self.vertices.len(), name, at);
             }
-            Kind::Face => self.seen.faces += 1,
+            Kind::Face => return self.face(words, at),
             Kind::FreeForm => self.seen.free_form = true,
             Kind::Name => {
                 // Each polyline below has a copy.
@@ -94,6 +104,29 @@ impl Reader {
             }
         }
         Ok(())
+    }
+
+    fn face<'a>(
+        &mut self,
+        words: impl Iterator<Item = &'a str>,
+        at: usize,
+    ) -> Result<(), FileError> {
+        self.seen.faces += 1;
+        self.corners.clear();
+        for word in words {
+            let vertex = vertex_index(word, self.vertices.len(), at)?;
+            let vertex = u32::try_from(vertex).unwrap_or(u32::MAX);
+            if vertex > self.last.0 {
+                self.last = (vertex, at);
+            }
+            self.corners.push(vertex);
+        }
+        let count = self.corners.len();
+        if count < 3 {
+            let detail = format!("a face has at least 3 corners, and this one {count} (OBJ)");
+            return Err(FileError::at(at, detail));
+        }
+        self.faces.push(&self.corners, Some(at))
     }
 
     fn vertex<'a>(
@@ -134,8 +167,13 @@ impl Reader {
             let mesh = mesh_notice(self.vertices.len(), self.seen.faces, "OBJ");
             notices.insert(0, mesh);
             let name = self.name.filter(|_| self.names == 1);
+            let ((last, line), count) = (self.last, self.vertices.len());
+            if line > 0 && last as usize >= count {
+                return Err(no_vertex(u64::from(last) + 1, count, line));
+            }
             return Ok(Part {
                 name,
+                triangles: self.faces.triangles,
                 ..self.vertices.part(notices)?
             }
             .into());

@@ -45,12 +45,7 @@ impl Polylines {
         name: Option<&str>,
         at: usize,
     ) -> Result<(), FileError> {
-        let vertices = words.map(|word| {
-            index(word, above).ok_or_else(|| {
-                let detail = format!("{} is no number of a vertex (OBJ)", quoted(word));
-                FileError::at(at, detail)
-            })
-        });
+        let vertices = words.map(|word| vertex_index(word, above, at));
         let vertices: Vec<usize> = vertices.collect::<Result<_, _>>()?;
         if vertices.len() < 2 {
             let detail = format!(
@@ -88,9 +83,7 @@ impl Polylines {
         let part = |polyline: Polyline| {
             let vertices = &polyline.vertices;
             if let Some(vertex) = vertices.iter().find(|vertex| **vertex >= points.len()) {
-                let (vertex, count) = (vertex + 1, points.len());
-                let detail = format!("there is no vertex {vertex}, the file has {count} (OBJ)");
-                return Err(FileError::at(polyline.line, detail));
+                return Err(no_vertex(*vertex as u64 + 1, points.len(), polyline.line));
             }
             let lanes = points.lanes().iter();
             let lanes: Vec<Vec<f64>> = lanes.map(|lane| chosen(lane, vertices)).collect();
@@ -122,6 +115,20 @@ impl Polyline {
         self.vertices.extend(next);
         next.is_some()
     }
+}
+
+/// The index of a vertex in a line.
+pub(super) fn vertex_index(word: &str, above: usize, at: usize) -> Result<usize, FileError> {
+    index(word, above).ok_or_else(|| {
+        let detail = format!("{} is no number of a vertex (OBJ)", quoted(word));
+        FileError::at(at, detail)
+    })
+}
+
+/// What is wrong with the number of a vertex that is not there.
+pub(super) fn no_vertex(number: u64, count: usize, at: usize) -> FileError {
+    let detail = format!("there is no vertex {number}, the file has {count} (OBJ)");
+    FileError::at(at, detail)
 }
 
 /// The index of a vertex by its number from 1, or from -1 for the last one above the line.

@@ -25,8 +25,9 @@ fn vertices_are_the_points() {
             (&[4, 5, 6, 7][..], true)
         );
         assert_eq!(mesh.name.as_deref(), Some("cap"));
-        let notice = "The points are the 4 vertices of a mesh (OBJ), whose 2 faces are not read.";
+        let notice = "The file has a mesh of 4 vertices and 2 faces (OBJ).";
         assert_eq!(mesh.notices[0], notice);
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
     }
     let other = "v 0 0 0 2\nv 1 0 1 255 0 0 # red\nvp 1 2\ncstype bspline\nv 2 \\\n0.5 \\\n 0\nf 1 2 3\nand more\n";
     let other = surface(other).unwrap();

@@ -5,6 +5,7 @@ use super::super::byte_lines::{ByteLines, number, text, words};
 use super::super::cloud::{Cloud, too_few};
 use super::super::error::FileError;
 use super::super::imported::Hints;
+use super::super::mesh::{Faces, not_there};
 use super::header::{Element, Header, PropertyKind};
 use crate::short::quoted;
 
@@ -37,7 +38,8 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// The vertices, whose coordinates are these properties.
+    /// The vertices, whose coordinates are these properties, and the index of each in the cloud; `u32::MAX` of one that is
+    /// left out.
     ///
     /// # Errors
     ///
@@ -47,13 +49,14 @@ impl<'a> Body<'a> {
         element: &Element,
         coordinates: &[usize],
         hints: &Hints,
-    ) -> Result<Cloud, FileError> {
+    ) -> Result<(Cloud, Vec<u32>), FileError> {
         let room = match self {
             // Two numbers and what is around them.
             Self::Text(lines) => lines.rest().len() / 4,
             Self::Binary(cursor) => cursor.len() / element.least_size().max(1),
         };
         let room = room.min(usize::try_from(element.count).unwrap_or(room));
+        let mut numbers = Vec::with_capacity(room.min(hints.most));
         let mut cloud = Cloud::new(coordinates.len(), room, hints.most);
         let mut point = vec![0.0; coordinates.len()];
         for found in 0..element.count {
@@ -71,9 +74,56 @@ impl<'a> Body<'a> {
                 },
             };
             let early = || too_few(found as usize, element.count, "vertices", "PLY");
+            let before = cloud.len();
             cloud.push(&point, read.ok_or_else(early)?)?;
+            numbers.push(if cloud.len() > before {
+                before as u32
+            } else {
+                u32::MAX
+            });
         }
-        Ok(cloud)
+        Ok((cloud, numbers))
+    }
+
+    /// The faces, whose corners are this property, between so many vertices.
+    ///
+    /// # Errors
+    ///
+    /// If the file ends early, a line is no face, a vertex is not there, or there are more triangles than the limit.
+    pub(super) fn faces(
+        &mut self,
+        element: &Element,
+        corners: usize,
+        vertices: usize,
+    ) -> Result<Faces, FileError> {
+        let mut faces = Faces::default();
+        let mut found: Vec<f64> = Vec::new();
+        let mut indices = Vec::new();
+        for k in 0..element.count {
+            found.clear();
+            let line = match self {
+                Self::Binary(cursor) => {
+                    face_record(cursor, element, corners, &mut found).map(|()| None)
+                }
+                Self::Text(lines) => match lines.next_filled() {
+                    Some(line) => {
+                        face_line(line, lines.number, element, corners, &mut found)?;
+                        Some(Some(lines.number))
+                    }
+                    None => None,
+                },
+            };
+            let line = line.ok_or_else(|| too_few(k as usize, element.count, "faces", "PLY"))?;
+            indices.clear();
+            for &index in &found {
+                if !(index >= 0.0 && index < vertices as f64 && index.fract() == 0.0) {
+                    return Err(not_there(&index.to_string(), vertices, "PLY", line));
+                }
+                indices.push(index as u32);
+            }
+            faces.push(&indices, line)?;
+        }
+        Ok(faces)
     }
 }
 
@@ -93,6 +143,57 @@ fn record(
         }
     }
     Some(())
+}
+
+/// Passes over a face, and gives the values of one of its lists.
+fn face_record(
+    cursor: &mut Cursor<'_>,
+    element: &Element,
+    corners: usize,
+    found: &mut Vec<f64>,
+) -> Option<()> {
+    for (index, property) in element.properties.iter().enumerate() {
+        match property.kind {
+            PropertyKind::Scalar(kind) => cursor.skip(kind.size())?,
+            PropertyKind::List { count, item } if index == corners => {
+                for _ in 0..cursor.count(count)? {
+                    found.push(cursor.number(item)?);
+                }
+            }
+            PropertyKind::List { count, item } => {
+                let count = cursor.count(count)?;
+                cursor.skip(count.checked_mul(item.size())?)?;
+            }
+        }
+    }
+    Some(())
+}
+
+/// Reads the line of a face, and gives the values of one of its lists.
+fn face_line(
+    line: &[u8],
+    at: usize,
+    element: &Element,
+    corners: usize,
+    found: &mut Vec<f64>,
+) -> Result<(), FileError> {
+    let mut words = words(line);
+    let mut value = || {
+        let word = words.next().and_then(number);
+        word.ok_or_else(|| FileError::at(at, "this is no face with its properties (PLY)"))
+    };
+    for (index, property) in element.properties.iter().enumerate() {
+        let first = value()?;
+        if let PropertyKind::List { .. } = property.kind {
+            for _ in 0..first as u64 {
+                let item = value()?;
+                if index == corners {
+                    found.push(item);
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Reads the line of a vertex, and gives its number.

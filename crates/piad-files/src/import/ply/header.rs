@@ -115,6 +115,15 @@ impl Element {
         }
     }
 
+    /// The index of the list of the corners of a face, if there is one.
+    pub(super) fn corners(&self) -> Option<usize> {
+        let is_it = |property: &Property| {
+            let is_list = matches!(property.kind, PropertyKind::List { .. });
+            is_list && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+        };
+        self.properties.iter().position(is_it)
+    }
+
     /// The bytes of each, if all have as many.
     pub(super) fn size(&self) -> Option<usize> {
         let sizes = self.properties.iter().map(|property| match property.kind {

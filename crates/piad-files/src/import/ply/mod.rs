@@ -1,7 +1,8 @@
-//! PLY files, as text and binary: the vertices of meshes and clouds are points; faces and colours are not read.
+//! PLY files, as text and binary: the vertices of meshes and clouds are points, between which the faces are; colours are not
+//! read.
 //!
 //! - `header`: what is in the file;
-//! - `body`: the vertices.
+//! - `body`: the vertices and the faces.
 
 mod body;
 mod header;
@@ -37,25 +38,42 @@ pub(super) fn read(bytes: &[u8], hints: &Hints) -> Result<Part, FileErrors> {
         .iter()
         .try_for_each(|above| body.skip(above))
         .ok_or_else(|| too_few(0, element.count, "vertices", "PLY"))?;
-    Ok(vertices(&header, element, body, hints)?)
+    let below = header.elements.get(place.unwrap_or_default() + 1..);
+    Ok(vertices((element, below.unwrap_or_default()), body, hints)?)
 }
 
 fn vertices(
-    header: &Header<'_>,
-    element: &Element,
+    (element, below): (&Element, &[Element]),
     mut body: Body<'_>,
     hints: &Hints,
 ) -> Result<Part, FileError> {
     let coordinates = element.coordinates()?;
-    let cloud = body.vertices(element, &coordinates, hints)?;
-    let faces = header.elements.iter().find(|it| it.name == "face");
-    let faces = faces.map_or(0, |faces| faces.count);
+    let (cloud, numbers) = body.vertices(element, &coordinates, hints)?;
+    let face = below.iter().position(|it| it.name == "face");
+    let mut triangles = Vec::new();
+    let mut faces = 0;
+    if let Some((between, face)) =
+        face.and_then(|face| Some((below.get(..face)?, below.get(face)?)))
+    {
+        faces = face.count;
+        let passed = between.iter().try_for_each(|it| body.skip(it));
+        passed.ok_or_else(|| too_few(0, faces, "faces", "PLY"))?;
+        if let Some(corners) = face.corners().filter(|_| coordinates.len() == 3) {
+            triangles = body
+                .faces(face, corners, numbers.len())?
+                .renumbered(&numbers)
+                .triangles;
+        }
+    }
     let mut notices = vec![mesh_notice(cloud.len(), faces, "PLY")];
     let others = element.properties.iter().enumerate();
     let others = others.filter(|(index, _)| !coordinates.contains(index));
     let others = others.map(|(_, property)| property.name.as_str());
     notices.extend(not_read("Properties", others));
-    cloud.part(notices)
+    Ok(Part {
+        triangles,
+        ..cloud.part(notices)?
+    })
 }
 
 #[cfg(test)]

@@ -11,7 +11,10 @@ const HEAD: &str = "element vertex 3\nproperty uchar red\nproperty float x\nprop
 
 const POINTS: [f64; 9] = [1.5, 0.1, -3.0, -2.0, 1e30, 4.0, 0.0, 0.25, 7.0];
 
-/// The vertices of `POINTS` in binary.
+/// The bytes of the face.
+const FACE: usize = 13;
+
+/// The vertices of `POINTS` in binary, and a face.
 fn binary(big: bool) -> Vec<u8> {
     let mut bytes = Vec::new();
     for (near, point) in POINTS.chunks(3).enumerate() {
@@ -25,6 +28,15 @@ fn binary(big: bool) -> Vec<u8> {
         (0..near).for_each(|_| put(&7_i16.to_le_bytes()));
         put(&point[1].to_le_bytes());
         put(&(point[2] as i32).to_le_bytes());
+    }
+    bytes.push(3);
+    for index in 0..3_i32 {
+        let index = if big {
+            index.to_be_bytes()
+        } else {
+            index.to_le_bytes()
+        };
+        bytes.extend(index);
     }
     bytes
 }
@@ -53,7 +65,7 @@ fn vertices_are_the_points() {
     assert_eq!(
         plain.notices[..2],
         [
-            "The points are the 3 vertices of a mesh (PLY), whose face is not read.",
+            "The file has a mesh of 3 vertices and one face (PLY).",
             "Properties of the points that are not read: \"red\", \"near\"."
         ]
     );
@@ -190,6 +202,11 @@ fn what_is_wrong_is_said() {
     );
     // One vertex has a list of one item more than the last.
     let mut bytes = of("binary_little_endian", &binary(false));
+    bytes.truncate(bytes.len() - FACE);
+    assert_eq!(
+        surface(&bytes).unwrap_err(),
+        "the file has 0 faces, and says that it has 1 (PLY)"
+    );
     bytes.pop();
     assert_eq!(
         surface(&bytes).unwrap_err(),
@@ -201,7 +218,11 @@ fn what_is_wrong_is_said() {
 
 #[test]
 fn points_that_are_none_are_left_out() {
-    let file = surface(&of("ascii", b"0 1 0 2 3\n0 nan 0 nan nan\n0 7 0 8 8\n")).unwrap();
+    let file = surface(&of(
+        "ascii",
+        b"0 1 0 2 3\n0 nan 0 nan nan\n0 7 0 8 8\n3 0 1 2\n",
+    ))
+    .unwrap();
     assert_eq!((file.points.len(), file.lines), (2, vec![13, 15]));
     assert!(
         file.notices

@@ -51,7 +51,7 @@ fn corners_are_points_once() {
         assert!(file.unordered && file.lines.is_empty());
         assert_eq!(
             file.notices[0],
-            "The points are the 4 vertices of a mesh (STL), whose 2 triangles are not read."
+            "The file has a mesh of 4 vertices and 2 triangles (STL)."
         );
     }
     for (from, to) in [
@@ -113,7 +113,7 @@ fn sizes_of_binary_files_match() {
     ];
     let broken = binary("", &[&CORNERS[..], &broken].concat(), 3);
     let broken = surface(&broken).unwrap();
-    assert_eq!(broken.points.len(), 5);
+    assert_eq!(broken.points.len(), 4);
     assert!(broken.notices[1].starts_with("2 points have no coordinates"));
 }
 

@@ -7,6 +7,7 @@
 
 mod circle;
 mod cylinder;
+mod mesh;
 mod normals;
 mod pairs;
 mod plane;
@@ -22,11 +23,13 @@ use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 
 pub use cylinder::Cylinder;
+pub use mesh::{FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, pieces};
 pub use pairs::{Domain, Pairs};
 pub(crate) use plane::nearest_to_their_plane;
 pub use sections::{Sections, is_stack};
 pub use sphere::Sphere;
 
+use mesh::{Choice, Solved};
 use plane::{Plane, no_plane, no_third_coordinate};
 
 /// How scattered points get their parameters.
@@ -48,6 +51,8 @@ pub enum Scattered {
     Sphere(Sphere),
     /// From section to section, and along them.
     Sections(Sections),
+    /// As vertices of a mesh: their places on a surface that unfolds all triangles, or mean value coordinates.
+    Mesh(Mesh),
 }
 
 /// A plane of two coordinates, of which the first is u.
@@ -103,6 +108,7 @@ impl Scattered {
                 pairs.clone()
             }
             Self::Auto => return self.chosen(points)?.parameters_by(points, some, closed),
+            Self::Mesh(mesh) => mesh.solved(points, closed[0])?.pairs,
             Self::Plane => open(Plane::of(points, some)?.parameters()),
             Self::Coordinates(_) if points.dimension() < 2 => return Err(no_plane()),
             Self::Coordinates(plane) => {
@@ -137,6 +143,10 @@ impl Scattered {
             Self::Sections(sections) => return Ok(Self::Sections(sections.known(points)?)),
             Self::Auto if points.dimension() == 3 => {}
             Self::Auto => return Ok(Self::Plane),
+            Self::Mesh(mesh) => {
+                let choice = mesh.solved(points, false)?.choice;
+                return Ok(Self::of_mesh(mesh, choice));
+            }
             other => return Ok(other.clone()),
         }
         let cylinder = Cylinder::default().known(points).map(Self::Cylinder);
@@ -152,6 +162,61 @@ impl Scattered {
         let simplest = kept.into_iter().find(|(share, _)| *share >= most - SIMPLER);
         Ok(simplest.map_or(Self::Plane, |(_, rule)| rule))
     }
+
+    /// The bytes of the triangles of a mesh.
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::Mesh(mesh) => mesh.triangles.len() * size_of::<[u32; 3]>(),
+            _ => 0,
+        }
+    }
+
+    /// What is found out about a mesh at once; `None` of other rules.
+    ///
+    /// # Errors
+    ///
+    /// Why the mesh has no parameters.
+    pub(crate) fn unfolded(
+        &self,
+        points: &Points,
+        closed: [bool; 2],
+    ) -> Result<Option<Unfolded>, Invalid> {
+        let Self::Mesh(mesh) = self else {
+            return Ok(None);
+        };
+        let Solved {
+            choice,
+            pairs,
+            folded,
+        } = mesh.solved(points, closed[0])?;
+        Ok(Some(Unfolded {
+            rule: Self::of_mesh(mesh, choice),
+            pairs,
+            folded,
+        }))
+    }
+
+    /// The rule that is taken for a mesh.
+    fn of_mesh(mesh: &Mesh, choice: Choice) -> Self {
+        match choice {
+            Choice::Plane => Self::Plane,
+            Choice::Cylinder(cylinder) => Self::Cylinder(cylinder),
+            Choice::Sphere(sphere) => Self::Sphere(sphere),
+            Choice::MeanValue => Self::Mesh(Mesh {
+                map: MeshMap::MeanValue,
+                ..mesh.clone()
+            }),
+        }
+    }
+}
+
+/// A mesh with parameters.
+pub(crate) struct Unfolded {
+    /// The rule that was taken.
+    pub rule: Scattered,
+    pub pairs: Pairs,
+    /// The triangles that it turns over.
+    pub folded: Option<FoldedTriangles>,
 }
 
 /// A simpler surface is taken if it keeps this part less of the neighbours.

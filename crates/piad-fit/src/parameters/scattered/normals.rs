@@ -57,6 +57,11 @@ impl Cloud {
         length / self.scale
     }
 
+    /// The length in the cloud of one in the unit of the points.
+    pub(super) fn scaled(&self, length: f64) -> f64 {
+        length * self.scale
+    }
+
     /// A place of the cloud where the points are.
     pub(super) fn place(&self, place: Vector3<f64>) -> [f64; 3] {
         (self.mean + place / self.scale).into()

@@ -31,7 +31,7 @@ pub(super) fn share_kept(points: &Points, pairs: &Pairs) -> f64 {
 
 /// The place of parameters as far from others as these are on their surface: a closed direction is a circle, poles are
 /// those of a sphere.
-fn unrolled(pairs: &Pairs, i: usize) -> [f64; 3] {
+pub(super) fn unrolled(pairs: &Pairs, i: usize) -> [f64; 3] {
     let [u, v] = [0, 1].map(|axis| pairs.values.lane(axis)[i]);
     let Domain::Closed(period) = pairs.domains[0] else {
         return [u, v, 0.0];
