@@ -208,6 +208,8 @@ fn clouds() -> Vec<Case> {
         &floats(f32::to_le_bytes),
     );
     let grid = "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n1 2 3\n4 5 7\n";
+    // A mesh is a surface, which these have too few vertices for.
+    let few = "for 3 different parameters";
     let order = "no order along a curve";
     let mut cases = vec![
         ("PLY, little end first", little, 2, order),
@@ -216,7 +218,7 @@ fn clouds() -> Vec<Case> {
         text("PLY in text", &(ply("4", "ascii") + four), 2, order),
         text("PLY that is cut off", &(ply("9", "ascii") + four), 2, "9"),
         ("STL with a claim", stl, 2, ""),
-        text("OBJ", "v 0 0 0\nv 1 0 1\nv 0 1 2\nf 1 2 3\n", 2, order),
+        text("OBJ", "v 0 0 0\nv 1 0 1\nv 0 1 2\nf 1 2 3\n", 2, few),
         text(
             "OBJ with a line",
             "v 0 0 0\nv 1 0 1\nv 0 1 2\nl 1 2 3\n",
@@ -233,7 +235,7 @@ fn clouds() -> Vec<Case> {
             "OFF",
             &("OFF\n4 1 0\n".to_owned() + four + "3 0 1 2\n"),
             2,
-            order,
+            few,
         ),
         text("PTS", &("4\n".to_owned() + four), 2, order),
         text(

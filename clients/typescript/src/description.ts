@@ -1172,7 +1172,7 @@ export interface components {
             v: components["schemas"]["Degree"];
         };
         /**
-         * @description How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection, as sections or by their foot points on another surface.
+         * @description How the data points get their parameters: rows and columns by a rule or by numbers, for both directions or for each; scattered points by pairs, by a projection, as sections, by the triangles of a mesh or by their foot points on another surface.
          * @example centripetal
          * @example [
          *       [
@@ -1232,6 +1232,29 @@ export interface components {
              *     ]
              */
             sections: number[];
+        } | {
+            /**
+             * @description The indices of the corners of each triangle, from 0, in either sense.
+             * @example [
+             *       [
+             *         0,
+             *         1,
+             *         2
+             *       ],
+             *       [
+             *         2,
+             *         1,
+             *         3
+             *       ]
+             *     ]
+             */
+            triangles: number[][];
+            /**
+             * @description `mean_value`: no plane, cylinder or sphere is tried. Default: `"auto"`.
+             * @example mean_value
+             * @enum {string}
+             */
+            map?: "auto" | "mean_value";
         } | {
             /** @description The other job. */
             foot_points: components["schemas"]["FootPointsRequest"];
