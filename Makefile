@@ -189,6 +189,7 @@ tolerance: $(VENV)/tolerance
 	cargo build --locked --release
 	$(PYTHON) benches/tolerance/compare.py target/release/piad
 	$(PYTHON) benches/tolerance/memory.py target/release/piad
+	$(PYTHON) benches/sections/compare.py target/release/piad
 
 $(VENV)/tolerance: benches/tolerance/requirements.txt
 	@python3 -m venv $(VENV) && ldconfig -p | grep -q libGL.so.1 || \

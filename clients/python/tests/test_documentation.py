@@ -24,7 +24,10 @@ CLIENT = "clients/python/README.md"
 SECTIONS = ["Five minutes", "Many fits at once", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
 
 
-@pytest.mark.parametrize(("page", "section"), [("README.md", "From CAD"), *((CLIENT, section) for section in SECTIONS)])
+PAGES = [("README.md", "From CAD"), ("docs/FITTING.md", "Patches that join"), *((CLIENT, section) for section in SECTIONS)]
+
+
+@pytest.mark.parametrize(("page", "section"), PAGES)
 def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")

@@ -68,15 +68,16 @@ impl Edge {
         plus(plus(self.cell, FROM[self.side]), ALONG[self.side]).map(|x| x as f64)
     }
 
-    fn middle(self) -> [f64; 2] {
-        let [x, y] = self.end();
-        let [dx, dy] = ALONG[self.side].map(|x| x as f64);
-        [x - 0.5 * dx, y - 0.5 * dy]
+    /// The middle of the edge, moved into its cell by a part of that.
+    fn middle(self, inside: f64) -> [f64; 2] {
+        let (end, along, beyond) = (self.end(), ALONG[self.side], BEYOND[self.side]);
+        [0, 1].map(|axis| end[axis] - 0.5 * along[axis] as f64 - inside * beyond[axis] as f64)
     }
 }
 
-/// The pieces of filled cells, in the order of their first cells.
-pub(super) fn pieces(cells: &Cells, meter: &mut Meter) -> Vec<Piece> {
+/// The pieces of filled cells, in the order of their first cells. Polygons are this much further inside than the edges of
+/// cells, in cells.
+pub(super) fn pieces(cells: &Cells, inside: f64, meter: &mut Meter) -> Vec<Piece> {
     let columns = cells.steps[0].count;
     let index = |[i, j]: Cell| j as usize * columns + i as usize;
     let count = columns * cells.steps[1].count;
@@ -96,7 +97,7 @@ pub(super) fn pieces(cells: &Cells, meter: &mut Meter) -> Vec<Piece> {
                 seen[index(it.cell)] |= 1 << it.side;
             }
             let piece = pieces.entry(labels[index(cell)]).or_default();
-            let polygon = polygon(&edges, cells);
+            let polygon = polygon(&edges, inside, cells);
             // The first cell of a piece has its outer boundary below it.
             piece.polygons.push(polygon);
         }
@@ -140,13 +141,13 @@ fn labels(cells: &Cells, index: impl Fn(Cell) -> usize, meter: &mut Meter) -> Ve
 }
 
 /// The polygon along these edges.
-fn polygon(edges: &[Edge], cells: &Cells) -> Vec<Vertex> {
+fn polygon(edges: &[Edge], inside: f64, cells: &Cells) -> Vec<Vertex> {
     let range = cells.steps.map(|it| it.range());
     // Cells around lines of points reach beyond the rectangle.
-    let inside = |at: [f64; 2]| [0, 1].map(|axis| at[axis].clamp(range[axis][0], range[axis][1]));
+    let within = |at: [f64; 2]| [0, 1].map(|axis| at[axis].clamp(range[axis][0], range[axis][1]));
     let mut vertices: Vec<Vertex> = Vec::with_capacity(edges.len());
     let mut push = |at: [f64; 2], is_corner: bool| {
-        let at = inside(at);
+        let at = within(at);
         match vertices.last_mut() {
             Some(last) if last.at == at => last.is_corner |= is_corner,
             _ => vertices.push(Vertex { at, is_corner }),
@@ -155,7 +156,7 @@ fn polygon(edges: &[Edge], cells: &Cells) -> Vec<Vertex> {
     let sides = sides(edges, cells);
     for (k, edge) in edges.iter().enumerate() {
         if sides[k].is_none() {
-            push(edge.middle(), false);
+            push(edge.middle(inside), false);
         }
         if sides[k] != sides[(k + 1) % edges.len()] {
             push(edge.end(), true);
@@ -218,7 +219,7 @@ const AHEAD: usize = 5;
 /// Returns true if a polygon leaves a side with more than 45 degrees at an edge, from which it goes on by a step.
 fn is_steep(edges: &[Edge], from: usize, step: usize, side: Option<usize>) -> bool {
     let count = edges.len();
-    let [first, last] = [from, from + AHEAD * step].map(|k| edges[k % count].middle());
+    let [first, last] = [from, from + AHEAD * step].map(|k| edges[k % count].middle(0.0));
     let [dx, dy] = [last[0] - first[0], last[1] - first[1]].map(f64::abs);
     match side {
         Some(0 | 2) => dy >= dx,

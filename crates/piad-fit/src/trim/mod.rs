@@ -2,12 +2,13 @@
 //!
 //! The rectangle of parameters is divided into cells about as long as the points are far from each other (`spacing`). Those
 //! that hold points, and gaps of up to two of them, are filled (`cells`), and their boundary (`boundary`) is smoothed within
-//! half a cell (`smoothing`), so that loops do not cross (`crossing`). A closed direction is cut at its seam, where an
+//! half a cell (`smoothing`), so that loops do not cross (`crossing`). A mesh has its own boundary (`mesh`). A closed direction is cut at its seam, where an
 //! outline goes along both sides.
 
 mod boundary;
 mod cells;
 mod crossing;
+mod mesh;
 mod smoothing;
 mod spacing;
 #[cfg(test)]
@@ -21,10 +22,17 @@ use crate::geometry::nurbs::{KnotVector, Nurbs, in_space};
 use crate::geometry::outline::{Face, Outline};
 use crate::interrupt::Meter;
 use crate::invalid::{Invalid, Place};
+use crate::parameters::Scattered;
 use crate::problem::Problem;
 use crate::problem::request::Trim;
-use cells::{Cells, Side};
+use boundary::{Piece, Vertex};
+use cells::Side;
+use mesh::Boundary;
 use spacing::Data;
+
+/// How much further inside than the edges of its filled cells the outline of scattered points is, in cells: a cell that they
+/// reach counts as a whole one where any of them lies in it.
+const INSIDE: f64 = 0.2;
 
 /// The most loops of an outline.
 const MOST_LOOPS: usize = 1000;
@@ -48,6 +56,9 @@ fn outline(problem: &Problem, trim: Trim) -> Result<Outline, Invalid> {
         return Err(Invalid::at(Place::Trim, detail));
     };
     let data = data(problem, v);
+    if let Some(boundary) = of_mesh(problem, trim, &data)? {
+        return Ok(boundary);
+    }
     let (cells, distance) = spacing::cells(&data, trim.distance)?;
     let mut outline = Outline {
         loops: Vec::new(),
@@ -57,16 +68,12 @@ fn outline(problem: &Problem, trim: Trim) -> Result<Outline, Invalid> {
     if cells.are_all_filled() {
         return Ok(outline);
     }
-    let pieces = boundary::pieces(&cells, &mut Meter::default());
-    let mut polygons = Vec::new();
-    for piece in pieces {
-        let first = polygons.len();
-        polygons.extend(piece.polygons);
-        outline.faces.push(Face {
-            outer: first,
-            holes: first + 1..polygons.len(),
-        });
-    }
+    let inside = match data.grid {
+        None => INSIDE,
+        Some(_) => 0.0,
+    };
+    let pieces = boundary::pieces(&cells, inside, &mut Meter::default());
+    let polygons = taken(pieces, &mut outline);
     if polygons.len() > MOST_LOOPS {
         let place = trim.distance.map_or(Place::Trim, |_| Place::TrimDistance);
         let (loops, pieces) = (polygons.len(), outline.faces.len());
@@ -77,8 +84,46 @@ fn outline(problem: &Problem, trim: Trim) -> Result<Outline, Invalid> {
     }
     let range = cells.steps.map(|it| it.range());
     let loops = smoothing::smooth(&polygons, range).into_iter();
-    outline.loops = loops.map(|it| in_parameters(it, &cells)).collect();
+    let parameter = |axis: usize, place: f64| cells.steps[axis].parameter(place);
+    outline.loops = loops.map(|it| in_parameters(it, parameter)).collect();
     Ok(outline)
+}
+
+/// The polygons of pieces, which become the faces of an outline.
+fn taken(pieces: Vec<Piece>, outline: &mut Outline) -> Vec<Vec<Vertex>> {
+    let mut polygons = Vec::new();
+    for piece in pieces {
+        let first = polygons.len();
+        polygons.extend(piece.polygons);
+        outline.faces.push(Face {
+            outer: first,
+            holes: first + 1..polygons.len(),
+        });
+    }
+    polygons
+}
+
+/// The boundary of a mesh of which no distance is given and no direction is closed.
+fn of_mesh(problem: &Problem, trim: Trim, data: &Data) -> Result<Option<Outline>, Invalid> {
+    let Some(Scattered::Mesh(mesh)) = &problem.request().scattered else {
+        return Ok(None);
+    };
+    let is_closed = data.sides.iter().any(|side| side.is_closed);
+    let loops = mesh.loops(problem.points.len())?;
+    if is_closed || trim.distance.is_some() || loops.is_empty() {
+        return Ok(None);
+    }
+    let boundary = Boundary::new(&loops, &data.parameters, data.sides);
+    let mut outline = Outline {
+        loops: Vec::new(),
+        faces: Vec::new(),
+        distance: Boundary::length(&loops, &problem.points),
+    };
+    let polygons = taken(boundary.piece.iter().cloned().collect(), &mut outline);
+    let smooth = smoothing::smooth(&polygons, boundary.range()).into_iter();
+    let parameter = |axis: usize, place: f64| boundary.parameter(axis, place);
+    outline.loops = smooth.map(|it| in_parameters(it, parameter)).collect();
+    Ok(Some(outline))
 }
 
 /// The data of a problem, without points that are missing or left out.
@@ -117,11 +162,11 @@ fn side(direction: &Direction) -> Side {
     }
 }
 
-/// A loop whose coordinates are those of cells in parameters of the surface.
-fn in_parameters(mut curve: Nurbs, cells: &Cells) -> Nurbs {
+/// A loop whose coordinates are those of cells, or units, in parameters of the surface.
+fn in_parameters(mut curve: Nurbs, parameter: impl Fn(usize, f64) -> f64) -> Nurbs {
     let [x, y] = [0, 1].map(|axis| {
         let lane = curve.points.lane(axis).iter();
-        let lane = lane.map(|place| cells.steps[axis].parameter(*place));
+        let lane = lane.map(|place| parameter(axis, *place));
         lane.collect::<Vec<f64>>()
     });
     curve.points = Points::from_lanes([x, y]);

@@ -155,7 +155,10 @@ impl Scattered {
         let plane = Self::Plane.parameters(points, [false; 2])?;
         let mut kept = vec![(unfolding::share_kept(points, &plane), Self::Plane)];
         for rule in round {
-            let pairs = rule.parameters(points, [false; 2])?;
+            // Points of a plane have one height on a cylinder far away.
+            let Ok(pairs) = rule.parameters(points, [false; 2]) else {
+                continue;
+            };
             kept.push((unfolding::share_kept(points, &pairs), rule));
         }
         let most = kept.iter().map(|(share, _)| *share).fold(0.0, f64::max);

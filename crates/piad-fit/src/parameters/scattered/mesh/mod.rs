@@ -160,6 +160,11 @@ impl Mesh {
         })
     }
 
+    /// The loops of its boundary, of a mesh whose vertices are this number of points.
+    pub(crate) fn loops(&self, points: usize) -> Result<Vec<Vec<u32>>, Invalid> {
+        Ok(Topology::new(&self.triangles, points)?.loops)
+    }
+
     /// Refuses more triangles than the limit.
     pub(crate) fn check_count(&self) -> Result<(), Invalid> {
         let count = self.triangles.len();
