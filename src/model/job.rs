@@ -16,7 +16,7 @@ use super::stream::StreamSpec;
 use super::weights::Rational;
 use piad_files::json::check_count;
 use piad_fit::data::Grid;
-use piad_fit::engine::{Admission, Problem, Request};
+use piad_fit::engine::{Admission, Problem, Request, Tolerance};
 use piad_fit::geometry::Nurbs;
 use piad_fit::invalid as fit;
 use piad_fit::method::{AS_MANY_AS_DATA, LeastSquares, Method};
@@ -44,7 +44,7 @@ pub struct JobRequest {
     /// How weights are used; only with weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rational: Option<Rational>,
-    /// The method; without one `global`, and of polylines and sections least squares with `control_points` `"auto"`.
+    /// The method; without one `global`, and of polylines, sections, meshes and scattered points with a tolerance least squares with `control_points` `"auto"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<MethodInput>,
     /// When the iteration ends.
@@ -158,7 +158,10 @@ impl JobRequest {
         }
         // Without points nothing is said of the method.
         let method = match self.method {
-            None if request.as_ref().is_some_and(has_one_method) => {
+            None if request
+                .as_ref()
+                .is_some_and(|it| has_one_method(it, tolerance)) =>
+            {
                 let fewest = LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA);
                 Ok(Method::LeastSquares(fewest).into())
             }
@@ -176,9 +179,13 @@ impl JobRequest {
     }
 }
 
-/// Returns true if only least squares fits what is asked for: the edges of a polyline, and sections.
-fn has_one_method(request: &Request) -> bool {
-    request.polyline || matches!(request.scattered, Some(Scattered::Sections(_)))
+/// Returns true if only least squares with as few control points as the tolerance needs fits what is asked for: the edges
+/// of a polyline, sections, meshes, and other scattered points for which there is a tolerance.
+fn has_one_method(request: &Request, tolerance: Option<Tolerance>) -> bool {
+    let of_scattered = |scattered: &Scattered| {
+        matches!(scattered, Scattered::Sections(_) | Scattered::Mesh(_)) || tolerance.is_some()
+    };
+    request.polyline || request.scattered.as_ref().is_some_and(of_scattered)
 }
 
 impl ValidJob {

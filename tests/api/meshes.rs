@@ -349,3 +349,52 @@ async fn files_have_meshes() {
         );
     }
 }
+
+/// A plate with a hole: the trimmed surface ends where the mesh does, and has its area. Points of a file have their triangles,
+/// and need no method.
+#[tokio::test]
+async fn trimmed_meshes_end_at_their_boundary() {
+    let server = Server::start().await;
+    let plate = |s: f64, t: f64| {
+        let ((sin, cos), out) = ((TAU * s).sin_cos(), 8.0 + 22.0 * t);
+        [out * cos, out * sin, 4.0 - 0.004 * out * out]
+    };
+    let (points, triangles) = grid((80, 24), true, plate);
+    let area = |[a, b, c]: &[u32; 3]| {
+        let at = |vertex: u32| points[vertex as usize];
+        let to = |vertex: u32| [0, 1, 2].map(|k| at(vertex)[k] - at(*a)[k]);
+        let (u, v) = (to(*b), to(*c));
+        let cross =
+            [0, 1, 2].map(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+        0.5 * cross.iter().map(|x| x * x).sum::<f64>().sqrt()
+    };
+    let area: f64 = triangles.iter().map(area).sum();
+    let mut obj = String::new();
+    for [x, y, z] in &points {
+        writeln!(obj, "v {x} {y} {z}").unwrap();
+    }
+    for [a, b, c] in &triangles {
+        writeln!(obj, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    let request = server.post("/v1/points").body(obj);
+    let request = request.header("content-type", "application/octet-stream");
+    let read: Value = request.send().await.unwrap().json().await.unwrap();
+    let mut surface = read["surface"].clone();
+    assert_eq!(surface["parameters"]["triangles"], json!(triangles));
+    surface["trim"] = true.into();
+    let fitted = server
+        .fit(&json!({"surface": surface, "stop": {"tolerance": 0.01}}))
+        .await;
+    assert_eq!(fitted["state"], "converged", "{fitted:#}");
+    let trim = result(&server, &fitted).await["trim"].clone();
+    assert_eq!(trim["loops"].as_array().unwrap().len(), 2);
+    let ratio = trim["area"].as_f64().unwrap() / area;
+    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    // Scattered points need a method or a tolerance.
+    let cloud = json!({"surface": {"scattered": points}, "stop": {"tolerance": 0.01}});
+    assert_eq!(server.fit(&cloud).await["state"], "converged");
+    let cloud = json!({"surface": {"scattered": points}});
+    server
+        .assert_refused(&cloud, "/method", "only least_squares fits them")
+        .await;
+}

@@ -262,11 +262,6 @@ fn parts_of_job(
         (FileKind::Surface, None) => ("surface", "scattered", Data::Scattered(file.points)),
     };
     let is_mesh = matches!(data, Data::Mesh(..));
-    if is_mesh {
-        // No other method fits scattered points.
-        let least_squares = || json!({"kind": "least_squares", "control_points": "auto"});
-        fields.entry("method").or_insert_with(least_squares);
-    }
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
         if let Some(parameters) = file.surface_parameters {

@@ -10,7 +10,8 @@ use crate::model::numbers::ScatteredPoints;
 use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::SurfaceParameters;
 use piad_files::import::Imported;
-use piad_fit::parameters::{Scattered, Sections};
+use piad_fit::data::Points;
+use piad_fit::parameters::{Mesh, MeshMap, Scattered, Sections};
 
 /// The points of a file as a job has them: one of `curve` and `surface` is there.
 #[derive(Serialize, JsonSchema)]
@@ -54,13 +55,24 @@ struct SurfacePoints {
     /// Rows of points.
     #[serde(skip_serializing_if = "Option::is_none")]
     points: Option<PointGrid>,
-    /// The points of sections, one after the other.
+    /// The points of sections, one after the other, or the vertices of a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ScatteredPoints>")]
     scattered: Option<PointList>,
-    /// How many of them each section has.
+    /// How many of them each section has, or the triangles of the mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<SurfaceParameters>,
+}
+
+impl SurfacePoints {
+    /// Those of sections or of a mesh.
+    fn scattered(points: Arc<Points>, parameters: Scattered) -> Self {
+        Self {
+            points: None,
+            scattered: Some(PointList(points)),
+            parameters: Some(SurfaceParameters::Scattered(parameters)),
+        }
+    }
 }
 
 impl PointsView {
@@ -70,6 +82,7 @@ impl PointsView {
             points,
             grid,
             sections,
+            triangles,
             missing,
             closed,
             parameters,
@@ -79,15 +92,22 @@ impl PointsView {
         } = file;
         let points = Arc::new(points);
         let (curve, surface) = match grid {
+            None if !triangles.is_empty() => {
+                let mesh = Mesh {
+                    triangles: Arc::new(triangles),
+                    map: MeshMap::Auto,
+                };
+                (
+                    None,
+                    Some(SurfacePoints::scattered(points, Scattered::Mesh(mesh))),
+                )
+            }
             None if !sections.is_empty() => (
                 None,
-                Some(SurfacePoints {
-                    points: None,
-                    scattered: Some(PointList(points)),
-                    parameters: Some(SurfaceParameters::Scattered(Scattered::Sections(
-                        Sections::new(sections),
-                    ))),
-                }),
+                Some(SurfacePoints::scattered(
+                    points,
+                    Scattered::Sections(Sections::new(sections)),
+                )),
             ),
             None => (
                 Some(CurvePoints {
