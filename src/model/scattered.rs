@@ -21,7 +21,7 @@ use super::schema::schema_of;
 use piad_fit::data::Points;
 use piad_fit::geometry::{Nurbs, foot_points};
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, Pairs,
+    CoordinatePlane, Cylinder, Domain, FoldedTriangles, MAX_TRIANGLES, Mesh, MeshUnfolding, Pairs,
     Parametrization, Scattered, Sections, Sphere,
 };
 
@@ -58,21 +58,21 @@ names!(ProjectionSurface, "projection", [
 
 /// How the vertices of a mesh get their parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MeshMapInput {
+pub(crate) enum MeshUnfoldingInput {
     Auto,
     MeanValue,
 }
 
-names!(MeshMapInput, "map of a mesh", [
+names!(MeshUnfoldingInput, "unfolding of a mesh", [
     "auto" => Auto,
     "mean_value" => MeanValue,
 ]);
 
-impl From<MeshMapInput> for MeshMap {
-    fn from(map: MeshMapInput) -> Self {
-        match map {
-            MeshMapInput::Auto => Self::Auto,
-            MeshMapInput::MeanValue => Self::MeanValue,
+impl From<MeshUnfoldingInput> for MeshUnfolding {
+    fn from(unfolding: MeshUnfoldingInput) -> Self {
+        match unfolding {
+            MeshUnfoldingInput::Auto => Self::Auto,
+            MeshUnfoldingInput::MeanValue => Self::MeanValue,
         }
     }
 }
@@ -356,7 +356,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
             domains,
             sections,
             mut triangles,
-            map,
+            unfolding,
             foot_points,
         } = Each::deserialize(MapAccessDeserializer::new(map))?;
         let missing = |name| Err(A::Error::missing_field(name));
@@ -379,8 +379,8 @@ impl<'de> Visitor<'de> for ParametersVisitor {
                 }
             };
         }
-        if triangles.is_none() && map.is_some() {
-            return wrong("map is that of triangles");
+        if triangles.is_none() && unfolding.is_some() {
+            return wrong("unfolding is that of triangles");
         }
         let is_alone = project.is_none() && pairs.is_none() && foot_points.is_none();
         if let (Some(TriangleList(triangles)), true, None, None) =
@@ -388,7 +388,7 @@ impl<'de> Visitor<'de> for ParametersVisitor {
         {
             let mesh = Mesh {
                 triangles: Arc::new(std::mem::take(triangles)),
-                map: map.map_or(MeshMap::Auto, MeshMap::from),
+                unfolding: unfolding.map_or(MeshUnfolding::Auto, MeshUnfolding::from),
             };
             return Ok(SurfaceParameters::Scattered(Scattered::Mesh(mesh)));
         }
@@ -439,7 +439,7 @@ struct Each {
     domains: Option<Domains>,
     sections: Option<Vec<Whole>>,
     triangles: Option<TriangleList>,
-    map: Option<MeshMapInput>,
+    unfolding: Option<MeshUnfoldingInput>,
     foot_points: Option<FootPoints>,
 }
 
@@ -489,11 +489,14 @@ impl Serialize for SurfaceParameters {
             }
             Self::Scattered(Scattered::Auto) => serializer.serialize_str("auto"),
             Self::Scattered(Scattered::Plane) => serializer.serialize_str("project"),
-            Self::Scattered(Scattered::Mesh(Mesh { triangles, map })) => {
+            Self::Scattered(Scattered::Mesh(Mesh {
+                triangles,
+                unfolding,
+            })) => {
                 let mut fields = serializer.serialize_map(None)?;
                 fields.serialize_entry("triangles", &**triangles)?;
-                if *map == MeshMap::MeanValue {
-                    fields.serialize_entry("map", &MeshMapInput::MeanValue)?;
+                if *unfolding == MeshUnfolding::MeanValue {
+                    fields.serialize_entry("unfolding", &MeshUnfoldingInput::MeanValue)?;
                 }
                 fields.end()
             }
@@ -589,7 +592,7 @@ schema_of!(SurfaceParameters, "SurfaceParameters", generator => {
                     "description": "The indices of the corners of each triangle, from 0, in either sense.",
                     "examples": [[[0, 1, 2], [2, 1, 3]]],
                 },
-                "map": {"type": "string", "enum": MeshMapInput::names(), "default": "auto", "description": "`mean_value`: no plane, cylinder or sphere is tried.", "examples": ["mean_value"]},
+                "unfolding": {"type": "string", "enum": MeshUnfoldingInput::names(), "default": "auto", "description": "`mean_value`: no plane, cylinder or sphere is tried.", "examples": ["mean_value"]},
             },
             "required": ["triangles"],
             "additionalProperties": false,

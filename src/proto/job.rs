@@ -28,8 +28,8 @@ use piad_fit::basis::Corners;
 use piad_fit::data::{Grid, MAX_DIMENSION, Points};
 use piad_fit::engine::{DirectionChoice, Request, Tolerance, Trim, Weights};
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Mesh, MeshMap, Pairs, Parametrization, Scattered, Sections,
-    Sphere,
+    CoordinatePlane, Cylinder, Domain, Mesh, MeshUnfolding, Pairs, Parametrization, Scattered,
+    Sections, Sphere,
 };
 
 const RATIONALS: [(Rational, pb::Rational); 2] = [
@@ -239,7 +239,7 @@ fn scattered(
         sections,
         closed_sections,
         triangles,
-        map,
+        unfolding,
     } = parameters;
     if grid.is_rows() {
         let detail = "scattered points have one column, or neither rows nor columns";
@@ -247,7 +247,7 @@ fn scattered(
     }
     if !sections.is_empty() {
         let others = foot_points.is_some() || !values.is_empty() || projection != 0;
-        let others = others || !triangles.is_empty() || map != 0;
+        let others = others || !triangles.is_empty() || unfolding != 0;
         if others || !axis.is_empty() || !center.is_empty() || u.is_some() || v.is_some() {
             let detail = "sections have parameters of their own";
             return Err(Mistake::at_text("surface.scattered.sections", detail));
@@ -262,10 +262,10 @@ fn scattered(
     }
     let field = "surface.scattered.values";
     let projection = known(projection, "surface.scattered.projection")?;
-    let map = known(map, "surface.scattered.map")?;
-    if triangles.is_empty() && map != pb::MeshMap::Unspecified {
-        let detail = "a map is that of triangles";
-        return Err(Mistake::at_text("surface.scattered.map", detail));
+    let unfolding = known(unfolding, "surface.scattered.unfolding")?;
+    if triangles.is_empty() && unfolding != pb::MeshUnfolding::Unspecified {
+        let detail = "an unfolding is that of triangles";
+        return Err(Mistake::at_text("surface.scattered.unfolding", detail));
     }
     if !triangles.is_empty() {
         let is_alone = projection == pb::Projection::Unspecified
@@ -275,10 +275,10 @@ fn scattered(
             && u.is_none()
             && v.is_none();
         if !is_alone {
-            let detail = "a mesh has triangles and a map, and nothing else";
+            let detail = "a mesh has triangles and an unfolding, and nothing else";
             return Err(Mistake::at_text("surface.scattered.triangles", detail));
         }
-        return mesh(&triangles, map);
+        return mesh(&triangles, unfolding);
     }
     if let Some(pb::FootPoints { job, iteration }) = foot_points {
         if projection != pb::Projection::Unspecified || !values.is_empty() {
@@ -339,7 +339,7 @@ fn scattered(
 }
 
 /// The parameters of the vertices of a mesh.
-fn mesh(indices: &[u32], map: pb::MeshMap) -> Result<SurfaceParameters, Mistake> {
+fn mesh(indices: &[u32], unfolding: pb::MeshUnfolding) -> Result<SurfaceParameters, Mistake> {
     let (triangles, rest) = indices.as_chunks::<3>();
     if !rest.is_empty() {
         let count = indices.len();
@@ -348,9 +348,9 @@ fn mesh(indices: &[u32], map: pb::MeshMap) -> Result<SurfaceParameters, Mistake>
     }
     Ok(SurfaceParameters::Scattered(Scattered::Mesh(Mesh {
         triangles: Arc::new(triangles.to_vec()),
-        map: match map {
-            pb::MeshMap::Unspecified | pb::MeshMap::Auto => MeshMap::Auto,
-            pb::MeshMap::MeanValue => MeshMap::MeanValue,
+        unfolding: match unfolding {
+            pb::MeshUnfolding::Unspecified | pb::MeshUnfolding::Auto => MeshUnfolding::Auto,
+            pb::MeshUnfolding::MeanValue => MeshUnfolding::MeanValue,
         },
     })))
 }
@@ -446,11 +446,14 @@ fn scattered_message(scattered: &Scattered) -> pb::ScatteredParameters {
             ..Default::default()
         },
         Scattered::Auto => pb::ScatteredParameters::default(),
-        Scattered::Mesh(Mesh { triangles, map }) => pb::ScatteredParameters {
+        Scattered::Mesh(Mesh {
+            triangles,
+            unfolding,
+        }) => pb::ScatteredParameters {
             triangles: triangles.as_flattened().to_vec(),
-            map: match map {
-                MeshMap::Auto => pb::MeshMap::Unspecified,
-                MeshMap::MeanValue => pb::MeshMap::MeanValue,
+            unfolding: match unfolding {
+                MeshUnfolding::Auto => pb::MeshUnfolding::Unspecified,
+                MeshUnfolding::MeanValue => pb::MeshUnfolding::MeanValue,
             }
             .into(),
             ..Default::default()

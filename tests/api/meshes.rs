@@ -103,10 +103,10 @@ async fn meshes_have_mean_values() {
         input["surface"]["parameters"],
         asked["surface"]["parameters"]
     );
-    asked["surface"]["parameters"]["map"] = json!("mean_value");
+    asked["surface"]["parameters"]["unfolding"] = json!("mean_value");
     let again = server.fit(&asked).await;
     let input = server.json(&format!("{}/input", base(&again))).await;
-    assert_eq!(input["surface"]["parameters"]["map"], "mean_value");
+    assert_eq!(input["surface"]["parameters"]["unfolding"], "mean_value");
     let [first, second] = [&fitted, &again].map(|it| result(&server, it));
     let [first, second] = [first.await, second.await];
     assert_eq!(first["control_points"], second["control_points"]);
@@ -162,14 +162,14 @@ async fn messages_have_triangles() {
         ),
         (
             pb::ScatteredParameters {
-                map: 2,
+                unfolding: 2,
                 ..Default::default()
             },
             "a map is that of triangles",
         ),
         (
             pb::ScatteredParameters {
-                map: 9,
+                unfolding: 9,
                 triangles: vec![0, 1, 2],
                 ..Default::default()
             },
@@ -261,12 +261,12 @@ async fn wrong_meshes_are_refused() {
             "-2",
         ),
         (
-            json!({"triangles": closed, "map": "harmonic"}),
-            "/surface/parameters/map",
+            json!({"triangles": closed, "unfolding": "harmonic"}),
+            "/surface/parameters/unfolding",
             "harmonic",
         ),
         (
-            json!({"map": "auto"}),
+            json!({"unfolding": "auto"}),
             "/surface/parameters",
             "that of triangles",
         ),
@@ -320,7 +320,7 @@ async fn files_have_meshes() {
         ("", true, "the 625 vertices of the largest one"),
         ("&piece=2", false, "the 360 vertices of piece 2"),
         (
-            "&piece=2&surface.parameters.map=mean_value",
+            "&piece=2&surface.parameters.unfolding=mean_value",
             false,
             "mean value coordinates",
         ),
@@ -336,8 +336,8 @@ async fn files_have_meshes() {
         ("&piece=3", "piece", "pieces 1 to 2"),
         ("&piece=x", "piece", "no number of a piece"),
         (
-            "&surface.parameters.map=flat",
-            "surface.parameters.map",
+            "&surface.parameters.unfolding=flat",
+            "surface.parameters.unfolding",
             "flat",
         ),
     ] {

@@ -685,7 +685,7 @@ export interface components {
             surface?: components["schemas"]["SurfaceInput"] | null;
             /** @description How weights are used; only with weights. */
             rational?: components["schemas"]["Rational"] | null;
-            /** @description The method; without one `global`, and of polylines and sections least squares with `control_points` `"auto"`. */
+            /** @description The method; without one `global`, and of polylines, sections, meshes and scattered points with a tolerance least squares with `control_points` `"auto"`. */
             method?: components["schemas"]["Method"] | null;
             /** @description When the iteration ends. */
             stop?: components["schemas"]["StopRules"] | null;
@@ -1254,7 +1254,7 @@ export interface components {
              * @example mean_value
              * @enum {string}
              */
-            map?: "auto" | "mean_value";
+            unfolding?: "auto" | "mean_value";
         } | {
             /** @description The other job. */
             foot_points: components["schemas"]["FootPointsRequest"];
@@ -3941,9 +3941,9 @@ export interface components {
         SurfacePoints: {
             /** @description Rows of points. */
             points?: components["schemas"]["PointGrid"];
-            /** @description The points of sections, one after the other. */
+            /** @description The points of sections, one after the other, or the vertices of a mesh. */
             scattered?: components["schemas"]["ScatteredPoints"];
-            /** @description How many of them each section has. */
+            /** @description How many of them each section has, or the triangles of the mesh. */
             parameters?: components["schemas"]["SurfaceParameters"];
         };
         /**

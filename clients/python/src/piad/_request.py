@@ -49,7 +49,7 @@ ScatteredParameters = Union[
     Mapping[Literal["project", "axis", "center"], Any],
     Mapping[Literal["pairs", "domains"], Any],
     Mapping[Literal["sections"], Sequence[int]],
-    Mapping[Literal["triangles", "map"], Any],
+    Mapping[Literal["triangles", "unfolding"], Any],
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]

@@ -24,7 +24,7 @@ use crate::data::monotonic;
 use crate::data::points::Points;
 
 pub use scattered::{
-    CoordinatePlane, Cylinder, Domain, FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, Pairs,
+    CoordinatePlane, Cylinder, Domain, FoldedTriangles, MAX_TRIANGLES, Mesh, MeshUnfolding, Pairs,
     Scattered, Sections, Sphere, is_stack, pieces,
 };
 

@@ -17,12 +17,12 @@ use crate::api::problem::{Kind, Location, Problem, Words};
 use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::mistakes::SpecPart;
 use crate::model::points::{PointGrid, PointList};
-use crate::model::scattered::{MeshMapInput, SurfaceParameters};
+use crate::model::scattered::{MeshUnfoldingInput, SurfaceParameters};
 use crate::model::stream::Samples;
 use piad_files::import::{Columns, Hints, Imported, Kind as FileKind, PartChoice};
 use piad_files::short;
 use piad_fit::data::Grid;
-use piad_fit::parameters::{Mesh, MeshMap, Scattered};
+use piad_fit::parameters::{Mesh, MeshUnfolding, Scattered};
 
 /// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
 pub(crate) const SIZE: &str = "surface.size";
@@ -255,7 +255,7 @@ fn parts_of_job(
         (FileKind::Surface, None) if has_triangles => {
             let mesh = Mesh {
                 triangles: Arc::new(file.triangles),
-                map: map_of_mesh(&mut fields)?,
+                unfolding: unfolding_of_mesh(&mut fields)?,
             };
             ("surface", "scattered", Data::Mesh(file.points, mesh))
         }
@@ -296,24 +296,25 @@ fn parts_of_job(
 }
 
 /// Takes out of the fields how the vertices of a mesh get their parameters: all that is said of these but their triangles.
-fn map_of_mesh(fields: &mut Map<String, Value>) -> Result<MeshMap, Problem> {
+fn unfolding_of_mesh(fields: &mut Map<String, Value>) -> Result<MeshUnfolding, Problem> {
     let surface = fields.get_mut("surface").and_then(Value::as_object_mut);
     let parameters = surface.and_then(|surface| match surface.get("parameters") {
-        Some(Value::Object(given)) if given.len() == 1 && given.contains_key("map") => {
+        Some(Value::Object(given)) if given.len() == 1 && given.contains_key("unfolding") => {
             surface.remove("parameters")
         }
         _ => None,
     });
-    let map = parameters.as_ref().and_then(|given| given.get("map"));
-    let map = map.map(|map| {
-        MeshMapInput::deserialize(map)
-            .map_err(|error| Problem::at_parameter(MAP, error.to_string()))
+    let given = parameters.as_ref().and_then(|given| given.get("unfolding"));
+    let unfolding = given.map(|unfolding| {
+        MeshUnfoldingInput::deserialize(unfolding)
+            .map_err(|error| Problem::at_parameter(UNFOLDING, error.to_string()))
     });
-    Ok(map.transpose()?.map_or(MeshMap::Auto, MeshMap::from))
+    let unfolding = unfolding.transpose()?;
+    Ok(unfolding.map_or(MeshUnfolding::Auto, MeshUnfolding::from))
 }
 
 /// How the vertices of a mesh get their parameters.
-const MAP: &str = "surface.parameters.map";
+const UNFOLDING: &str = "surface.parameters.unfolding";
 
 /// Where the parts of such a job stand.
 #[derive(Debug)]

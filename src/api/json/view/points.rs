@@ -11,7 +11,7 @@ use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::SurfaceParameters;
 use piad_files::import::Imported;
 use piad_fit::data::Points;
-use piad_fit::parameters::{Mesh, MeshMap, Scattered, Sections};
+use piad_fit::parameters::{Mesh, MeshUnfolding, Scattered, Sections};
 
 /// The points of a file as a job has them: one of `curve` and `surface` is there.
 #[derive(Serialize, JsonSchema)]
@@ -95,7 +95,7 @@ impl PointsView {
             None if !triangles.is_empty() => {
                 let mesh = Mesh {
                     triangles: Arc::new(triangles),
-                    map: MeshMap::Auto,
+                    unfolding: MeshUnfolding::Auto,
                 };
                 (
                     None,

@@ -17,8 +17,8 @@ use piad_fit::method::{
     Omega, Start, Sweeps, Threshold, Variant, Weighted,
 };
 use piad_fit::parameters::{
-    CoordinatePlane, Cylinder, Domain, Mesh, MeshMap, Pairs, Parametrization, Scattered, Sections,
-    Sphere,
+    CoordinatePlane, Cylinder, Domain, Mesh, MeshUnfolding, Pairs, Parametrization, Scattered,
+    Sections, Sphere,
 };
 
 const CURVE: Grid = Grid {
@@ -140,7 +140,7 @@ fn automatic(surface: bool) -> impl Iterator<Item = Problem> {
 }
 
 /// The points of the rows and columns as the vertices of a mesh.
-fn mesh(map: MeshMap) -> Scattered {
+fn mesh(unfolding: MeshUnfolding) -> Scattered {
     let Grid { rows, columns } = SURFACE;
     let corners = (0..rows - 1).flat_map(|i| (0..columns - 1).map(move |j| i * columns + j));
     let triangles = corners.flat_map(|k| {
@@ -152,7 +152,7 @@ fn mesh(map: MeshMap) -> Scattered {
     });
     Scattered::Mesh(Mesh {
         triangles: Arc::new(triangles.collect()),
-        map,
+        unfolding,
     })
 }
 
@@ -185,8 +185,8 @@ fn scattered() -> impl Iterator<Item = Problem> {
             axis: None,
             center: axis,
         }),
-        mesh(MeshMap::Auto),
-        mesh(MeshMap::MeanValue),
+        mesh(MeshUnfolding::Auto),
+        mesh(MeshUnfolding::MeanValue),
     ];
     kinds.into_iter().map(|kind| {
         // Closed directions are B-splines.

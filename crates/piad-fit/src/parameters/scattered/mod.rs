@@ -23,7 +23,7 @@ use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 
 pub use cylinder::Cylinder;
-pub use mesh::{FoldedTriangles, MAX_TRIANGLES, Mesh, MeshMap, pieces};
+pub use mesh::{FoldedTriangles, MAX_TRIANGLES, Mesh, MeshUnfolding, pieces};
 pub use pairs::{Domain, Pairs};
 pub(crate) use plane::nearest_to_their_plane;
 pub use sections::{Sections, is_stack};
@@ -206,7 +206,7 @@ impl Scattered {
             Choice::Cylinder(cylinder) => Self::Cylinder(cylinder),
             Choice::Sphere(sphere) => Self::Sphere(sphere),
             Choice::MeanValue => Self::Mesh(Mesh {
-                map: MeshMap::MeanValue,
+                unfolding: MeshUnfolding::MeanValue,
                 ..mesh.clone()
             }),
         }

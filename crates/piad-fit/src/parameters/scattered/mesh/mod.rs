@@ -61,14 +61,14 @@ pub struct Mesh {
     /// The indices of the corners of each triangle.
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// How its vertices get their parameters.
-    pub map: MeshMap,
+    pub unfolding: MeshUnfolding,
 }
 
 /// How the vertices of a mesh get their parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum MeshMap {
+pub enum MeshUnfolding {
     /// From a plane, a cylinder or a sphere that unfolds all triangles, else by mean value coordinates.
     #[default]
     Auto,
@@ -122,9 +122,9 @@ impl Mesh {
             Ok((Stretch::new(&cloud, &topology.triangles, &pairs), pairs))
         };
         let stretch = |pairs: &Pairs| Stretch::new(&cloud, &topology.triangles, pairs);
-        let simple = match self.map {
-            MeshMap::MeanValue => None,
-            MeshMap::Auto => choice::simplest(points, &topology, is_closed, stretch),
+        let simple = match self.unfolding {
+            MeshUnfolding::MeanValue => None,
+            MeshUnfolding::Auto => choice::simplest(points, &topology, is_closed, stretch),
         };
         let (choice, stretch, pairs) = match simple {
             Some(simple) => {

@@ -32,20 +32,20 @@ fn places(rows: u32, columns: u32, place: impl Fn(f64, f64) -> [f64; 3]) -> Poin
     points
 }
 
-fn mesh(triangles: Vec<[u32; 3]>, map: MeshMap) -> Scattered {
+fn mesh(triangles: Vec<[u32; 3]>, unfolding: MeshUnfolding) -> Scattered {
     Scattered::Mesh(Mesh {
         triangles: Arc::new(triangles),
-        map,
+        unfolding,
     })
 }
 
 fn mean_values(triangles: &[[u32; 3]], points: &Points) -> Pairs {
-    let rule = mesh(triangles.to_vec(), MeshMap::MeanValue);
+    let rule = mesh(triangles.to_vec(), MeshUnfolding::MeanValue);
     rule.parameters(points, [false; 2]).unwrap()
 }
 
 fn refused(triangles: Vec<[u32; 3]>, points: &Points) -> (Place, String) {
-    let error = mesh(triangles, MeshMap::Auto).parameters(points, [false; 2]);
+    let error = mesh(triangles, MeshUnfolding::Auto).parameters(points, [false; 2]);
     let error = error.unwrap_err();
     (error.place, error.to_string())
 }
@@ -54,7 +54,7 @@ fn refused(triangles: Vec<[u32; 3]>, points: &Points) -> (Place, String) {
 fn folded(triangles: &[[u32; 3]], points: &Points) -> Option<FoldedTriangles> {
     let mesh = Mesh {
         triangles: Arc::new(triangles.to_vec()),
-        map: MeshMap::MeanValue,
+        unfolding: MeshUnfolding::MeanValue,
     };
     mesh.solved(points, false).unwrap().folded
 }
@@ -133,7 +133,9 @@ fn a_disc_fills_a_rectangle() {
             assert!((a - b / scale).abs() < 1e-9);
         }
     }
-    let rule = mesh(triangles, MeshMap::Auto).chosen(&points).unwrap();
+    let rule = mesh(triangles, MeshUnfolding::Auto)
+        .chosen(&points)
+        .unwrap();
     assert_eq!(rule, Scattered::Plane);
 }
 
@@ -146,7 +148,7 @@ fn simple_surfaces_are_preferred() {
         [5.0 * angle.cos(), 5.0 * angle.sin(), 9.0 * t]
     };
     let points = places(30, 10, half);
-    let rule = mesh(triangles.clone(), MeshMap::Auto)
+    let rule = mesh(triangles.clone(), MeshUnfolding::Auto)
         .chosen(&points)
         .unwrap();
     assert!(matches!(rule, Scattered::Cylinder(_)), "{rule:?}");
@@ -160,7 +162,7 @@ fn simple_surfaces_are_preferred() {
         ]
     };
     let points = places(30, 10, spiral);
-    let rule = mesh(triangles.clone(), MeshMap::Auto)
+    let rule = mesh(triangles.clone(), MeshUnfolding::Auto)
         .chosen(&points)
         .unwrap();
     assert!(matches!(rule, Scattered::Mesh(_)), "{rule:?}");
@@ -185,7 +187,7 @@ fn patches_fill_their_rectangle() {
     };
     let points = places(40, 25, patch);
     let triangles = grid(40, 25, false);
-    let rule = mesh(triangles.clone(), MeshMap::Auto)
+    let rule = mesh(triangles.clone(), MeshUnfolding::Auto)
         .chosen(&points)
         .unwrap();
     assert!(matches!(rule, Scattered::Mesh(_)), "{rule:?}");
@@ -209,7 +211,7 @@ fn two_loops_are_closed() {
     };
     let points = places(24, 30, bent);
     let triangles = grid(24, 30, true);
-    let rule = mesh(triangles.clone(), MeshMap::Auto)
+    let rule = mesh(triangles.clone(), MeshUnfolding::Auto)
         .chosen(&points)
         .unwrap();
     assert!(matches!(rule, Scattered::Mesh(_)), "{rule:?}");
@@ -242,7 +244,7 @@ fn rings_have_two_loops() {
     for (hole, is_closed) in [(0.4, true), (0.1, false)] {
         let ring = |[x, y, _]: [f64; 3]| (hole..0.9).contains(&x.hypot(y));
         let (triangles, points) = cut_out(&all, &points, ring);
-        let rule = mesh(triangles.clone(), MeshMap::Auto)
+        let rule = mesh(triangles.clone(), MeshUnfolding::Auto)
             .chosen(&points)
             .unwrap();
         assert_eq!(rule, Scattered::Plane);
@@ -306,7 +308,7 @@ fn closed_meshes_are_spheres() {
     let lanes = points.lanes().iter().zip([3.0, 3.5, 4.2]);
     let lanes = lanes.map(|(lane, scale)| lane.iter().map(|x| x * scale + 1.0).collect::<Vec<_>>());
     let points = Points::from_lanes(lanes);
-    let rule = mesh(triangles, MeshMap::Auto);
+    let rule = mesh(triangles, MeshUnfolding::Auto);
     let chosen = rule.chosen(&points).unwrap();
     assert!(matches!(chosen, Scattered::Sphere(_)), "{chosen:?}");
     let pairs = rule.parameters(&points, [false; 2]).unwrap();
@@ -444,7 +446,7 @@ fn meshes_that_are_no_surface_are_refused() {
     points.lanes_mut()[0][6] = same[0];
     points.lanes_mut()[1][6] = same[1];
     points.lanes_mut()[2][6] = same[2];
-    let error = mesh(good, MeshMap::MeanValue)
+    let error = mesh(good, MeshUnfolding::MeanValue)
         .parameters(&points, [false; 2])
         .unwrap_err();
     assert!(error.to_string().contains("at one place"), "{error}");
