@@ -165,7 +165,7 @@ async fn messages_have_triangles() {
                 unfolding: 2,
                 ..Default::default()
             },
-            "a map is that of triangles",
+            "an unfolding is that of triangles",
         ),
         (
             pb::ScatteredParameters {

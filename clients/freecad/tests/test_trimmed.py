@@ -9,7 +9,7 @@ import unittest
 import FreeCAD as App
 import Part
 
-STEPS = 40
+STEPS = 64
 
 
 def cap():

@@ -1,11 +1,14 @@
-//! The outline of a mesh: its boundary loops, with the mean length of their edges as unit.
+//! The outline of a mesh: its boundary loops, with half of the mean length of their edges as unit.
 
 use super::boundary::{Piece, Vertex};
 use super::cells::Side;
 use crate::data::points::Points;
 
-/// Holes of up to so many units along both directions are filled.
-const SMALL: f64 = 3.0;
+/// The unit, as a part of the mean length of edges.
+const UNIT: f64 = 0.5;
+
+/// Holes of up to this number of units along both directions are filled: three edges.
+const SMALL: f64 = 6.0;
 
 /// A vertex is a corner where the boundary turns by more than the angle with this cosine, over so many edges on either side.
 const COSINE: f64 = 0.5;
@@ -34,7 +37,7 @@ impl Boundary {
                 count += 1;
             }
         }
-        let unit = sum / count.max(1) as f64;
+        let unit = UNIT * sum / count.max(1) as f64;
         let place = |vertex: &u32| {
             let pair = parameters[*vertex as usize];
             [0, 1].map(|axis| (pair[axis] - sides[axis].low) / unit)
@@ -106,7 +109,7 @@ fn is_small(polygon: &[[f64; 2]]) -> bool {
     })
 }
 
-/// A polygon from one of its corners on, if it has one.
+/// The corners of a polygon and the middles of its edges, from one of the corners on, if it has one.
 fn vertices(polygon: &[[f64; 2]], is_turned: bool) -> Vec<Vertex> {
     let mut places = polygon.to_vec();
     if is_turned {
@@ -129,12 +132,20 @@ fn vertices(polygon: &[[f64; 2]], is_turned: bool) -> Vec<Vertex> {
         });
         cosines[k] < COSINE && is_sharpest
     };
-    let mut vertices: Vec<Vertex> = (0..count)
-        .map(|k| Vertex {
-            at: places[k],
-            is_corner: is_corner(k),
-        })
-        .collect();
+    // Through the middles of edges, so that steps go inside as far as outside.
+    let vertices = (0..count).flat_map(|k| {
+        let (at, next) = (places[k], places[(k + 1) % count]);
+        let corner = is_corner(k).then_some(Vertex {
+            at,
+            is_corner: true,
+        });
+        let middle = Vertex {
+            at: [0, 1].map(|axis| 0.5 * (at[axis] + next[axis])),
+            is_corner: false,
+        };
+        corner.into_iter().chain([middle])
+    });
+    let mut vertices: Vec<Vertex> = vertices.collect();
     let first = vertices.iter().position(|it| it.is_corner).unwrap_or(0);
     vertices.rotate_left(first);
     vertices
