@@ -185,7 +185,7 @@ export const jobs: Scenarios = {
     equal((await piad.fit({ curve: curve! })).state, "converged");
     const field = Array.from({ length: 6 }, (_, i) => `${i % 3} ${i * i} ${i}`).join("\n");
     const { surface } = await piad.readPoints(new Blob([field]), { size: "2x3" });
-    equal(surface?.points[1]?.[2], [2, 25, 5]);
+    equal(surface?.points?.[1]?.[2], [2, 25, 5]);
     const wrong = await refused(piad.readPoints("1,2\n3,oops\n"), ApiError);
     equal([wrong.status, wrong.problem?.errors?.[0]?.line], [422, 2]);
   },
