@@ -1,14 +1,14 @@
 //! What is left of a trimmed surface.
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::frame::Frame;
 use piad_fit::engine::outline::trimmed_area;
 use piad_fit::geometry::{Face, Nurbs, Outline};
 
 /// What is left of a trimmed surface: where its parameters are on the left of all loops.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{
     "area": 2.9, "distance": 0.1, "faces": [{"outer": 0, "holes": []}],
     "loops": [{"degree": 3, "knots": [0, 0, 0, 0, 2, 2, 2, 2], "control_points": [[0, 0], [3, 0], [0, 3], [0, 0]]}],
@@ -27,7 +27,7 @@ pub(crate) struct Trimmed {
 }
 
 /// A piece of a trimmed surface, by indices of loops.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"outer": 0, "holes": [1]}]))]
 pub(crate) struct TrimmedFace {
     /// The loop around it, counter-clockwise.
@@ -36,8 +36,8 @@ pub(crate) struct TrimmedFace {
     pub(crate) holes: Vec<usize>,
 }
 
-/// A closed B-spline curve in the parameters of a surface, which is on its left. It turns at knots of multiplicity 3.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+/// A closed B-spline curve in the parameters of a surface, which is on its left. It can turn at knots of multiplicity 3.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"degree": 3, "knots": [0, 0, 0, 0, 2, 2, 2, 2], "control_points": [[0, 0], [3, 0], [0, 3], [0, 0]]}]))]
 pub(crate) struct TrimLoop {
     /// The degree.

@@ -1,7 +1,7 @@
 //! What clients ask for: its JSON is what serde makes of these types, and protobuf messages are read into
 //! them.
 //!
-//! - [`job`]: a job, with its `shape` (`points`, `heights`, `basis`, `corners`, `ends`, [`scattered`] points), its `weights`, its
+//! - [`job`]: a job, with its `shape`, of a `surface` (`points`, `heights`, `basis`, `corners`, `ends`, [`scattered`] points), its `weights`, its
 //!   `method` with `settings`, and when it ends (`stop`); `edit`: changes of one, from an `iteration`;
 //! - `stream`: what the event streams of a job are like;
 //! - `mistakes`: all that is wrong with a request, each at a part of the model; `mathematics`: what is
@@ -35,5 +35,6 @@ pub(crate) mod settings;
 pub(crate) mod shape;
 pub(crate) mod stop;
 pub(crate) mod stream;
+pub(crate) mod surface;
 pub(crate) mod trim;
 pub(crate) mod weights;

@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 use super::schema::schema_of;
 use piad_fit::engine::Trim;
 
-/// Whether a surface is trimmed to the outline of its data: true, false, or a distance.
+/// How a surface is trimmed to the outline of its data: true, false, or a distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TrimInput(pub Option<Trim>);
 
@@ -61,7 +61,7 @@ schema_of!(
     TrimInput,
     "Trim",
     json_schema!({
-        "description": "Whether the surface is trimmed to the outline of its data, which is at most a distance from them, in the unit of the points: with `true` about the distance of the points from each other. Holes and gaps of up to two or three times the distance are filled; data in several islands give several loops. The result and files have the outline; the fit is the same without it.",
+        "description": "True if the surface is trimmed to the outline of its data, which is at most a distance from them, in the unit of the points: with `true` about the distance of the points from each other. Holes and gaps of up to two or three times the distance are filled; data in several islands give several loops. The result and files have the outline; the fit is the same without it.",
         "oneOf": [
             {"type": "boolean"},
             {

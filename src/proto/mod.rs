@@ -10,6 +10,7 @@ pub(crate) mod ends;
 pub(crate) mod job;
 mod least_squares;
 pub(crate) mod method;
+mod scattered;
 pub(crate) mod stream;
 pub(crate) mod values;
 

@@ -101,6 +101,35 @@ async fn sections_are_aligned() {
     assert_eq!(by_message, areas[0]);
 }
 
+/// Sections with few points and a fairness that is asked for, and with the least that the tolerance leaves: both stay near
+/// the ellipse between the points of the first section.
+#[tokio::test]
+async fn surfaces_do_not_swing_between_few_points() {
+    let server = Server::start().await;
+    for fairness in [None, Some(1e-9)] {
+        let mut method = json!({"kind": "least_squares", "control_points": "auto"});
+        if let Some(fairness) = fairness {
+            method["fairness"] = fairness.into();
+        }
+        let job = json!({
+            "surface": {"sections": hull(&[14, 57, 40, 57], 0.3, false)},
+            "method": method,
+            "stop": {"tolerance": 0.02},
+        });
+        let fitted = server.fit(&job).await;
+        assert_eq!(fitted["state"], "converged", "{fitted:#}");
+        let path = format!("{}/result?view=samples&samples=2x300", base(&fitted));
+        let result = server.json(&path).await;
+        let first = result["samples"][0].as_array().unwrap();
+        assert_eq!(first.len(), 300);
+        for point in first {
+            let [x, y] = [0, 1].map(|k| point[k].as_f64().unwrap());
+            let off = 4.0 * ((x / 6.0).hypot(y / 4.0) - 1.0);
+            assert!(off.abs() < 0.05, "{off} at {point}");
+        }
+    }
+}
+
 /// Open sections, few of them, and few points in them: the degree is lower where nothing is said of it.
 #[tokio::test]
 async fn few_open_sections() {
@@ -197,7 +226,17 @@ async fn wrong_sections_are_refused() {
             "{refused:#}"
         );
     }
-    // Curves that need a method of their own do not take sections.
+    // Sections keep their parameters.
+    let corrected =
+        json!({"kind": "least_squares", "control_points": "auto", "correct_parameters": true});
+    let body =
+        json!({"surface": {"sections": ring}, "method": corrected, "stop": {"tolerance": 0.1}});
+    let refused = refusal(server.post("/v1/jobs").json(&body)).await;
+    assert_eq!(
+        refused["errors"][0]["pointer"],
+        "/method/correct_parameters"
+    );
+    // No other method fits sections.
     let body = json!({"surface": {"sections": ring}, "method": "global"});
     let refused = refusal(server.post("/v1/jobs").json(&body)).await;
     assert_eq!(refused["errors"][0]["pointer"], "/method", "{refused:#}");

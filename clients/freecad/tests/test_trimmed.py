@@ -49,8 +49,7 @@ class TrimmedFace(unittest.TestCase):
         self.assertTrue(shape.isValid())
         self.assertEqual(len(shape.Faces), 1)
         self.assertEqual(len(shape.Faces[0].Wires), 2)
-        # The steps of the boundary are smoothed within a fifth of an edge.
-        self.assertAlmostEqual(shape.Area / area, 1, delta=0.02)
+        self.assertAlmostEqual(shape.Area / area, 1, delta=0.01)
         for vector in vectors[::7]:
             self.assertLess(shape.distToShape(Part.Vertex(vector))[0], 1.5)
 

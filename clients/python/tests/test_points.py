@@ -63,3 +63,23 @@ def test_files_are_fitted(client: piad.Client) -> None:
     result = client.fit_file(timed, tolerance=1e-9)
     assert result.state == "converged"
     assert result.parameters[0].tolist() == [0, 1, 3, 4]
+
+
+def test_sections_and_meshes_are_fitted_as_they_are_read(client: piad.Client) -> None:
+    angles = [2 * np.pi * np.arange(count) / count for count in (12, 15, 11)]
+    rings = [np.column_stack([3 * np.cos(a), 2 * np.sin(a), np.full(len(a), 4.0 * k)]) for k, a in enumerate(angles)]
+    text = "\n".join("".join(f"{x} {y} {z}\n" for x, y, z in ring) for ring in rings)
+    sections = client.read_points(text)
+    assert sections.scattered and sections.parameters == {"sections": [12, 15, 11]}
+    result = client.fit(sections.points, scattered=True, parameters=sections.parameters, tolerance=0.01)
+    assert result.state == "converged"
+    with pytest.raises(piad.ApiError, match="3 parts"):
+        client.read_points(text, sections=False)
+    places = [(x, y, x * y / 10) for x in range(5) for y in range(6)]
+    faces = [(6 * i + j + 1, 6 * i + j + 7, 6 * i + j + 8, 6 * i + j + 2) for i in range(4) for j in range(5)]
+    lines = ["v %g %g %g" % place for place in places] + ["f %d %d %d %d" % face for face in faces]
+    mesh = client.read_points("\n".join(lines) + "\n")
+    assert mesh.scattered and isinstance(mesh.parameters, dict) and len(mesh.parameters["triangles"]) == 40
+    assert client.fit(mesh.points, scattered=True, parameters=mesh.parameters, tolerance=0.01).state == "converged"
+    with pytest.raises(piad.ApiError, match="piece"):
+        client.read_points("\n".join(lines) + "\n", piece=2)

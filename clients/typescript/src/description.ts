@@ -255,7 +255,7 @@ export interface paths {
         put?: never;
         /**
          * Read a file of points
-         * @description The points of a file as a job has them, and what was found out about it: tables (CSV, XYZ, airfoils), JSON arrays of points, of rows of points or of rows of heights, GPX, GeoJSON, DXF, SVG, G-code, PLY, STL, OBJ, OFF, PCD, LAS and ESRI grids. Of a file with several curves `part` chooses one. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
+         * @description The points of a file as a job has them, and what was found out about it: tables (CSV, XYZ, airfoils), JSON arrays of points, of rows of points or of rows of heights, GPX, GeoJSON, DXF, SVG, G-code, PLY, STL, OBJ, OFF, PCD, LAS and ESRI grids. Of a file with several curves `part` chooses one. Sections and the vertices of a mesh are scattered points, with the parameters that a job has. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
          */
         post: operations["readPoints"];
         delete?: never;
@@ -1027,7 +1027,7 @@ export interface components {
             creases?: components["schemas"]["Creases"] | null;
             /** @description How it ends; one value for both directions, or one for each that is not closed. */
             ends?: components["schemas"]["SurfaceEnds"] | null;
-            /** @description Whether it is trimmed to the outline of its data. */
+            /** @description How it is trimmed to the outline of its data; without it not at all. */
             trim?: components["schemas"]["Trim"] | null;
         };
         /**
@@ -1483,7 +1483,7 @@ export interface components {
             v?: ("estimated" | "repeated" | "natural") | components["schemas"]["SurfaceEndPair"];
         };
         /**
-         * @description Whether the surface is trimmed to the outline of its data, which is at most a distance from them, in the unit of the points: with `true` about the distance of the points from each other. Holes and gaps of up to two or three times the distance are filled; data in several islands give several loops. The result and files have the outline; the fit is the same without it. Default: `false`.
+         * @description True if the surface is trimmed to the outline of its data, which is at most a distance from them, in the unit of the points: with `true` about the distance of the points from each other. Holes and gaps of up to two or three times the distance are filled; data in several islands give several loops. The result and files have the outline; the fit is the same without it. Default: `false`.
          * @example true
          * @example {
          *       "distance": 0.5
@@ -3474,7 +3474,7 @@ export interface components {
             holes: number[];
         };
         /**
-         * @description A closed B-spline curve in the parameters of a surface, which is on its left. It turns at knots of multiplicity 3.
+         * @description A closed B-spline curve in the parameters of a surface, which is on its left. It can turn at knots of multiplicity 3.
          * @example {
          *       "degree": 3,
          *       "knots": [
@@ -5662,6 +5662,16 @@ export interface components {
          */
         "surface.size": string;
         /**
+         * @description True if the parts of the file are sections of one surface, false if they are not. Without it closed curves of a table that lie one behind the other are.
+         * @example true
+         */
+        "surface.sections": boolean;
+        /**
+         * @description Which piece of a mesh is read, 1 being the largest, which is read without it.
+         * @example 1
+         */
+        piece: number;
+        /**
          * @description The order of the points of a curve, which are refused otherwise where they seem to have none: `given` is that of the file. `nearest`, with which a job puts them in order, shows them as they are.
          * @example given
          */
@@ -6046,6 +6056,8 @@ export type ParameterPart = components['parameters']['part'];
 export type ParameterColumns = components['parameters']['columns'];
 export type ParameterCurveParameters = components['parameters']['curve.parameters'];
 export type ParameterSurfaceSize = components['parameters']['surface.size'];
+export type ParameterSurfaceSections = components['parameters']['surface.sections'];
+export type ParameterPiece = components['parameters']['piece'];
 export type ParameterCurveOrder = components['parameters']['curve.order'];
 export type ParameterState = components['parameters']['state'];
 export type ParameterLimit = components['parameters']['limit'];
@@ -6453,6 +6465,11 @@ export interface operations {
                  */
                 part?: components["parameters"]["part"];
                 /**
+                 * @description Which piece of a mesh is read, 1 being the largest, which is read without it.
+                 * @example 1
+                 */
+                piece?: components["parameters"]["piece"];
+                /**
                  * @description Which columns of a table are what, by numbers from 1 or by names: `x=2,y=3`, or `t,q1:q7`, whose times are the parameters of a curve with seven coordinates. Without it the names of the columns say it.
                  * @example x=2,y=3
                  */
@@ -6462,6 +6479,11 @@ export interface operations {
                  * @example 40x60
                  */
                 "surface.size"?: components["parameters"]["surface.size"];
+                /**
+                 * @description True if the parts of the file are sections of one surface, false if they are not. Without it closed curves of a table that lie one behind the other are.
+                 * @example true
+                 */
+                "surface.sections"?: components["parameters"]["surface.sections"];
                 /**
                  * @description The order of the points of a curve, which are refused otherwise where they seem to have none: `given` is that of the file. `nearest`, with which a job puts them in order, shows them as they are.
                  * @example given

@@ -68,7 +68,6 @@ pub mod limit {
 
 /// Evaluation of NURBS.
 pub mod nurbs {
-    pub use crate::geometry::nurbs::in_space;
     pub use crate::geometry::nurbs::sampling::{Jet, SpanParameter, steps_between};
 }
 
@@ -94,5 +93,5 @@ pub mod outline {
 
 /// Vectors of space.
 pub mod vectors {
-    pub use crate::data::vectors::{cross, dot, length, minus, unit};
+    pub use crate::data::vectors::{cross, dot, in_space, length, minus, unit};
 }

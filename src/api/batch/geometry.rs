@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::job::trim::{TrimLoop, Trimmed, TrimmedFace};
 use piad_files::export::Nurbs;
 use piad_files::export::nurbs::{DirectionData, assemble, products};
 use piad_fit::data::Points;
@@ -16,28 +17,7 @@ pub(crate) struct Geometry {
     knots: Each<Option<Vec<f64>>>,
     control_points: Net,
     weights: Option<Weights>,
-    trim: Option<Trim>,
-}
-
-/// What is left of a trimmed surface.
-#[derive(Debug, Deserialize)]
-struct Trim {
-    distance: f64,
-    faces: Vec<TrimFace>,
-    loops: Vec<TrimLoop>,
-}
-
-#[derive(Debug, Deserialize)]
-struct TrimFace {
-    outer: usize,
-    holes: Vec<usize>,
-}
-
-#[derive(Debug, Deserialize)]
-struct TrimLoop {
-    degree: usize,
-    knots: Vec<f64>,
-    control_points: Vec<[f64; 2]>,
+    trim: Option<Trimmed>,
 }
 
 /// A value of both directions, or one of each.
@@ -135,7 +115,7 @@ impl Geometry {
             assemble(direction, None, points, None).map_err(|reason| reason.to_string())
         };
         let loops: Vec<Nurbs> = trim.loops.iter().map(curve).collect::<Result<_, _>>()?;
-        let face = |it: &TrimFace| {
+        let face = |it: &TrimmedFace| {
             let first = it.outer + 1;
             let holes = first..first + it.holes.len();
             let is_known = holes.end <= loops.len() && holes.clone().eq(it.holes.iter().copied());

@@ -20,7 +20,7 @@ use super::body_limits::ReceivedBody;
 use super::{body, negotiate};
 use crate::api::app::App;
 use crate::api::json::request::file::{
-    self, COLUMNS, FileHints, FileWords, ORDER, PART, SECTIONS, SIZE,
+    self, COLUMNS, FileHints, FileWords, ORDER, PART, PIECE, SECTIONS, SIZE,
 };
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
@@ -58,6 +58,7 @@ struct PointsQuery {
     parameters: Option<String>,
     columns: Option<String>,
     part: Option<String>,
+    piece: Option<String>,
 }
 
 /// `POST /v1/points`: the points of a file, as the JSON of a job has them.
@@ -71,6 +72,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
         (ORDER, query.order),
         (COLUMNS, query.columns),
         (PART, query.part),
+        (PIECE, query.piece),
     ] {
         if let Some(text) = text {
             take(&mut reading, name, &text)?;

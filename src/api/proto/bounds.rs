@@ -65,12 +65,15 @@ const END: &[Part] = &[
     part(3, "tangents", VECTORS),
 ];
 const ENDS: &[Part] = &[part(1, "start", One(END)), part(2, "end", One(END))];
+const INDICES: &[Part] = &[part(1, "indices", Indices)];
+const CORNERS: &[Part] = &[part(1, "at", One(INDICES))];
 const CURVE: &[Part] = &[
     part(2, "points", VECTORS),
     part(3, "basis", One(BASIS)),
     part(4, "parameters", One(PARAMETERS)),
     part(5, "weights", NUMBERS),
     part(7, "ends", One(ENDS)),
+    part(8, "corners", One(CORNERS)),
 ];
 const DIRECTION: &[Part] = &[
     part(1, "basis", One(BASIS)),
@@ -79,7 +82,13 @@ const DIRECTION: &[Part] = &[
     part(5, "ends", One(ENDS)),
     part(6, "creases", Indices),
 ];
-const SCATTERED: &[Part] = &[part(2, "values", Numbers(2)), part(8, "triangles", Corners)];
+const SCATTERED: &[Part] = &[
+    part(2, "values", Numbers(2)),
+    part(4, "axis", NUMBERS),
+    part(5, "center", NUMBERS),
+    part(8, "sections", Indices),
+    part(10, "triangles", Corners),
+];
 const SURFACE: &[Part] = &[
     part(4, "points", VECTORS),
     part(5, "missing", Indices),
@@ -303,4 +312,64 @@ fn split(mut message: &[u8], wire_type: WireType) -> Option<(&[u8], &[u8])> {
         whole
     };
     start.split_at_checked(length)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use prost_types::field_descriptor_proto::{Label, Type};
+    use prost_types::{DescriptorProto, FileDescriptorSet};
+
+    use super::*;
+    use crate::proto::DESCRIPTORS;
+
+    /// The message with this name and those within it.
+    fn collect(name: &str, message: DescriptorProto, all: &mut HashMap<String, DescriptorProto>) {
+        for within in message.nested_type.clone() {
+            collect(&format!("{name}.{}", within.name()), within, all);
+        }
+        all.insert(name.to_owned(), message);
+    }
+
+    /// Every list of numbers in these messages is counted, at the number that its field has in the contract.
+    fn check(parts: &[Part], name: &str, all: &HashMap<String, DescriptorProto>) {
+        let fields = &all[name].field;
+        for part in parts {
+            let field = fields.iter().find(|it| it.number() == part.tag as i32);
+            let field = field.unwrap_or_else(|| panic!("{name} has no field {}", part.tag));
+            assert_eq!(field.name(), part.name, "{name}");
+            if let One(parts) | Many(_, parts) = part.content {
+                check(parts, field.type_name(), all);
+            }
+        }
+        let is_list = |label: Label, kind: Type| {
+            label == Label::Repeated && !matches!(kind, Type::Message | Type::String)
+        };
+        for field in fields {
+            let is_counted = parts.iter().any(|part| part.name == field.name());
+            match field.r#type() {
+                Type::Message if !is_counted => check(&[], field.type_name(), all),
+                kind if is_list(field.label(), kind) => {
+                    assert!(is_counted, "{name}.{} is not counted", field.name());
+                }
+                _ => {}
+            }
+        }
+    }
+
+    #[test]
+    fn lists_are_counted_by_the_numbers_of_the_contract() {
+        let described = FileDescriptorSet::decode(DESCRIPTORS).unwrap();
+        let mut all = HashMap::new();
+        for file in described.file {
+            let package = file.package().to_owned();
+            for message in file.message_type {
+                collect(&format!(".{package}.{}", message.name()), message, &mut all);
+            }
+        }
+        check(pb::JobInput::PARTS, ".piad.v1.JobInput", &all);
+        check(pb::BatchOptions::PARTS, ".piad.v1.BatchOptions", &all);
+        check(pb::Edit::PARTS, ".piad.v1.Edit", &all);
+    }
 }

@@ -249,6 +249,8 @@ class Service:
         part: Union[int, str, None] = None,
         columns: Optional[str] = None,
         size: Optional[str] = None,
+        sections: Optional[bool] = None,
+        piece: Optional[int] = None,
         order: Optional[str] = None,
         times: bool = False,
     ) -> FilePoints:
@@ -256,7 +258,8 @@ class Service:
 
         `file` is its path (`pathlib.Path`), its bytes or its text. Of a file with several curves `part` chooses one,
         by its number from 1 or its name; `columns`, such as `"x=2,y=3"`, says what the columns of a table are; `size`,
-        such as `"40x60"`, is the number of rows and columns of a surface; with `order="given"` the order of points
+        such as `"40x60"`, is the number of rows and columns of a surface; with `sections` its parts are sections of one surface;
+        of a mesh with several pieces `piece` chooses one, 1 being the largest; with `order="given"` the order of points
         is not looked at; with `times` the times of the points are their parameters. Nothing is fitted. Errors in a
         file name their lines (`ApiError`).
         """
@@ -265,6 +268,8 @@ class Service:
                 "part": None if part is None else str(part),
                 "columns": columns,
                 "surface.size": size,
+                "surface.sections": None if sections is None else str(sections).lower(),
+                "piece": None if piece is None else str(piece),
                 "curve.order": order,
                 "curve.parameters": "time" if times else None,
             }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Optional
+from typing import Any, Optional, Union
 
 from ._arrays import Array, as_array, size
 from .errors import ProtocolError
@@ -15,15 +15,18 @@ class FilePoints:
     """The points of a file, as fits take them."""
 
     points: Array
-    """Of a curve of shape (n, dimension), of a surface (rows, columns, dimension)."""
+    """Of a curve and of scattered points of shape (n, dimension), of rows of a surface (rows, columns, dimension)."""
     name: Optional[str] = None
     """What the file calls itself."""
     notices: tuple[str, ...] = ()
     """What was found out about the file, in sentences."""
     closed: bool = False
     """The curve is closed: the file had its first point at the end again, which is not among the points."""
-    parameters: Optional[tuple[float, ...]] = None
-    """The parameters of the points of a curve: their times, where these were asked for."""
+    parameters: Union[tuple[float, ...], Mapping[str, Any], None] = None
+    """The parameters of the points of a curve: their times, where these were asked for. Of scattered points those that fits
+    take: the numbers of points of sections, or the triangles of a mesh."""
+    scattered: bool = False
+    """The points are those of sections, or the vertices of a mesh."""
 
     def __repr__(self) -> str:
         closed = ", closed" if self.closed else ""
@@ -37,10 +40,12 @@ class FilePoints:
         if shape is None:
             raise ProtocolError("the server has read neither a curve nor a surface")
         parameters = shape.get("parameters")
+        is_scattered = "scattered" in shape
         return cls(
-            as_array(shape["points"]),
+            as_array(shape["scattered" if is_scattered else "points"]),
             value.get("name"),
             tuple(value["notices"]),
             shape.get("closed", False),
-            None if parameters is None else tuple(parameters),
+            tuple(parameters) if isinstance(parameters, list) else parameters,
+            is_scattered,
         )

@@ -2,8 +2,8 @@
 
 use super::nurbs::{KnotVector, Nurbs};
 use piad_fit::data::Grid;
-use piad_fit::engine::nurbs::{SpanParameter, in_space};
-use piad_fit::engine::vectors::{length, minus};
+use piad_fit::engine::nurbs::SpanParameter;
+use piad_fit::engine::vectors::{in_space, length, minus};
 use piad_fit::engine::{Direction, Problem};
 
 /// The most data points at which the distance is computed; of more, some rows and columns are left out.

@@ -26,7 +26,7 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
     let is_mesh = !part.triangles.is_empty();
     let surface = hints.kind == Some(Kind::Surface)
         || are_sections
-        || is_mesh && hints.meshes && hints.kind.is_none() && !hints.ordered;
+        || is_mesh && hints.kind.is_none() && !hints.ordered;
     let grid = match is_mesh && surface && hints.size.is_none() {
         true => None,
         false => grid(&mut part, hints)?,

@@ -19,12 +19,10 @@ pub struct Hints {
     pub columns: Option<Columns>,
     /// Which part is read of a file with several.
     pub part: Option<PartChoice>,
-    /// True if the parts of the file are sections of a surface; the file shows it where nobody says it.
+    /// True if the parts of the file are sections of a surface; without it the file shows it.
     pub sections: Option<bool>,
     /// Which piece of a mesh is read, from 1, the largest first.
     pub piece: Option<usize>,
-    /// True if a mesh is a surface where nothing says what the points are of.
-    pub meshes: bool,
     /// True if the times of points are the parameters of a curve.
     pub times: bool,
     /// The most points that may be in it.
@@ -43,7 +41,6 @@ impl Default for Hints {
             part: None,
             sections: None,
             piece: None,
-            meshes: false,
             times: false,
             most: usize::MAX,
         }

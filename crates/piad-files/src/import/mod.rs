@@ -126,7 +126,13 @@ pub fn read_parts(file: &[u8], hints: &Hints) -> Result<Vec<Imported>, FileError
 /// The parts of a file, sections as one.
 fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     let (parts, is_table) = parts_of_format(file, hints)?;
-    Ok(sections::joined(parts, is_table, hints)?)
+    let mut parts = sections::joined(parts, is_table, hints)?;
+    let count = parts.parts.len();
+    if is_table && count > 1 {
+        let notice = format!("The file has {count} parts between blank lines.");
+        parts.notices.push(notice);
+    }
+    Ok(parts)
 }
 
 /// The parts of a file as its format has them, and true if that is a table.
@@ -183,12 +189,8 @@ fn tables(mut table: Part, hints: &Hints) -> Result<Parts, FileErrors> {
     if !grid_detection::is_several(&table, hints) {
         return Ok(table.into());
     }
-    let mut notices = std::mem::take(&mut table.notices);
+    let notices = std::mem::take(&mut table.notices);
     let parts = table.split()?;
-    notices.push(format!(
-        "The file has {} parts between blank lines.",
-        parts.len()
-    ));
     Ok(Parts { parts, notices })
 }
 

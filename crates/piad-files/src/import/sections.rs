@@ -9,7 +9,7 @@ use piad_fit::engine::is_stack;
 /// The hint that says it.
 const SECTIONS: &str = "surface.sections";
 
-/// The fewest points of a section of which nobody says that it is one.
+/// The fewest points of a section that is recognised as one.
 const FEWEST: usize = 4;
 
 /// The parts as one of sections, where the hints ask for that or the file shows it: as several parts of a table of a
@@ -29,7 +29,7 @@ pub(super) fn joined(mut parts: Parts, is_table: bool, hints: &Hints) -> Result<
             return Err(FileError::of_hint(SECTIONS, detail));
         }
         if is_asked || are_rows {
-            name_sections(part);
+            make_sections(part);
         }
         return Ok(parts);
     }
@@ -57,10 +57,7 @@ pub(super) fn joined(mut parts: Parts, is_table: bool, hints: &Hints) -> Result<
         whole.lines.extend(part.lines);
         whole.notices.extend(part.notices);
     }
-    name_sections(&mut whole);
-    parts
-        .notices
-        .retain(|notice| !notice.contains("parts between blank lines"));
+    make_sections(&mut whole);
     Ok(Parts {
         parts: vec![whole],
         notices: parts.notices,
@@ -77,8 +74,8 @@ fn are_shown(parts: &[Part], hints: &Hints) -> bool {
     }
 }
 
-/// Says that a part is one of sections.
-fn name_sections(part: &mut Part) {
+/// Makes a part one of sections.
+fn make_sections(part: &mut Part) {
     if let Order::Rows(grid) = part.order {
         part.breaks = (1..grid.rows).map(|row| row * grid.columns).collect();
     }
@@ -128,7 +125,7 @@ mod tests {
             notice,
             "The file has 3 sections of 8 to 10 points, of one surface."
         );
-        // They are curves where somebody says so.
+        // They are curves if that is said.
         for hints in [
             Hints {
                 kind: Some(Kind::Curve),

@@ -15,7 +15,6 @@ pub(super) const HINTS: Hints = Hints {
     part: None,
     sections: None,
     piece: None,
-    meshes: false,
     times: false,
     most: 100,
 };
@@ -362,7 +361,7 @@ fn curves_have_an_order() {
         kind: Some(Kind::Curve),
         ..HINTS
     };
-    assert_eq!(errors_of(&text, curve), wrong);
+    assert_eq!(errors_of(&text, curve.clone()), wrong);
     let ordered = Hints {
         ordered: true,
         ..HINTS
@@ -375,7 +374,7 @@ fn curves_have_an_order() {
     assert!(read_many(&text, surface).unwrap().unordered);
     // The vertices of a mesh have none, however they lie.
     let mesh = "OFF\n3 1 3\n0 0 0\n1 0 0\n2 0 0.1\n3 0 1 2\n";
-    assert_eq!(errors_of(mesh, HINTS), wrong);
+    assert_eq!(errors_of(mesh, curve), wrong);
 }
 
 fn read_many(text: &str, hints: Hints) -> Result<Imported, Vec<FileError>> {

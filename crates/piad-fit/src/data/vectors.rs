@@ -30,3 +30,12 @@ pub fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
+
+/// The place of a point in space: points of the plane have z = 0.
+pub fn in_space(coordinates: impl Iterator<Item = f64>) -> [f64; 3] {
+    let mut place = [0.0; 3];
+    for (x, coordinate) in place.iter_mut().zip(coordinates) {
+        *x = coordinate;
+    }
+    place
+}

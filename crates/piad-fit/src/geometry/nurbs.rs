@@ -10,6 +10,7 @@ use crate::basis::Basis;
 use crate::basis::bezier::ToBezier;
 use crate::basis::direction::Direction;
 use crate::data::points::Points;
+use crate::data::vectors::in_space;
 use crate::setup::Setup;
 
 /// The B-spline basis of one direction.
@@ -81,15 +82,6 @@ fn bezier(degree: usize) -> Vec<f64> {
     let mut knots = vec![0.0; degree + 1];
     knots.resize(2 * (degree + 1), 1.0);
     knots
-}
-
-/// The place of a point in space: points of the plane have z = 0.
-pub fn in_space(coordinates: impl Iterator<Item = f64>) -> [f64; 3] {
-    let mut place = [0.0; 3];
-    for (x, coordinate) in place.iter_mut().zip(coordinates) {
-        *x = coordinate;
-    }
-    place
 }
 
 /// A B-spline curve or surface, polynomial or rational (PT97 (4.1), (4.15)).

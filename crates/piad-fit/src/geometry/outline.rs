@@ -8,7 +8,7 @@ use crate::geometry::nurbs::{KnotVector, Nurbs};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     /// Closed cubic B-splines in (u, v), with clamped knots; none if the surface has all of the rectangle. The surface is on
-    /// their left. They turn at knots of multiplicity 3.
+    /// their left. They can turn at knots of multiplicity 3.
     pub loops: Vec<Nurbs>,
     /// The pieces that it is in.
     pub faces: Vec<Face>,

@@ -5,6 +5,7 @@ use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
 use crate::invalid::{Axis, Invalid, Place, Setting};
 use crate::method::{At, Constraint, Variant};
+use crate::parameters::Scattered;
 
 /// Refuses what an automatic fit does not do.
 pub(crate) fn check_request(request: &Request) -> Result<(), Invalid> {
@@ -35,12 +36,15 @@ pub(crate) fn check_request(request: &Request) -> Result<(), Invalid> {
     }
     let has_parameters_that_move = match request.v {
         None => settings.is_plain(),
-        Some(_) => request.scattered.is_some() && settings.allows_poles() && !settings.robust,
+        Some(_) => {
+            let moves = !matches!(request.scattered, None | Some(Scattered::Sections(_)));
+            moves && settings.allows_poles() && !settings.robust
+        }
     };
     if automatic.correct_parameters && !has_parameters_that_move {
         return Err(Invalid::at(
             Place::Setting(Setting::CorrectParameters),
-            "correct_parameters is for curves without constraints and fairness whose ends are interpolated, and for scattered points without constraints, data_weights and robust",
+            "correct_parameters is for curves without constraints and fairness whose ends are interpolated, and for scattered points that are no sections, without constraints, data_weights and robust",
         ));
     }
     if let Some(&index) = request.missing.first() {

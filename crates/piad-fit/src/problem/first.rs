@@ -129,5 +129,11 @@ pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usi
         Some(_) if !settings.is_plain_surface() => data * (2 * width + 3 * dimension + 8) + FACTOR,
         _ => 0,
     };
-    (by_data + by_control_points + normal + constrained) * size_of::<f64>()
+    // Places and derivatives at all points, and these once more at other parameters.
+    let moves = settings.automatic.is_some_and(|it| it.correct_parameters);
+    let moved = match setup.v() {
+        Some(_) if moves => data * (4 * dimension + 2 * width + 8),
+        _ => 0,
+    };
+    (by_data + by_control_points + normal + constrained + moved) * size_of::<f64>()
 }

@@ -12,6 +12,7 @@ mod automatic;
 mod checks;
 mod construction;
 mod corners;
+mod cost;
 mod creases;
 mod fairness;
 mod first;
@@ -22,6 +23,7 @@ mod repeated;
 pub(crate) mod request;
 mod robust;
 mod scattered;
+mod unfolding;
 
 pub(crate) use robust::Inliers;
 
@@ -42,10 +44,7 @@ use crate::data::missing::Missing;
 use crate::data::points::{self, Points};
 use crate::data::weights;
 use crate::geometry::outline::Outline;
-use crate::matrix::collocation::Collocation;
-use crate::matrix::sparse::Sparse;
-use crate::parameters::scattered::Unfolded;
-use crate::parameters::{Domain, FoldedTriangles, Pairs, Scattered};
+use crate::parameters::{FoldedTriangles, Pairs, Scattered};
 use admission::Admission;
 
 use checks::{
@@ -54,6 +53,7 @@ use checks::{
 };
 
 use request::{Request, Tolerance, Weights};
+use unfolding::{chosen, pairs, unfolded};
 
 /// A validated fitting problem: a `Setup` with a method. It can be iterated, and every error left
 /// is one of arithmetic.
@@ -90,9 +90,6 @@ impl Deref for Problem {
         &self.setup
     }
 }
-
-/// The bytes for each point that it takes to find an outline: its parameters and its place, and at most 16 cells.
-const BYTES_OF_OUTLINE: usize = 192;
 
 impl Problem {
     /// Validates a request, computes parameters and knots and resolves the tolerance.
@@ -308,28 +305,6 @@ impl Problem {
         self.method().is_automatic()
     }
 
-    /// The most free control points that a level can have.
-    pub fn most_control_points(&self) -> usize {
-        let Some((settings, _)) = self.method().automatic() else {
-            return self.control_grid().count();
-        };
-        if let Some((alone, _)) = self.alone() {
-            return alone.most_control_points();
-        }
-        if let Some(most) = self.most_control_points_of_pieces() {
-            return settings.u.min(most);
-        }
-        let grid = self.grid();
-        let columns = self.v().map_or(1, |_| settings.v.min(grid.columns));
-        let rows = match self.v() {
-            None => self.most_beside_data(grid.rows),
-            Some(_) => grid.rows,
-        };
-        let most = settings.u.min(rows).saturating_mul(columns);
-        most.max(self.most_of_sections().unwrap_or_default())
-            .max(self.control_grid().count())
-    }
-
     /// What is fitted, whatever the method.
     pub fn setup(&self) -> &Arc<Setup> {
         &self.setup
@@ -390,101 +365,6 @@ impl Problem {
         }
         warnings
     }
-
-    /// How many bytes iterating this problem once takes, the data included: vectors of n points,
-    /// collocation matrices and their factorizations. It is an upper bound by what the method
-    /// demands, for admission.
-    pub fn memory(&self) -> usize {
-        let points = self.grid().count();
-        let demand = self.method().scheme().demand();
-        // Data, control points, residual and what the method needs besides; scratch on surfaces.
-        let given = usize::from(self.is_homogeneous()) + usize::from(self.start().is_some());
-        let shifted = usize::from(self.offsets().is_some());
-        let vectors = 3 + given + shifted + demand.vectors;
-        let scratch = usize::from(self.v().is_some());
-        let arrays = (vectors * self.data().dimension() + scratch) * points * size_of::<f64>();
-        let outline = self.request.trim.map_or(0, |_| BYTES_OF_OUTLINE * points);
-        let arrays = arrays + outline;
-        let arrays = arrays + self.request.scattered.as_ref().map_or(0, Scattered::bytes);
-        if let Some((settings, _)) = self.method().automatic() {
-            let most = self.most_control_points();
-            return arrays + first::memory(self, settings, most) + demand.bytes;
-        }
-        if let (true, Some(v)) = (self.is_scattered(), self.v()) {
-            let matrix = Sparse::memory(self.u(), v);
-            return arrays + matrix + demand.bytes;
-        }
-        let directions = self.directions().map(|direction| {
-            2 * direction.parameters.len() * size_of::<f64>()
-                + demand.matrices * Collocation::memory(direction)
-        });
-        let offsets = self.offsets().map_or(0, Offsets::numbers) * size_of::<f64>();
-        let knots = adaptive_knots::memory(&self.request, &self.setup);
-        directions.sum::<usize>() + arrays + offsets + demand.bytes + knots
-    }
-
-    /// Multiplications of one iteration: the measure of how long a step takes, for fair shares of
-    /// time.
-    pub fn step_cost(&self) -> usize {
-        self.residual_cost() + self.method().scheme().step_cost(self)
-    }
-
-    /// About how many multiplications prepare the first iteration: evaluating bases,
-    /// factorizations, eigenvalues.
-    pub fn start_cost(&self) -> usize {
-        let method = self.method().scheme().start_cost(self);
-        let placing = adaptive_knots::cost(&self.request, &self.setup);
-        self.preparation_cost()
-            .saturating_add(method)
-            .saturating_add(placing)
-    }
-}
-
-/// How scattered points get their parameters, if that is to be chosen.
-fn chosen(request: &Request) -> Result<Option<Scattered>, Invalid> {
-    match &request.scattered {
-        Some(rule @ (Scattered::Auto | Scattered::Sections(_))) => {
-            rule.chosen(&request.points).map(Some)
-        }
-        _ => Ok(None),
-    }
-}
-
-/// The parameters of a mesh, unless these take too much.
-fn unfolded(request: &Request, admission: &Admission) -> Result<Option<Unfolded>, Invalid> {
-    let Some(rule) = &request.scattered else {
-        return Ok(None);
-    };
-    if let Scattered::Mesh(mesh) = rule {
-        mesh.check_count()?;
-        let (bytes, multiplications) = mesh.cost();
-        admission.check(bytes, 0, multiplications)?;
-    }
-    rule.unfolded(&request.points, closed(request))
-}
-
-/// Which directions are asked to be closed.
-fn closed(request: &Request) -> [bool; 2] {
-    [Some(&request.u), request.v.as_ref()].map(|it| it.is_some_and(|it| it.closed))
-}
-
-/// The parameters of scattered points. Surfaces with a pole end at the data unless they are as those of `auto` without
-/// conditions, of which all control points of a pole are one.
-fn pairs(request: &Request, chosen: Option<&Scattered>) -> Result<Option<Pairs>, Invalid> {
-    let scattered = chosen.or(request.scattered.as_ref());
-    let pairs = scattered.map(|it| it.parameters(&request.points, closed(request)));
-    let Some(mut pairs) = pairs.transpose()? else {
-        return Ok(None);
-    };
-    let settings = request.method.automatic();
-    if settings.is_none_or(|(settings, _)| !settings.allows_poles()) {
-        for domain in &mut pairs.domains {
-            if domain.poles() != [false; 2] {
-                *domain = Domain::Data;
-            }
-        }
-    }
-    Ok(Some(pairs))
 }
 
 /// The directions of what was asked for.

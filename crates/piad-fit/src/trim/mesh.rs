@@ -2,7 +2,6 @@
 
 use super::boundary::{Piece, Vertex};
 use super::cells::Side;
-use crate::data::points::Points;
 
 /// The unit, as a part of the mean length of edges.
 const UNIT: f64 = 0.5;
@@ -10,7 +9,7 @@ const UNIT: f64 = 0.5;
 /// Holes of up to this number of units along both directions are filled: three edges.
 const SMALL: f64 = 6.0;
 
-/// A vertex is a corner where the boundary turns by more than the angle with this cosine, over so many edges on either side.
+/// A vertex is a corner where the boundary turns by more than the angle with this cosine, over this number of edges on either side.
 const COSINE: f64 = 0.5;
 const EDGES: usize = 3;
 
@@ -29,15 +28,11 @@ pub(super) struct Boundary {
 impl Boundary {
     /// The loops of vertices with these parameters, which go along no closed direction.
     pub(super) fn new(loops: &[Vec<u32>], parameters: &[[f64; 2]], sides: [Side; 2]) -> Self {
-        let (mut sum, mut count) = (0.0, 0_usize);
-        for line in loops {
-            for (a, b) in line.iter().zip(line.iter().cycle().skip(1)) {
-                let [from, to] = [a, b].map(|vertex| parameters[*vertex as usize]);
-                sum += (to[0] - from[0]).hypot(to[1] - from[1]);
-                count += 1;
-            }
-        }
-        let unit = UNIT * sum / count.max(1) as f64;
+        let edge = |[a, b]: [usize; 2]| {
+            let [from, to] = [parameters[a], parameters[b]];
+            (to[0] - from[0]).hypot(to[1] - from[1])
+        };
+        let unit = UNIT * mean_edge(loops, edge);
         let place = |vertex: &u32| {
             let pair = parameters[*vertex as usize];
             [0, 1].map(|axis| (pair[axis] - sides[axis].low) / unit)
@@ -77,18 +72,20 @@ impl Boundary {
         let side = self.sides[axis];
         (side.low + place * self.unit).clamp(side.low, side.high)
     }
+}
 
-    /// The mean length in space of the edges of some loops.
-    pub(super) fn length(loops: &[Vec<u32>], points: &Points) -> f64 {
-        let (mut sum, mut count) = (0.0, 0_usize);
-        for line in loops {
-            for (a, b) in line.iter().zip(line.iter().cycle().skip(1)) {
-                sum += points.distance(*a as usize, *b as usize);
-                count += 1;
-            }
-        }
-        sum / count.max(1) as f64
-    }
+/// The mean length of the edges of some loops.
+pub(super) fn mean_edge(loops: &[Vec<u32>], length: impl Fn([usize; 2]) -> f64) -> f64 {
+    let edges = loops.iter().flat_map(|line| {
+        let next = line.iter().cycle().skip(1);
+        line.iter()
+            .zip(next)
+            .map(|(a, b)| [*a as usize, *b as usize])
+    });
+    let (sum, count) = edges.fold((0.0, 0_usize), |(sum, count), edge| {
+        (sum + length(edge), count + 1)
+    });
+    sum / count.max(1) as f64
 }
 
 /// The area in a polygon, positive if it goes around counter-clockwise.

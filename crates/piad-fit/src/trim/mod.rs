@@ -18,7 +18,8 @@ use std::sync::Arc;
 
 use crate::basis::direction::Direction;
 use crate::data::points::Points;
-use crate::geometry::nurbs::{KnotVector, Nurbs, in_space};
+use crate::data::vectors::in_space;
+use crate::geometry::nurbs::{KnotVector, Nurbs};
 use crate::geometry::outline::{Face, Outline};
 use crate::interrupt::Meter;
 use crate::invalid::{Invalid, Place};
@@ -117,7 +118,7 @@ fn of_mesh(problem: &Problem, trim: Trim, data: &Data) -> Result<Option<Outline>
     let mut outline = Outline {
         loops: Vec::new(),
         faces: Vec::new(),
-        distance: Boundary::length(&loops, &problem.points),
+        distance: mesh::mean_edge(&loops, |[a, b]| problem.points.distance(a, b)),
     };
     let polygons = taken(boundary.piece.iter().cloned().collect(), &mut outline);
     let smooth = smoothing::smooth(&polygons, boundary.range()).into_iter();

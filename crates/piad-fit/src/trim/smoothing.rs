@@ -33,7 +33,10 @@ const FEWEST: usize = 5;
 pub(super) fn smooth(polygons: &[Vec<Vertex>], range: [[f64; 2]; 2]) -> Vec<Nurbs> {
     let looped = |polygon: &Vec<Vertex>, attempt: usize| {
         let mut pieces = pieces(polygon, TOLERANCES[attempt]);
-        pieces.iter_mut().for_each(|it| it.keep_within(range));
+        for piece in &mut pieces {
+            piece.keep_within(range);
+            piece.divide();
+        }
         joined(pieces)
     };
     let mut attempts = vec![0; polygons.len()];
@@ -84,7 +87,23 @@ impl Piece {
         }
         self.points.iter_mut().for_each(|it| *it = inside(it));
     }
+
+    /// Gives some knots multiplicity 3, so that each part between them has few spans. The curve stays the same.
+    fn divide(&mut self) {
+        let mut breaks = self.knots.clone();
+        breaks.dedup();
+        let spans = breaks.len() - 1;
+        let parts = spans.div_ceil(SPANS);
+        for knot in (1..parts).map(|part| breaks[part * spans / parts]) {
+            while self.knots.iter().filter(|it| **it == knot).count() < DEGREE {
+                insert(knot, &mut self.knots, &mut self.points);
+            }
+        }
+    }
 }
+
+/// The most spans of a curve between two knots of multiplicity 3: kernels integrate along an edge as a whole.
+const SPANS: usize = 8;
 
 /// How often spans are halved, and the length in cells below which they are not.
 const REFINEMENTS: usize = 4;

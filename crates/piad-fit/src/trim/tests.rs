@@ -51,7 +51,7 @@ fn areas(outline: &Outline) -> Vec<f64> {
     areas
 }
 
-/// Whether a point is on the left of all loops.
+/// True if a point is on the left of all loops.
 fn is_inside(outline: &Outline, [x, y]: [f64; 2]) -> bool {
     let lines = outline.loops.iter().map(|it| polyline(it, [1.0; 2], 1e-2));
     let crossings = lines.flat_map(|line| {

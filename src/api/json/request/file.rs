@@ -143,7 +143,6 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
         part,
         sections,
         piece,
-        meshes: true,
         times: of_curve("parameters").is_some_and(|it| it == TIME),
         most,
     }

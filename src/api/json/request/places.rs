@@ -9,7 +9,8 @@ use crate::model::mistakes::{ChangePart, SpecPart};
 use crate::model::named::Named;
 use crate::model::per_direction::{PerDirection, direction};
 use crate::model::scattered::SurfaceParameters;
-use crate::model::shape::{CurveInput, SurfaceInput};
+use crate::model::shape::CurveInput;
+use crate::model::surface::SurfaceInput;
 use piad_fit::data::Grid;
 use piad_fit::invalid::{Axis, Place as P};
 

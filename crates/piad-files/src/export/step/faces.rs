@@ -7,7 +7,7 @@ use super::instances::{CONTEXT, ORIGIN, SHAPE, knots, real};
 use crate::export::nurbs::Nurbs;
 use crate::export::text::Text;
 use crate::export::trim::edges::Edge;
-use piad_fit::engine::nurbs::in_space;
+use piad_fit::engine::vectors::in_space;
 use piad_fit::geometry::Face;
 
 /// A trimmed surface.
@@ -134,7 +134,7 @@ fn point(text: &mut Text, next: &mut usize, place: [f64; 3], dimension: usize) -
     })
 }
 
-/// A curve with points of so many coordinates.
+/// A curve with points of this number of coordinates.
 fn spline(curve: &Nurbs, dimension: usize, text: &mut Text, next: &mut usize) -> usize {
     let places = (0..curve.points.len()).map(|k| curve.place(k));
     let points: Vec<usize> = places.map(|it| point(text, next, it, dimension)).collect();

@@ -9,7 +9,7 @@ use crate::export::options::Dots;
 use crate::export::text::Text;
 use piad_fit::data::Grid;
 use piad_fit::engine::Problem;
-use piad_fit::engine::nurbs::in_space;
+use piad_fit::engine::vectors::in_space;
 
 /// The most data points that are drawn, and the most control points of polygons that are.
 const MOST_POINTS: usize = 2500;

@@ -85,7 +85,7 @@ impl<'a> Body<'a> {
         Ok((cloud, numbers))
     }
 
-    /// The faces, whose corners are this property, between so many vertices.
+    /// The faces, whose corners are this property, between this number of vertices.
     ///
     /// # Errors
     ///

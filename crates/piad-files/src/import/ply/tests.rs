@@ -70,7 +70,11 @@ fn vertices_are_the_points() {
         ]
     );
     // As points of a curve they have no order.
-    let curve = read_file(&of("ascii", text), &HINTS).unwrap_err();
+    let hints = Hints {
+        kind: Some(Kind::Curve),
+        ..HINTS
+    };
+    let curve = read_file(&of("ascii", text), &hints).unwrap_err();
     assert!(curve.0[0].detail.contains("no order"), "{curve}");
 }
 

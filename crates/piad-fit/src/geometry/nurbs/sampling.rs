@@ -1,7 +1,8 @@
 //! Points and derivatives of a B-spline curve or surface.
 
-use super::{KnotVector, Nurbs, in_space};
+use super::{KnotVector, Nurbs};
 use crate::basis::{bernstein, bspline};
+use crate::data::vectors::in_space;
 use crate::interrupt::Meter;
 
 /// The most values of basis functions that are held at a time, and as many derivatives.

@@ -92,9 +92,11 @@ impl Schedules {
             let parameters = [u, v].map(|it| Arc::clone(&it.parameters));
             let tolerance = problem.tolerance();
             let setup = problem.setup();
-            let fair = match settings.is_plain_surface() {
-                true => FairSurface::of_sections(setup, settings),
-                false => FairSurface::new(setup, settings),
+            // Between sections there are no data.
+            let fair = match (settings.is_plain_surface(), setup.sections.is_some()) {
+                (true, true) => FairSurface::unasked(setup, settings),
+                (true, false) => None,
+                (false, _) => FairSurface::new(setup, settings),
             };
             let data: Box<dyn Data> = match (fair, problem.is_scattered()) {
                 (Some(fair), _) => Box::new(fair),

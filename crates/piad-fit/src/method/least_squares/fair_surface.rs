@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::fairness::Energy;
 use super::settings::{Fairness, LeastSquares};
+use crate::basis::direction::Direction;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
@@ -43,18 +44,13 @@ impl FairSurface {
         let is_plain = settings.allows_poles() && setup.missing().is_none();
         let v = setup.v().filter(|_| setup.is_scattered())?;
         (is_plain && settings.has_energy()).then(|| Self {
-            scattered: ScatteredData::new(
-                setup.data(),
-                &[&setup.u().parameters, &v.parameters].map(Arc::clone),
-                setup.poles(),
-                setup.tolerance(),
-            ),
+            scattered: scattered(setup, v),
             setup: Arc::clone(setup),
             settings: vec![settings.clone()],
         })
     }
 
-    /// With some fairness, and stiff gaps, that nobody asked for.
+    /// With some fairness, and stiff gaps, which the settings do not ask for.
     pub(crate) fn unasked(setup: &Arc<Setup>, settings: &LeastSquares) -> Option<Self> {
         let lowered = |decades: i32| {
             let factor = 10f64.powi(-decades);
@@ -72,22 +68,6 @@ impl FairSurface {
         let fair = Self::new(setup, &all[0])?;
         Some(Self {
             settings: all,
-            ..fair
-        })
-    }
-
-    /// The same where the points are sections, with points between theirs behind them.
-    pub(crate) fn of_sections(setup: &Arc<Setup>, settings: &LeastSquares) -> Option<Self> {
-        let (counts, most) = (setup.sections.as_ref()?, setup.most_of_sections()?);
-        let fair = Self::unasked(setup, settings)?;
-        let v = setup.v()?;
-        let parameters = [setup.u(), v].map(|it| Arc::clone(&it.parameters));
-        let (points, parameters) =
-            sections::with_points_between(setup.data(), &parameters, counts, v.period());
-        let tolerance = setup.tolerance();
-        Some(Self {
-            scattered: ScatteredData::new(&points, &parameters, setup.poles(), tolerance)
-                .with_most(most),
             ..fair
         })
     }
@@ -110,6 +90,18 @@ impl FairSurface {
         energy.each_entry(|one, other, entry| stencil.add(place(one), place(other), entry));
         Some(stencil)
     }
+}
+
+/// The data of a setup, of sections with points between theirs behind them.
+fn scattered(setup: &Setup, v: &Direction) -> ScatteredData {
+    let parameters = [setup.u(), v].map(|it| Arc::clone(&it.parameters));
+    let (poles, tolerance) = (setup.poles(), setup.tolerance());
+    let Some((counts, most)) = setup.sections.as_ref().zip(setup.most_of_sections()) else {
+        return ScatteredData::new(setup.data(), &parameters, poles, tolerance);
+    };
+    let (points, parameters) =
+        sections::with_points_between(setup.data(), &parameters, counts, v.period());
+    ScatteredData::new(&points, &parameters, poles, tolerance).with_most(most)
 }
 
 impl Data for FairSurface {

@@ -1,4 +1,4 @@
-//! Whether parts of a mesh have the same parameters, although no triangle is turned over: a spiral around a cylinder.
+//! Parts of a mesh that have the same parameters, although no triangle is turned over: a spiral around a cylinder.
 
 use nalgebra::Vector3;
 

@@ -7,6 +7,12 @@ use crate::data::vectors::{dot, minus};
 const FEWEST: usize = 16;
 const MOST: usize = 256;
 
+/// The number of places at which sections are compared.
+pub(super) fn places(sections: &[Polyline]) -> usize {
+    let edges = sections.iter().map(Polyline::edges).max();
+    (2 * edges.unwrap_or(0)).clamp(FEWEST, MOST)
+}
+
 /// A section as the surface takes it.
 #[derive(Clone, Debug)]
 pub(super) struct Alignment {
@@ -19,29 +25,18 @@ pub(super) struct Alignment {
 }
 
 impl Alignment {
-    /// All sections, each as it suits the one before it.
-    pub(super) fn of_all(sections: &[Polyline]) -> Vec<Self> {
-        let edges = sections.iter().map(Polyline::edges).max().unwrap_or(0);
-        let count = (2 * edges).clamp(FEWEST, MOST);
-        let mut alignments: Vec<Self> = Vec::with_capacity(sections.len());
-        for section in sections {
-            let as_given = Self::new(section, false, 0.0, count);
-            let aligned = match alignments.last() {
-                None => as_given,
-                Some(before) if section.is_closed => as_given.turned(section, &before.places),
-                Some(before) => {
-                    let reversed = Self::new(section, true, 1.0, count);
-                    match squares(&reversed.places, &before.places)
-                        < squares(&as_given.places, &before.places)
-                    {
-                        true => reversed,
-                        false => as_given,
-                    }
-                }
-            };
-            alignments.push(aligned);
+    /// A section as it suits the one before it, with this number of places.
+    pub(super) fn after(before: Option<&Self>, section: &Polyline, count: usize) -> Self {
+        let as_given = Self::new(section, false, 0.0, count);
+        let Some(before) = before else {
+            return as_given;
+        };
+        if section.is_closed {
+            return as_given.turned(section, &before.places);
         }
-        alignments
+        let reversed = Self::new(section, true, 1.0, count);
+        let [given, turned] = [&as_given, &reversed].map(|it| squares(&it.places, &before.places));
+        if turned < given { reversed } else { as_given }
     }
 
     /// A section that starts after a part of its length.

@@ -1,7 +1,7 @@
 //! Sections that cross the one before them: there is no surface through both.
 
 use super::polyline::Polyline;
-use crate::data::vectors::{cross, dot, length, minus, unit};
+use crate::data::vectors::{self, dot, length, minus, unit};
 
 /// The number of edges with which sections are compared.
 const EDGES: usize = 64;
@@ -16,15 +16,10 @@ const ANGLE: f64 = 0.1;
 /// another one's plane if it is farther from it than that on both.
 const FLAT: f64 = 0.02;
 
-/// The index of the first section that crosses the one before it: as curves do, or as rings of a chain.
-pub(super) fn first(sections: &[Polyline]) -> Option<usize> {
-    let places: Vec<Vec<[f64; 3]>> = sections.iter().map(sampled).collect();
-    let mut pairs = places.windows(2);
-    let before = pairs.position(|pair| {
-        let (one, other) = (&pair[0], &pair[1]);
-        meet(one, other) || are_linked(one, other)
-    });
-    before.map(|before| before + 1)
+/// Returns true if two sections cross: as curves do, or as rings of a chain.
+pub(super) fn cross(one: &Polyline, other: &Polyline) -> bool {
+    let (one, other) = (sampled(one), sampled(other));
+    meet(&one, &other) || are_linked(&one, &other)
 }
 
 fn sampled(section: &Polyline) -> Vec<[f64; 3]> {
@@ -51,13 +46,13 @@ fn meet(some: &[[f64; 3]], others: &[[f64; 3]]) -> bool {
 /// Returns true if two edges have a point in common, and not their direction.
 fn go_through([a, b]: [[f64; 3]; 2], [c, d]: [[f64; 3]; 2]) -> bool {
     let (one, other, between) = (minus(b, a), minus(d, c), minus(c, a));
-    let normal = cross(one, other);
+    let normal = vectors::cross(one, other);
     let (square, size) = (dot(normal, normal), length(one) * length(other));
     if square <= (ANGLE * size).powi(2) {
         return false;
     }
-    let s = dot(cross(between, other), normal) / square;
-    let t = dot(cross(between, one), normal) / square;
+    let s = dot(vectors::cross(between, other), normal) / square;
+    let t = dot(vectors::cross(between, one), normal) / square;
     let apart = dot(between, normal).abs() / square.sqrt();
     let range = 0.0..=1.0;
     range.contains(&s) && range.contains(&t) && apart <= NEAR * length(one).min(length(other))
@@ -87,7 +82,7 @@ fn plane(places: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
     let origin = places[0];
     let areas = places
         .windows(2)
-        .map(|edge| cross(minus(edge[0], origin), minus(edge[1], origin)));
+        .map(|edge| vectors::cross(minus(edge[0], origin), minus(edge[1], origin)));
     let area = areas.fold([0.0; 3], |sum, it| [0, 1, 2].map(|k| sum[k] + it[k]));
     let normal = unit(area)?;
     let most = FLAT * size(places);

@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 use super::pairs::{Domain, Pairs};
 use crate::data::points::Points;
-use crate::data::vectors::{length, minus};
+use crate::data::vectors::{in_space, length, minus};
+use crate::interrupt;
 use crate::invalid::{Axis, Invalid, Place};
 
 pub use stack::is_stack;
@@ -68,41 +69,25 @@ impl Sections {
     /// u between the sections, and v along them, closed also where that is asked for.
     pub(super) fn parameters(&self, points: &Points, closed: [bool; 2]) -> Result<Pairs, Invalid> {
         let [u_is_closed, v_is_closed] = closed;
-        let sections = match v_is_closed {
-            true => Self {
-                closed: Some(true),
-                ..self.clone()
-            }
-            .polylines(points)?,
-            false => self.polylines(points)?,
-        };
+        let asked = v_is_closed.then_some(true).or(self.closed);
+        let sections = self.polylines(points, asked)?;
         let mean = sections.iter().map(Polyline::length).sum::<f64>() / sections.len() as f64;
-        let alignments = Alignment::of_all(&sections);
-        let mut u = vec![0.0];
-        for (index, pair) in alignments.windows(2).enumerate() {
-            let step = distance(&pair[0].places, &pair[1].places);
-            if step.is_nan() || step <= 0.0 {
-                let (before, section) = (index, index + 1);
-                let detail = format!("section {section} is the same as section {before}");
-                return Err(wrong(section, detail));
-            }
-            u.push(u[index] + step);
-        }
-        if let Some(section) = crossing::first(&sections) {
-            let before = section - 1;
-            let detail = format!(
-                "section {section} crosses section {before}: a surface goes from each section to the next one"
-            );
-            return Err(wrong(section, detail));
-        }
+        let count = alignment::places(&sections);
         let (mut all_u, mut all_v) = (Vec::new(), Vec::new());
-        for ((section, alignment), u) in sections.iter().zip(&alignments).zip(&u) {
-            let v = section.parts().map(|part| alignment.parameter(part) * mean);
-            all_v.extend(v);
-            all_u.resize(all_v.len(), *u);
+        let mut u = 0.0;
+        let first = Alignment::after(None, &sections[0], count);
+        let mut last = first.clone();
+        for (index, section) in sections.iter().enumerate() {
+            interrupt::check();
+            if index > 0 {
+                let next = Alignment::after(Some(&last), section, count);
+                u += step(index, &sections, [&last, &next])?;
+                last = next;
+            }
+            all_v.extend(section.parts().map(|part| last.parameter(part) * mean));
+            all_u.resize(all_v.len(), u);
         }
-        let (first, last) = (&alignments[0], &alignments[alignments.len() - 1]);
-        let around = u[u.len() - 1] + distance(&last.places, &first.places);
+        let around = u + distance(&last.places, &first.places);
         let is_closed = sections.iter().all(|section| section.is_closed);
         let domain = |is_closed, period| match is_closed {
             true => Domain::Closed(period),
@@ -116,15 +101,18 @@ impl Sections {
 
     /// The same with all that is not given.
     pub(super) fn known(&self, points: &Points) -> Result<Self, Invalid> {
-        let is_closed = self.polylines(points)?.iter().all(|it| it.is_closed);
+        let is_closed = self
+            .polylines(points, self.closed)?
+            .iter()
+            .all(|it| it.is_closed);
         Ok(Self {
             closed: Some(is_closed),
             ..self.clone()
         })
     }
 
-    /// The sections by themselves.
-    fn polylines(&self, points: &Points) -> Result<Vec<Polyline>, Invalid> {
+    /// The sections by themselves, closed or open as that is asked for, or as their ends show it.
+    fn polylines(&self, points: &Points, closed: Option<bool>) -> Result<Vec<Polyline>, Invalid> {
         let counts = &self.counts;
         if counts.len() < 2 {
             let count = counts.len();
@@ -143,15 +131,11 @@ impl Sections {
         }
         let mut start = 0;
         let sections = counts.iter().enumerate().map(|(index, &count)| {
-            let places = (start..start + count).map(|at| {
-                let mut place = [0.0; 3];
-                place.iter_mut().zip(points.point(at)).for_each(|(x, given)| *x = given);
-                place
-            });
+            let places = (start..start + count).map(|at| in_space(points.point(at)));
             start += count;
-            let section = Polyline::new(places.collect(), self.closed == Some(true));
+            let section = Polyline::new(places.collect(), closed == Some(true));
             section.ok_or_else(|| {
-                let detail = match self.closed {
+                let detail = match closed {
                     Some(true) => format!("section {index} has {count} points: a closed one has at least three, which are not all in one place"),
                     _ => format!("section {index} has {count} points: it has at least two, which are not all in one place"),
                 };
@@ -159,12 +143,32 @@ impl Sections {
             })
         });
         let sections = sections.collect::<Result<Vec<_>, _>>()?;
-        let come_back = self.closed.is_none() && sections.iter().all(Polyline::comes_back);
+        let come_back = closed.is_none() && sections.iter().all(Polyline::comes_back);
         Ok(match come_back {
             true => sections.into_iter().map(Polyline::closed).collect(),
             false => sections,
         })
     }
+}
+
+/// The distance of a section from the one before it.
+fn step(
+    index: usize,
+    sections: &[Polyline],
+    [before, next]: [&Alignment; 2],
+) -> Result<f64, Invalid> {
+    let step = distance(&before.places, &next.places);
+    let detail = if step.is_nan() || step <= 0.0 {
+        format!("section {index} is the same as section {}", index - 1)
+    } else if crossing::cross(&sections[index - 1], &sections[index]) {
+        format!(
+            "section {index} crosses section {}: a surface goes from each section to the next one",
+            index - 1
+        )
+    } else {
+        return Ok(step);
+    };
+    Err(wrong(index, detail))
 }
 
 /// The mean distance of places.

@@ -2,7 +2,7 @@
 
 use super::polyline::Polyline;
 use crate::data::points::Points;
-use crate::data::vectors::{cross, dot, length, minus, unit};
+use crate::data::vectors::{cross, dot, in_space, length, minus, unit};
 
 /// The least step from one section to the next across their plane, as a part of the length around them.
 const STEP: f64 = 1e-3;
@@ -43,16 +43,8 @@ struct Ring {
 
 impl Ring {
     fn of(points: &Points) -> Option<Self> {
-        let place = |index: usize| {
-            let mut place = [0.0; 3];
-            let coordinates = points.point(index);
-            place
-                .iter_mut()
-                .zip(coordinates)
-                .for_each(|(x, given)| *x = given);
-            place
-        };
-        let places: Vec<[f64; 3]> = (0..points.len()).map(place).collect();
+        let places = (0..points.len()).map(|index| in_space(points.point(index)));
+        let places: Vec<[f64; 3]> = places.collect();
         let sum = places
             .iter()
             .fold([0.0; 3], |sum, place| [0, 1, 2].map(|k| sum[k] + place[k]));
