@@ -1,12 +1,13 @@
 /** A job on the screen: what is known of it. */
 
 import type { Client, Job, api } from "piad";
-import { ApiError, ConnectionLost } from "piad";
+import { ApiError, ConnectionLost, JobFailed } from "piad";
 
 import type { Axes } from "./axes.js";
 import { type Counts, countsOf } from "./controls.js";
 import { type Data, MOST_POINTS, dataOf, unseen } from "./data.js";
 import { Gallery } from "./gallery.js";
+import { type Outline, outlineOf } from "./outline.js";
 
 /** What is known of an iteration without its geometry. */
 export interface Level {
@@ -28,6 +29,8 @@ export class Fit {
   head: api.JobEvent | null = null;
   /** How it ended. */
   end: api.EndEvent | null = null;
+  /** Where a trimmed surface ends, which is known with its result. */
+  outline: Outline | null = null;
   /** The iterations that have come, by their numbers. */
   readonly levels: Level[] = [];
   /** Why there is nothing more to see. */
@@ -179,6 +182,21 @@ export class Fit {
     }
     await job.refresh({ signal });
     this.#changed();
+    this.outline = await this.#trimmed(job);
+    if (this.outline !== null) this.#changed();
+  }
+
+  /** The outline of a surface that is to be trimmed, from its result; of more points than are drawn results are too long. */
+  async #trimmed(job: Job): Promise<Outline | null> {
+    if (job.status.kind !== "surface" || job.status.points > MOST_POINTS) return null;
+    if (!(await this.input()).surface?.trim) return null;
+    try {
+      const { trim } = await job.result({ signal: this.signal });
+      return trim === null ? null : outlineOf(trim);
+    } catch (error) {
+      if (error instanceof JobFailed) return null;
+      throw error;
+    }
   }
 }
 

@@ -105,3 +105,15 @@ export function words(request: Fields): string {
   const scattered = data.pointer === "/surface/scattered" ? "scattered " : "";
   return `${shapeOf(request) === "surface" ? "Surface" : "Curve"}, ${many} ${scattered}points ${place}`.trim();
 }
+
+/** True if a surface may have an outline of its own: near scattered points, or through a grid with gaps; or if it is to have one. */
+export function canBeTrimmed(request: Fields): boolean {
+  const surface = request["surface"];
+  if (!isFields(surface)) return false;
+  const isSpatial = (dataOf(request)?.coordinates ?? 0) > 1;
+  return "trim" in surface || (isSpatial && ("scattered" in surface || hasGaps(surface["points"])));
+}
+
+function hasGaps(rows: Json | undefined): boolean {
+  return Array.isArray(rows) && (rows as readonly Json[]).some((row) => Array.isArray(row) && row.includes(null));
+}

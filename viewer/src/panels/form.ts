@@ -5,9 +5,10 @@ import type { api } from "piad";
 import { el } from "../html.js";
 import type { Store } from "../store.js";
 import { type Description, type Schema, spoken } from "./description.js";
-import { type Shape, shapeOf } from "./draft.js";
+import { type Shape, canBeTrimmed, shapeOf } from "./draft.js";
 import { Field, type FieldOptions, type Slot, fieldOf } from "./field.js";
 import { type Fields, type Json, type Side, at, isFields, ofSide, put, withSide } from "./pointer.js";
+import { isTrimmed, trimFields } from "./trim.js";
 
 /** What is being written. */
 export interface Draft {
@@ -33,7 +34,7 @@ export class Form {
   refresh(): void {
     const { request } = this.#draft.value;
     const shape = shapeOf(request);
-    const made = [shape, "scattered" in this.#geometry, ...this.#sides.map((side) => `${this.#basis(side)} ${this.#isClosed(side)}`), this.#method.kind].join();
+    const made = [shape, "scattered" in this.#geometry, ...this.#sides.map((side) => `${this.#basis(side)} ${this.#isClosed(side)}`), this.#method.kind, canBeTrimmed(request), isTrimmed(this.#geometry["trim"])].join();
     if (made === this.#made) {
       for (const field of this.#fields) field.refresh();
       return;
@@ -75,9 +76,12 @@ export class Form {
     const basis = this.#basisFields(shape);
     const method = this.#methodFields(shape);
     const stop = this.#all("StopRules", "/stop");
+    const trim = canBeTrimmed(this.#draft.value.request) ? trimFields(this.#description, this.#slots("/surface/trim", "", [null])[0]!) : [];
     const more = this.#moreFields(shape);
-    this.#fields = [name, ...basis, ...method, ...stop, ...more];
-    return [name.element, section("Basis", basis), section("Method", method), section("Stop", stop), section("Corners, ends, parameters, weights", more, !more.some(isGiven))];
+    // What is wrong with the distance is said at its own field, which comes after the switch.
+    this.#fields = [name, ...basis, ...method, ...stop, ...[...trim].reverse(), ...more];
+    const outline = trim.length === 0 ? [] : [section("Outline", trim)];
+    return [name.element, section("Basis", basis), section("Method", method), section("Stop", stop), ...outline, section("Corners, ends, parameters, weights", more, !more.some(isGiven))];
   }
 
   #basis(side: Side | null): string {

@@ -4,7 +4,7 @@ import type { Problem, api } from "piad";
 
 import { ask } from "../ask.js";
 import type { Brought } from "./drop.js";
-import { type Fields, type Json, isFields } from "./pointer.js";
+import { type Fields, type Json, at, isFields } from "./pointer.js";
 
 /** What a file says. */
 export interface Reading {
@@ -77,8 +77,12 @@ function placeOf(text: string, words: string): { line: number | null; column: nu
 
 async function byServer(text: string, bytes: Blob | undefined, signal: AbortSignal): Promise<Reading> {
   const headers = { "Content-Type": bytes === undefined ? "text/plain; charset=utf-8" : "application/octet-stream", Accept: "application/json, application/problem+json" };
-  const response = await ask(new URL("v1/points", document.baseURI), { method: "POST", headers, body: (await bytes?.arrayBuffer()) ?? text, signal });
-  const body = (await response.json().catch(() => null)) as Json;
+  const sent = (await bytes?.arrayBuffer()) ?? text;
+  const post = async (query: string): Promise<{ response: Response; body: Json }> => {
+    const response = await ask(new URL(`v1/points${query}`, document.baseURI), { method: "POST", headers, body: sent, signal });
+    return { response, body: (await response.json().catch(() => null)) as Json };
+  };
+  const { response, body } = await post("");
   if (response.ok && isFields(body)) {
     const { notices, ...request } = body;
     return { request, notices: Array.isArray(notices) ? notices.map(sentence) : [] };
@@ -86,7 +90,20 @@ async function byServer(text: string, bytes: Blob | undefined, signal: AbortSign
   if (response.status === 404 || response.status === 405) {
     throw new Unreadable(text, [{ detail: "This server reads points as JSON only.", line: null, column: null }]);
   }
+  // Points that are read, and of which no curve can be made.
+  if (response.status === 422 && isFields(body) && body["errors"] === undefined) {
+    const scan = scanOf((await post("?curve.order=given")).body);
+    if (scan !== null) return scan;
+  }
   throw new Unreadable(text, faultsOf(body as Partial<Problem> | null, response.status));
+}
+
+/** Points in space without an order along a curve, as those of a surface near them; null if they are something else. */
+function scanOf(body: Json): Reading | null {
+  const points = at(body, "/curve/points");
+  if (!isFields(body) || !Array.isArray(points) || !points.every((point) => Array.isArray(point) && point.length === 3)) return null;
+  const { curve: _, notices: __, ...rest } = body;
+  return { request: { ...rest, surface: { scattered: points } }, notices: ["The points have no order along a curve: they are taken as scattered points of a surface."] };
 }
 
 /** What a problem object says about lines. */

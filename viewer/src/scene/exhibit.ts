@@ -111,7 +111,7 @@ export class Exhibit {
         const [data, look, k] = [this.data, this.#look, this.#k];
         if (data === null || look === null || k < 0 || this.held !== null) return;
         const { layers } = look;
-        const key = JSON.stringify([k, samplesOf(data, look), layers, look.largest, layers.heat ? this.fit.latest : 0, this.fit.end?.reason]);
+        const key = JSON.stringify([k, samplesOf(data, look), layers, look.largest, layers.heat ? this.fit.latest : 0, this.fit.end?.reason, this.fit.outline !== null]);
         if (key === this.#wanted) return;
         const picture = await pictureOf(this.fit, data, k, look).catch((error: unknown) => this.#missing(error, k, key));
         if (picture === null) continue;

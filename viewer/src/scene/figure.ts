@@ -4,7 +4,9 @@ import { type Object3D, Group, Scene } from "three";
 
 import { type Data, among, drawnIndexOf, drawnOf } from "../fit/data.js";
 import type { Points, Samples } from "../fit/geometry.js";
+import type { Outline } from "../fit/outline.js";
 import type { Layers } from "../state.js";
+import { type Cuts, cutAt } from "./cut.js";
 import { Dots } from "./dots.js";
 import { FatLine } from "./fatline.js";
 import { Morph } from "./morph.js";
@@ -15,6 +17,8 @@ import { Surface } from "./surface.js";
 /** Everything that is drawn of an iteration. */
 export interface Picture {
   readonly samples: Samples;
+  /** Where a trimmed surface ends; null if all of it is drawn. */
+  readonly outline: Outline | null;
   /** Too far from the data to be seen: a surface is not drawn then. */
   readonly isAway: boolean;
   readonly control: Points | null;
@@ -30,10 +34,13 @@ export interface Picture {
 export class Figure {
   readonly scene = new Scene();
   picture: Picture | null = null;
+  /** What is drawn of the samples of a trimmed surface; null for all. */
+  cut: Cuts | null = null;
   readonly #group = new Group();
   readonly #curve = new FatLine(3, 2e-5);
   readonly #astray = new FatLine(5, 2.5e-5);
   readonly #surface = new Surface();
+  readonly #rim = new FatLine(1.5, 2e-5);
   readonly #data = new Dots(6e-5);
   readonly #polygon = new FatLine(1.25, 1e-5);
   readonly #net = new Net();
@@ -45,13 +52,13 @@ export class Figure {
   readonly #morph = new Morph();
   readonly #controlMorph = new Morph();
   #crowd = 0;
-  #lined: string | null = null;
+  #lined: readonly unknown[] = [];
   #source: Data | null = null;
   #ownData: Float32Array | null = null;
 
   constructor() {
     // What comes later lies over what came before, where both are at the same depth.
-    const order: Object3D[] = [this.#surface, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#astray, this.#control, this.#data, this.#marker];
+    const order: Object3D[] = [this.#surface, this.#rim, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#astray, this.#control, this.#data, this.#marker];
     order.forEach((object, i) => {
       object.renderOrder = i;
       object.visible = false;
@@ -84,7 +91,7 @@ export class Figure {
     this.#crowd = data.positions.length / 3;
     this.#ownData = drawnOf(data);
     this.#data.setPoints(this.#ownData);
-    this.#lined = null;
+    this.#lined = [];
     this.#source = data;
   }
 
@@ -102,7 +109,8 @@ export class Figure {
   /** Shows an iteration, and takes so many milliseconds to get there from the one before. */
   setPicture(picture: Picture, lasts: number, now: number): void {
     this.picture = picture;
-    const { samples, control } = picture;
+    const { samples, control, outline } = picture;
+    this.cut = outline === null ? null : cutAt(outline, samples);
     this.#morph.go(samples.positions, lasts, now);
     if (control !== null) this.#controlMorph.go(control.positions, lasts, now);
     if (picture.spikes !== null) this.#spikes.setSegments(picture.spikes);
@@ -139,6 +147,7 @@ export class Figure {
     this.#curve.visible = picture !== null && !isSurface;
     this.#astray.visible = picture?.astray != null;
     this.#surface.visible = picture !== null && isSurface && !picture.isAway;
+    this.#rim.visible = this.#surface.visible && this.cut !== null;
     this.#surface.setZebra(layers.zebra);
     this.#data.visible = layers.data;
     const controlled = layers.polygon && picture?.control != null;
@@ -154,6 +163,7 @@ export class Figure {
     const own = seriesColor(color, crowd > 1 ? index : 0);
     this.#surface.setColors(palette);
     this.#curve.setColor(own);
+    this.#rim.setColor(palette.color.soft);
     this.#polygon.setColor(color.net, 0.75);
     this.#net.setColor(color.net, 0.65);
     this.#spikes.setColor(palette.heat[3] ?? color.accent);
@@ -167,6 +177,7 @@ export class Figure {
     this.#curve.setSize(width, height, ratio, 3.25 * slim);
     this.#astray.setSize(width, height, ratio, 4.5 * slim);
     this.#polygon.setSize(width, height, ratio, 1.25);
+    this.#rim.setSize(width, height, ratio, 1.5);
     this.#spikes.setSize(width, height, ratio, 1.75);
     this.#teeth.setSize(width, height, ratio, 1);
     this.#edge.setSize(width, height, ratio, 1.25);
@@ -187,8 +198,8 @@ export class Figure {
 
   /** The rows and columns of the data on the surface. */
   #lines({ parameters, rows, columns }: Samples): void {
-    const key = `${rows} ${columns}`;
-    if (this.#lined === key) return;
+    const key = [rows, columns, this.cut];
+    if (key.every((part, i) => part === this.#lined[i])) return;
     this.#lined = key;
     const data = this.#source;
     const [us, vs] = parameters;
@@ -202,8 +213,10 @@ export class Figure {
     const { picture } = this;
     if (picture === null) return;
     const { samples, control } = picture;
-    if (samples.rows > 1) this.#surface.setSamples(this.#morph.shown, samples.rows, samples.columns);
-    else this.#curve.setPoints(this.#morph.shown);
+    if (samples.rows > 1) {
+      this.#surface.setSamples(this.#morph.shown, samples.rows, samples.columns, this.cut);
+      if (this.cut !== null) this.#rim.setSegments(this.#surface.rim());
+    } else this.#curve.setPoints(this.#morph.shown);
     if (control === null) return;
     const { shown } = this.#controlMorph;
     this.#control.setPoints(shown);

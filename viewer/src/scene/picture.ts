@@ -63,6 +63,8 @@ export function judged(fit: Fit, data: Data, k: number, samples: Samples, contro
   return {
     k,
     samples,
+    // The outline is found before the fit, so that it is that of all iterations, as in their files; it is known with the result.
+    outline: fit.outline,
     isAway: !((level?.error.max ?? Infinity) < AWAY * data.axes.radius),
     control,
     distances: far,

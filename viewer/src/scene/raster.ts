@@ -2,6 +2,7 @@
 
 import { Color } from "three";
 
+import { valuesAt } from "./cut.js";
 import { every } from "./grid.js";
 import { HEAT } from "./palette.js";
 import type { Surface } from "./surface.js";
@@ -47,16 +48,24 @@ export class Raster {
     return this.#depth[Math.floor(y) * width + Math.floor(x)]! < depth;
   }
 
-  draw({ rows, columns, geometry, material }: Surface): ImageData {
+  draw({ rows, columns, cut, geometry, material }: Surface): ImageData {
     const positions = geometry.getAttribute("position").array as Float32Array;
     const normals = geometry.getAttribute("normal").array as Float32Array;
     const heat = geometry.getAttribute("heat").array as Float32Array;
     const light = lightOf(material.uniforms);
     const step = Math.max(1, Math.ceil(Math.sqrt((rows * columns) / MOST)));
     const [down, across] = [every(step, rows), every(step, columns)];
-    const corners = new Float32Array(down.length * across.length * PARTS);
+    const left = cut?.at(step) ?? null;
+    const corners = new Float32Array((down.length * across.length + (left?.places.length ?? 0) / 2) * PARTS);
     let to = 0;
     for (const i of down) for (const j of across) this.#corner(positions, normals, heat[i * columns + j]!, (i * columns + j) * 3, light, corners, PARTS * to++);
+    if (left !== null) {
+      const [p, n, h] = ([[positions, 3], [normals, 3], [heat, 1]] as const).map(([values, size]) => valuesAt(left.places, values, size, rows, columns)) as [Float32Array, Float32Array, Float32Array];
+      for (let k = 0; k < h.length; k++) this.#corner(p, n, h[k]!, k * 3, light, corners, PARTS * to++);
+      const { indices } = left;
+      for (let k = 0; k < indices.length; k += 3) this.#triangle(corners, indices[k]! * PARTS, indices[k + 1]! * PARTS, indices[k + 2]! * PARTS);
+      return this.#image;
+    }
     for (let i = 0; i + 1 < down.length; i++) {
       for (let j = 0; j + 1 < across.length; j++) {
         const a = (i * across.length + j) * PARTS;

@@ -2,6 +2,7 @@
 
 import { BufferAttribute, BufferGeometry, Color, Mesh, ShaderMaterial } from "three";
 
+import { type Cuts, valuesAt } from "./cut.js";
 import { HEAT, type Palette } from "./palette.js";
 import { indicesOf, normalsOf } from "./grid.js";
 
@@ -77,10 +78,11 @@ const FRAGMENT = /* glsl */ `
   }
 `;
 
-/** A surface in samples. The array of the positions is the vertex buffer. */
+/** A surface in samples. The array of the positions is the vertex buffer, unless the surface is cut. */
 export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
   #rows = 0;
   #columns = 0;
+  #cut: Cuts | null = null;
 
   get rows(): number {
     return this.#rows;
@@ -88,6 +90,11 @@ export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
 
   get columns(): number {
     return this.#columns;
+  }
+
+  /** What is drawn of it; null for all. */
+  get cut(): Cuts | null {
+    return this.#cut;
   }
 
   constructor() {
@@ -115,23 +122,37 @@ export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
     this.frustumCulled = false;
   }
 
-  setSamples(positions: Float32Array, rows: number, columns: number): void {
+  setSamples(samples: Float32Array, rows: number, columns: number, cut: Cuts | null): void {
     const { geometry } = this;
-    const same = rows === this.#rows && columns === this.#columns;
+    const same = rows === this.#rows && columns === this.#columns && cut === this.#cut;
+    const count = rows * columns + (cut?.places.length ?? 0) / 2;
     if (!same) {
-      [this.#rows, this.#columns] = [rows, columns];
+      [this.#rows, this.#columns, this.#cut] = [rows, columns, cut];
       geometry.dispose();
-      geometry.setIndex(new BufferAttribute(indicesOf(rows, columns), 1));
-      geometry.setAttribute("heat", new BufferAttribute(new Float32Array(rows * columns), 1));
-      geometry.setAttribute("normal", new BufferAttribute(new Float32Array(rows * columns * 3), 3));
-      geometry.setAttribute("grid", new BufferAttribute(new Float32Array(rows * columns * 2), 2));
+      geometry.setIndex(new BufferAttribute(cut?.indices ?? indicesOf(rows, columns), 1));
+      geometry.setAttribute("heat", new BufferAttribute(new Float32Array(count), 1));
+      geometry.setAttribute("normal", new BufferAttribute(new Float32Array(count * 3), 3));
+      geometry.setAttribute("grid", new BufferAttribute(new Float32Array(count * 2), 2));
     }
     const old = geometry.getAttribute("position") as BufferAttribute | undefined;
+    // Of a surface that is cut the buffer also has the vertices of the outline.
+    const positions = cut === null ? samples : same && old !== undefined ? (old.array as Float32Array) : new Float32Array(count * 3);
+    if (positions !== samples) positions.set(samples);
+    this.#spread(positions, 3);
     if (old?.array === positions) old.needsUpdate = true;
     else geometry.setAttribute("position", new BufferAttribute(positions, 3));
     const normal = geometry.getAttribute("normal") as BufferAttribute;
-    normalsOf(positions, rows, columns, normal.array as Float32Array);
+    normalsOf(samples, rows, columns, normal.array as Float32Array);
+    this.#spread(normal.array as Float32Array, 3);
     normal.needsUpdate = true;
+  }
+
+  /** Pairs of points: the edges of the outline along which it is cut. */
+  rim(): Float32Array {
+    const { array } = this.geometry.getAttribute("position");
+    const segments = new Float32Array((this.#cut?.rim.length ?? 0) * 3);
+    this.#cut?.rim.forEach((vertex, at) => segments.set(array.subarray(vertex * 3, vertex * 3 + 3), at * 3));
+    return segments;
   }
 
   /** Where each row and column of samples is among the rows and columns of data, which are seen as lines; null for none. */
@@ -139,13 +160,14 @@ export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
     this.material.uniforms["lined"]!.value = lines === null ? 0 : 1;
     const [rows, columns] = [this.#rows, this.#columns];
     if (lines === null || lines[0].length !== rows || lines[1].length !== columns) return;
-    const grid = new Float32Array(rows * columns * 2);
+    const grid = new Float32Array(this.geometry.getAttribute("grid").array.length);
     for (let i = 0, at = 0; i < rows; i++) {
       for (let j = 0; j < columns; j++, at += 2) {
         grid[at] = lines[0][i]!;
         grid[at + 1] = lines[1][j]!;
       }
     }
+    this.#spread(grid, 2);
     this.geometry.setAttribute("grid", new BufferAttribute(grid, 2));
   }
 
@@ -154,8 +176,9 @@ export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
     this.material.uniforms["hot"]!.value = heat === null ? 0 : 1;
     if (heat === null) return;
     const attribute = this.geometry.getAttribute("heat") as BufferAttribute;
-    if (attribute.array.length !== heat.length) return;
+    if (this.#rows * this.#columns !== heat.length) return;
     attribute.array.set(heat);
+    this.#spread(attribute.array as Float32Array, 1);
     attribute.needsUpdate = true;
   }
 
@@ -175,5 +198,10 @@ export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
     (uniforms["ink"]!.value as Color).copy(color.ink);
     heat.forEach((one, i) => (uniforms["ramp"]!.value as Color[])[i]?.copy(one));
     uniforms["dark"]!.value = isDark ? 1 : 0;
+  }
+
+  /** Continues values of the samples at the outline. */
+  #spread(values: Float32Array, size: number): void {
+    if (this.#cut !== null) values.set(valuesAt(this.#cut.places, values, size, this.#rows, this.#columns), this.#rows * this.#columns * size);
   }
 }

@@ -5,6 +5,7 @@ import type { api } from "piad";
 import type { App } from "../app.js";
 import type { Counts } from "../fit/controls.js";
 import { type Fit, isGone } from "../fit/fit.js";
+import type { Outline } from "../fit/outline.js";
 import { el } from "../html.js";
 import type { Exhibit } from "../scene/exhibit.js";
 import type { Hall } from "../scene/hall.js";
@@ -118,6 +119,7 @@ function reason({ end }: Fit): string {
 function scales(app: App, { fit, shown, data }: Exhibit): Node[] {
   const { layers } = app.view.value;
   const notes: Node[] = [];
+  if (fit.outline !== null) notes.push(el("p", { class: "trimmed" }, trimmed(fit.outline, shown?.k === fit.latest)));
   if (shown?.isAway) notes.push(el("p", {}, `It is too far from the data to be ${data?.isSurface ? "drawn" : "seen as a whole"}.`));
   if (layers.spikes && shown !== null && shown.spikeScale > 0) notes.push(el("p", { class: "scale" }, `spikes × ${big(shown.spikeScale)}`));
   if (layers.comb && shown !== null && shown.combScale > 0) notes.push(el("p", { class: "scale" }, `curvature 1 is drawn ${short(shown.combScale)} long`));
@@ -128,6 +130,13 @@ function scales(app: App, { fit, shown, data }: Exhibit): Node[] {
     notes.push(el("div", { class: "legend", role: "img", "aria-label": `Distance from the data, from ${short(near)} to ${short(far)}` }, el("div", { class: "ramp" }), el("div", { class: "ticks" }, ...ticks)));
   }
   return notes;
+}
+
+/** What is left of a trimmed surface; the area is that of the last iteration. */
+function trimmed({ loops, pieces, holes, area }: Outline, isLast: boolean): string {
+  const counted = (number: number, one: string) => `${count(number)} ${one}${number === 1 ? "" : "s"}`;
+  const left = loops.length === 0 ? "nothing is cut off" : [counted(pieces, "piece"), ...(holes > 0 ? [counted(holes, "hole")] : [])].join(", ");
+  return `trimmed to the data: ${left}${isLast && area !== null ? `, area ${short(area, 4)}` : ""}`;
 }
 
 function big(value: number): string {

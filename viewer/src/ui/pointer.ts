@@ -29,9 +29,9 @@ export function find(hall: Hall, x: number, y: number, only?: "data", reach = NE
   const cell = cells[at];
   if (exhibit === undefined || cell === undefined || exhibit.data === null || exhibit.shown === null) return null;
   const { figure, data, shown } = exhibit;
-  const look = (positions: Float32Array, pull: number) => nearest(hall, figure.group.matrixWorld.elements, positions, x - cell.x, y - cell.y, cell, reach, pull);
-  const point = look(data.positions, 0.02);
-  const sample = only === "data" ? null : look(shown.samples.positions, 0);
+  const look = (positions: Float32Array, pull: number, inside: Uint8Array | null) => nearest(hall, figure.group.matrixWorld.elements, positions, inside, x - cell.x, y - cell.y, cell, reach, pull);
+  const point = look(data.positions, 0.02, null);
+  const sample = only === "data" ? null : look(shown.samples.positions, 0, figure.cut?.inside ?? null);
   // A data point that lies on the fit or before it is meant rather than the fit.
   if (point !== null && (sample === null || point.depth <= sample.depth + 0.03)) return { exhibit, what: "data", ...point };
   return sample === null ? null : { exhibit, what: "sample", ...sample };
@@ -43,8 +43,8 @@ interface Near {
   readonly depth: number;
 }
 
-/** Of the points within reach those in front count most. */
-function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, x: number, y: number, cell: { width: number; height: number }, reach: number, pull: number): Near | null {
+/** Of the points within reach those in front count most. Points that are not inside are not seen. */
+function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, inside: Uint8Array | null, x: number, y: number, cell: { width: number; height: number }, reach: number, pull: number): Near | null {
   const { camera } = hall.stage.rig;
   camera.updateMatrixWorld();
   const m = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse).elements;
@@ -54,6 +54,7 @@ function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, 
   let score = Infinity;
   let depth = 0;
   for (let i = 0; i < positions.length; i += 3) {
+    if (inside !== null && inside[i / 3] === 0) continue;
     const px = positions[i]! * s + tx;
     const py = positions[i + 1]! * s + ty;
     const pz = positions[i + 2]! * s + tz;
