@@ -13,7 +13,7 @@ export interface Cut {
   /** Where the vertices of the outline are: pairs of a row and a column, with fractions. */
   readonly places: Float64Array;
   /** Two vertices for each edge of the outline. */
-  readonly rim: Uint32Array;
+  readonly boundary: Uint32Array;
   /** 1 for each vertex of the grid that is left, else 0. */
   readonly inside: Uint8Array;
 }
@@ -66,7 +66,7 @@ export function cutOf(loops: readonly Float64Array[], rows: readonly number[], c
       else if (inside[a] === 1) indices.push(a, a + across, a + 1, a + across, a + across + 1, a + 1);
     }
   }
-  return { indices: Uint32Array.from(indices), places: trail.places(), rim: Uint32Array.from(trail.rim), inside };
+  return { indices: Uint32Array.from(indices), places: trail.places(), boundary: Uint32Array.from(trail.boundary), inside };
 }
 
 /** Vertices around a part of a cell, and around its holes. */

@@ -40,7 +40,7 @@ export class Figure {
   readonly #curve = new FatLine(3, 2e-5);
   readonly #astray = new FatLine(5, 2.5e-5);
   readonly #surface = new Surface();
-  readonly #rim = new FatLine(1.5, 2e-5);
+  readonly #boundary = new FatLine(1.5, 2e-5);
   readonly #data = new Dots(6e-5);
   readonly #polygon = new FatLine(1.25, 1e-5);
   readonly #net = new Net();
@@ -58,7 +58,7 @@ export class Figure {
 
   constructor() {
     // What comes later lies over what came before, where both are at the same depth.
-    const order: Object3D[] = [this.#surface, this.#rim, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#astray, this.#control, this.#data, this.#marker];
+    const order: Object3D[] = [this.#surface, this.#boundary, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#astray, this.#control, this.#data, this.#marker];
     order.forEach((object, i) => {
       object.renderOrder = i;
       object.visible = false;
@@ -147,7 +147,7 @@ export class Figure {
     this.#curve.visible = picture !== null && !isSurface;
     this.#astray.visible = picture?.astray != null;
     this.#surface.visible = picture !== null && isSurface && !picture.isAway;
-    this.#rim.visible = this.#surface.visible && this.cut !== null;
+    this.#boundary.visible = this.#surface.visible && this.cut !== null;
     this.#surface.setZebra(layers.zebra);
     this.#data.visible = layers.data;
     const controlled = layers.polygon && picture?.control != null;
@@ -163,7 +163,7 @@ export class Figure {
     const own = seriesColor(color, crowd > 1 ? index : 0);
     this.#surface.setColors(palette);
     this.#curve.setColor(own);
-    this.#rim.setColor(palette.color.soft);
+    this.#boundary.setColor(palette.color.soft);
     this.#polygon.setColor(color.net, 0.75);
     this.#net.setColor(color.net, 0.65);
     this.#spikes.setColor(palette.heat[3] ?? color.accent);
@@ -177,7 +177,7 @@ export class Figure {
     this.#curve.setSize(width, height, ratio, 3.25 * slim);
     this.#astray.setSize(width, height, ratio, 4.5 * slim);
     this.#polygon.setSize(width, height, ratio, 1.25);
-    this.#rim.setSize(width, height, ratio, 1.5);
+    this.#boundary.setSize(width, height, ratio, 1.5);
     this.#spikes.setSize(width, height, ratio, 1.75);
     this.#teeth.setSize(width, height, ratio, 1);
     this.#edge.setSize(width, height, ratio, 1.25);
@@ -215,7 +215,7 @@ export class Figure {
     const { samples, control } = picture;
     if (samples.rows > 1) {
       this.#surface.setSamples(this.#morph.shown, samples.rows, samples.columns, this.cut);
-      if (this.cut !== null) this.#rim.setSegments(this.#surface.rim());
+      if (this.cut !== null) this.#boundary.setSegments(this.#surface.boundary());
     } else this.#curve.setPoints(this.#morph.shown);
     if (control === null) return;
     const { shown } = this.#controlMorph;

@@ -148,10 +148,10 @@ export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
   }
 
   /** Pairs of points: the edges of the outline along which it is cut. */
-  rim(): Float32Array {
+  boundary(): Float32Array {
     const { array } = this.geometry.getAttribute("position");
-    const segments = new Float32Array((this.#cut?.rim.length ?? 0) * 3);
-    this.#cut?.rim.forEach((vertex, at) => segments.set(array.subarray(vertex * 3, vertex * 3 + 3), at * 3));
+    const segments = new Float32Array((this.#cut?.boundary.length ?? 0) * 3);
+    this.#cut?.boundary.forEach((vertex, at) => segments.set(array.subarray(vertex * 3, vertex * 3 + 3), at * 3));
     return segments;
   }
 

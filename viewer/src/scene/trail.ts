@@ -31,7 +31,7 @@ export class Trail {
   /** By the number of the first corner of the cell. */
   readonly chains = new Map<number, Chain[]>();
   /** Pairs of vertices. */
-  readonly rim: number[] = [];
+  readonly boundary: number[] = [];
   readonly #rows: readonly number[];
   readonly #columns: readonly number[];
   readonly #places: number[] = [];
@@ -87,7 +87,7 @@ export class Trail {
         stops.push({ vertex, crossed: { before, after: cell } });
       }
     }
-    stops.forEach(({ vertex }, k) => this.rim.push(vertex, stops[(k + 1) % stops.length]!.vertex));
+    stops.forEach(({ vertex }, k) => this.boundary.push(vertex, stops[(k + 1) % stops.length]!.vertex));
     this.#divide(stops, cell);
   }
 
