@@ -2,9 +2,9 @@
 
 import type { Samples } from "../fit/geometry.js";
 import type { Outline } from "../fit/outline.js";
-import { trianglesOf } from "./ears.js";
 import { every } from "./grid.js";
-import { Trail, type Chain } from "./trail.js";
+import { type Chain, GridLoops } from "./loops.js";
+import { type PlaceOf, contains, trianglesOf } from "./triangulate.js";
 
 /** What is left of a grid of samples. */
 export interface Cut {
@@ -51,22 +51,22 @@ function cutsOf({ loops }: Outline, us: Float64Array, vs: Float64Array): Cuts {
 
 /** Cuts a grid with lines at these rows and columns along loops of places in it, of which it is on the left. */
 export function cutOf(loops: readonly Float64Array[], rows: readonly number[], columns: readonly number[]): Cut {
-  const trail = new Trail(rows, columns);
-  for (const loop of loops) trail.follow(loop);
-  const placeOf = (vertex: number) => trail.placeOf(vertex);
+  const parts = new GridLoops(rows, columns);
+  for (const loop of loops) parts.follow(loop);
+  const placeOf = (vertex: number) => parts.placeOf(vertex);
   const across = columns.length;
-  const inside = trail.inside();
+  const inside = parts.inside();
   const indices: number[] = [];
   for (let i = 0; i + 1 < rows.length; i++) {
     for (let j = 0; j + 1 < across; j++) {
       const a = i * across + j;
       const corners = [a, a + across, a + across + 1, a + 1] as const;
-      const chains = trail.chains.get(a);
-      if (chains !== undefined) for (const { around, holes } of polygonsOf(chains, corners, inside[a] === 1)) indices.push(...trianglesOf(around, holes, placeOf));
+      const chains = parts.chains.get(a);
+      if (chains !== undefined) for (const { around, holes } of polygonsOf(chains, corners, inside[a] === 1, placeOf)) indices.push(...trianglesOf(around, holes, placeOf));
       else if (inside[a] === 1) indices.push(a, a + across, a + 1, a + across, a + across + 1, a + 1);
     }
   }
-  return { indices: Uint32Array.from(indices), places: trail.places(), boundary: Uint32Array.from(trail.boundary), inside };
+  return { indices: Uint32Array.from(indices), places: parts.places(), boundary: Uint32Array.from(parts.boundary), inside };
 }
 
 /** Vertices around a part of a cell, and around its holes. */
@@ -76,7 +76,7 @@ interface Polygon {
 }
 
 /** What is left of a cell: from the end of each chain along the sides of the cell to the next one. */
-function polygonsOf(chains: readonly Chain[], corners: readonly number[], isInside: boolean): Polygon[] {
+function polygonsOf(chains: readonly Chain[], corners: readonly number[], isInside: boolean, placeOf: PlaceOf): Polygon[] {
   const open = chains.filter(({ isClosed }) => !isClosed);
   const rest = new Set(open);
   const outer: number[][] = open.length === 0 && isInside ? [[...corners]] : [];
@@ -93,10 +93,9 @@ function polygonsOf(chains: readonly Chain[], corners: readonly number[], isInsi
     outer.push(around);
   }
   const closed = chains.filter(({ isClosed }) => isClosed);
-  const holes = closed.filter(({ isHole }) => isHole).map(({ vertices }) => vertices);
-  // Holes that are smaller than a cell with several parts are not seen.
-  const parts = outer.map((around) => ({ around, holes: outer.length === 1 ? holes : [] }));
-  return [...parts, ...closed.filter(({ isHole }) => !isHole).map(({ vertices }) => ({ around: vertices, holes: [] }))];
+  const parts = [...outer, ...closed.filter(({ isHole }) => !isHole).map(({ vertices }) => vertices)].map((around) => ({ around, holes: [] as (readonly number[])[] }));
+  for (const { vertices } of closed.filter(({ isHole }) => isHole)) parts.find(({ around }) => contains(around, vertices[0]!, placeOf))?.holes.push(vertices);
+  return parts;
 }
 
 /** The values between those of the vertices of a grid, `size` for each, at places in it. */

@@ -63,7 +63,8 @@ export function judged(fit: Fit, data: Data, k: number, samples: Samples, contro
   return {
     k,
     samples,
-    // The outline is found before the fit, so that it is that of all iterations, as in their files; it is known with the result.
+    // The server finds the outline before the fit, and trims the files of all iterations by it. So all are drawn trimmed as
+    // soon as the result has come, which says it; until then they are drawn whole.
     outline: fit.outline,
     isAway: !((level?.error.max ?? Infinity) < AWAY * data.axes.radius),
     control,

@@ -1,4 +1,4 @@
-/** The way of loops through the cells of a grid. */
+/** Loops in a grid: their parts in each cell, and which vertices are inside. */
 
 /** A part of a loop within one cell. */
 export interface Chain {
@@ -23,11 +23,12 @@ type Cell = readonly [row: number, column: number];
 /** A corner of a loop, or where it crosses a line from one cell to the next. */
 interface Stop {
   readonly vertex: number;
-  readonly crossed: { readonly before: Cell; readonly after: Cell } | null;
+  /** The cell after the line; null of a corner. */
+  readonly entered: Cell | null;
 }
 
 /** x is along the rows of a grid, y along its columns; the lines need not be equally far apart. */
-export class Trail {
+export class GridLoops {
   /** By the number of the first corner of the cell. */
   readonly chains = new Map<number, Chain[]>();
   /** Pairs of vertices. */
@@ -76,15 +77,14 @@ export class Trail {
     const stops: Stop[] = [];
     let cell: Cell = [cellOf(x[0]!, this.#rows), cellOf(y[0]!, this.#columns)];
     for (let k = 0, next = 1; k < count; k++, next = (k + 1) % count) {
-      stops.push({ vertex: this.#vertex(x[k]!, y[k]!), crossed: null });
+      stops.push({ vertex: this.#vertex(x[k]!, y[k]!), entered: null });
       const lines = [...crossings(x[k]!, x[next]!, this.#rows, 0), ...crossings(y[k]!, y[next]!, this.#columns, 1)].sort((a, b) => a.share - b.share);
       for (const { axis, line, step, share } of lines) {
-        const before = cell;
         cell = axis === 0 ? [cell[0] + step, cell[1]] : [cell[0], cell[1] + step];
         if (axis === 1) this.#turn(cell[0] + 1, line, -step);
         const place = [x[k]! + (x[next]! - x[k]!) * share, y[k]! + (y[next]! - y[k]!) * share] as const;
         const vertex = axis === 0 ? this.#vertex(this.#rows[line]!, place[1]) : this.#vertex(place[0], this.#columns[line]!);
-        stops.push({ vertex, crossed: { before, after: cell } });
+        stops.push({ vertex, entered: cell });
       }
     }
     stops.forEach(({ vertex }, k) => this.boundary.push(vertex, stops[(k + 1) % stops.length]!.vertex));
@@ -93,16 +93,16 @@ export class Trail {
 
   /** Keeps a loop by its parts in cells; `cell` is that of a loop that crosses no line. */
   #divide(stops: readonly Stop[], cell: Cell): void {
-    const begin = stops.findIndex(({ crossed }) => crossed !== null);
+    const begin = stops.findIndex(({ entered }) => entered !== null);
     if (begin < 0) return this.#keep(cell, { vertices: stops.map(({ vertex }) => vertex), from: 0, to: 0, isClosed: true, isHole: this.#areaOf(stops) < 0 });
     let first = stops[begin]!;
     let vertices = [first.vertex];
     for (let k = 1; k <= stops.length; k++) {
       const stop = stops[(begin + k) % stops.length]!;
       vertices.push(stop.vertex);
-      if (stop.crossed === null) continue;
-      const { after } = first.crossed!;
-      this.#keep(after, { vertices, from: this.#along(after, first.vertex), to: this.#along(after, stop.vertex), isClosed: false, isHole: false });
+      if (stop.entered === null) continue;
+      const within = first.entered!;
+      this.#keep(within, { vertices, from: this.#along(within, first.vertex), to: this.#along(within, stop.vertex), isClosed: false, isHole: false });
       [first, vertices] = [stop, [stop.vertex]];
     }
   }

@@ -1,12 +1,14 @@
 /** Triangles of small polygons. */
 
-export type Place = readonly [x: number, y: number];
+type Place = readonly [x: number, y: number];
+
+export type PlaceOf = (vertex: number) => Place;
 
 /**
  * Divides a polygon into triangles, counter-clockwise as it is: three of its vertices each. Holes are clockwise. Ears are
  * cut off one by one, which takes the square of the number of vertices.
  */
-export function trianglesOf(around: readonly number[], holes: readonly (readonly number[])[], placeOf: (vertex: number) => Place): number[] {
+export function trianglesOf(around: readonly number[], holes: readonly (readonly number[])[], placeOf: PlaceOf): number[] {
   const ring = holes.reduce((outer, hole) => joined(outer, hole, placeOf), around);
   const left = ring.map((vertex) => ({ vertex, place: placeOf(vertex) }));
   const triangles: number[] = [];
@@ -23,8 +25,19 @@ export function trianglesOf(around: readonly number[], holes: readonly (readonly
   return triangles;
 }
 
+/** True if a vertex is inside a polygon. */
+export function contains(around: readonly number[], vertex: number, placeOf: PlaceOf): boolean {
+  const [x, y] = placeOf(vertex);
+  let isInside = false;
+  around.forEach((from, k) => {
+    const [[ax, ay], [bx, by]] = [placeOf(from), placeOf(around[(k + 1) % around.length]!)];
+    if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) isInside = !isInside;
+  });
+  return isInside;
+}
+
 /** One ring of a polygon and a hole, with a way there and back between the vertices that are nearest to each other. */
-function joined(outer: readonly number[], hole: readonly number[], placeOf: (vertex: number) => Place): number[] {
+function joined(outer: readonly number[], hole: readonly number[], placeOf: PlaceOf): number[] {
   let nearest = Infinity;
   let [from, to] = [0, 0];
   outer.forEach((a, i) =>
