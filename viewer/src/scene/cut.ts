@@ -98,6 +98,25 @@ function polygonsOf(chains: readonly Chain[], corners: readonly number[], isInsi
   return parts;
 }
 
+/** Two vertices for each edge of an outline at which a grid ends: along the seam of one that is closed it goes on. */
+export function edgesOf({ places, boundary, inside }: Cut, closed: readonly [boolean, boolean], rows: number, columns: number): number[] {
+  const last = [rows - 1, columns - 1] as const;
+  const first = rows * columns;
+  const edges: number[] = [];
+  for (let k = 0; k < boundary.length; k += 2) {
+    const [a, b] = [(boundary[k]! - first) * 2, (boundary[k + 1]! - first) * 2];
+    const isSeam = [0, 1].some((axis) => {
+      const side = places[a + axis]!;
+      if (!closed[axis] || side !== places[b + axis] || (side !== 0 && side !== last[axis])) return false;
+      const along = Math.round((places[a + 1 - axis]! + places[b + 1 - axis]!) / 2);
+      const other = last[axis]! - side;
+      return inside[axis === 0 ? other * columns + along : along * columns + other] === 1;
+    });
+    if (!isSeam) edges.push(boundary[k]!, boundary[k + 1]!);
+  }
+  return edges;
+}
+
 /** The values between those of the vertices of a grid, `size` for each, at places in it. */
 export function valuesAt(places: Float64Array, values: Float32Array, size: number, rows: number, columns: number): Float32Array {
   const found = new Float32Array((places.length / 2) * size);

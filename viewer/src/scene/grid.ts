@@ -40,8 +40,7 @@ export function netOf(rows: number, columns: number): Uint32Array {
 
 /** Normals by differences of the neighbours, across the seam where a surface is closed. */
 export function normalsOf(p: Float32Array, rows: number, columns: number, normals: Float32Array): void {
-  const closedU = isSame(p, 0, (rows - 1) * columns, columns);
-  const closedV = isSame(p, 0, columns - 1, 1);
+  const [closedU, closedV] = closedOf(p, rows, columns);
   for (let i = 0; i < rows; i++) {
     const [up, down] = neighbours(i, rows, closedU);
     for (let j = 0; j < columns; j++) {
@@ -60,6 +59,11 @@ export function normalsOf(p: Float32Array, rows: number, columns: number, normal
       normals[at + 2] = z / length;
     }
   }
+}
+
+/** True for each direction in which a surface is closed: the last row, or column, is the first one. */
+export function closedOf(p: Float32Array, rows: number, columns: number): [boolean, boolean] {
+  return [isSame(p, 0, (rows - 1) * columns, columns), isSame(p, 0, columns - 1, 1)];
 }
 
 function neighbours(i: number, count: number, closed: boolean): [number, number] {

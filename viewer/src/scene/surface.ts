@@ -2,9 +2,9 @@
 
 import { BufferAttribute, BufferGeometry, Color, Mesh, ShaderMaterial } from "three";
 
-import { type Cuts, valuesAt } from "./cut.js";
+import { type Cuts, edgesOf, valuesAt } from "./cut.js";
 import { HEAT, type Palette } from "./palette.js";
-import { indicesOf, normalsOf } from "./grid.js";
+import { closedOf, indicesOf, normalsOf } from "./grid.js";
 
 const VERTEX = /* glsl */ `
   attribute float heat;
@@ -147,11 +147,12 @@ export class Surface extends Mesh<BufferGeometry, ShaderMaterial> {
     normal.needsUpdate = true;
   }
 
-  /** Pairs of points: the edges of the outline along which it is cut. */
+  /** Pairs of points: the edges of the outline along which it is cut, which are not those of a seam. */
   boundary(): Float32Array {
-    const { array } = this.geometry.getAttribute("position");
-    const segments = new Float32Array((this.#cut?.boundary.length ?? 0) * 3);
-    this.#cut?.boundary.forEach((vertex, at) => segments.set(array.subarray(vertex * 3, vertex * 3 + 3), at * 3));
+    const array = this.geometry.getAttribute("position").array as Float32Array;
+    const vertices = this.#cut === null ? [] : edgesOf(this.#cut, closedOf(array.subarray(0, this.#rows * this.#columns * 3), this.#rows, this.#columns), this.#rows, this.#columns);
+    const segments = new Float32Array(vertices.length * 3);
+    vertices.forEach((vertex, at) => segments.set(array.subarray(vertex * 3, vertex * 3 + 3), at * 3));
     return segments;
   }
 
