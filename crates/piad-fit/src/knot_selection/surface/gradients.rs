@@ -43,7 +43,7 @@ impl Effort {
     };
 
     /// As long as there may be something to gain.
-    pub(super) fn whole(rows: &Rows<'_>) -> Self {
+    pub(super) fn whole(rows: &Rows) -> Self {
         let steps = WORK / (2 * rows.numbers()).max(1);
         Self {
             steps: steps.min(ROUNDS * rows.control_points()),
@@ -112,7 +112,7 @@ pub(super) fn descend(
 }
 
 /// How much one step of steepest descent lowers the sum of squares of a residual.
-pub(super) fn first_gain(rows: &Rows<'_>, diagonal: &[f64], residual: &[f64]) -> f64 {
+pub(super) fn first_gain(rows: &Rows, diagonal: &[f64], residual: &[f64]) -> f64 {
     let mut gradient = vec![0.0; diagonal.len()];
     rows.apply_transposed(residual, &mut gradient);
     let gamma = weighed_square(&gradient, diagonal);

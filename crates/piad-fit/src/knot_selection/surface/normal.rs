@@ -3,7 +3,7 @@
 //! A product with A and with its transpose takes time for each datum, one with AᵀA for each control point, of which there
 //! are far fewer where a tolerance is met by smoothing.
 
-use super::rows::Rows;
+use super::rows::{Rows, add};
 use crate::linear::LineMap;
 use crate::linear::folded;
 use crate::linear::stencil::{Reach, Stencil};
@@ -18,7 +18,7 @@ const MOST_WORK: usize = 2_000_000_000;
 /// The matrix N.
 #[derive(Debug)]
 pub(super) struct Normal<'a> {
-    rows: &'a Rows<'a>,
+    rows: &'a Rows,
     /// AᵀA, if it has fewer numbers than A.
     products: Option<Stencil>,
     /// H.
@@ -26,8 +26,8 @@ pub(super) struct Normal<'a> {
 }
 
 impl<'a> Normal<'a> {
-    pub(super) fn new(rows: &'a Rows<'a>, energy: Option<&'a Stencil>) -> Self {
-        let is_smaller = Stencil::numbers(rows.reach()) < rows.numbers();
+    pub(super) fn new(rows: &'a Rows, energy: Option<&'a Stencil>) -> Self {
+        let is_smaller = Stencil::numbers(rows.reach()) <= 2 * rows.numbers();
         let is_factorized = energy.is_some() && Band::of(rows).is_some();
         Self {
             products: (is_smaller || is_factorized).then(|| products(rows)),
@@ -147,7 +147,7 @@ struct Band {
 
 impl Band {
     /// That of N, if its factorization does not take too long. At poles there are fewer unknowns than control points.
-    fn of(rows: &Rows<'_>) -> Option<Self> {
+    fn of(rows: &Rows) -> Option<Self> {
         let band = Self::new(rows.reach());
         (band.is_affordable() && !rows.has_poles()).then_some(band)
     }
@@ -195,7 +195,7 @@ pub(super) fn inverses(sums: Vec<f64>) -> Vec<f64> {
 }
 
 /// `AᵀA`.
-fn products(rows: &Rows<'_>) -> Stencil {
+fn products(rows: &Rows) -> Stencil {
     let [p, q] = [&rows.u, &rows.v].map(|it| it.degree());
     let (columns, block) = (rows.v.count(), (q + 1) * (q + 1));
     Stencil::by_lines(rows.reach(), |k, diagonals| {
@@ -213,24 +213,20 @@ fn products(rows: &Rows<'_>) -> Stencil {
 }
 
 /// For each span of v, and each function of u that meets the one of line `k`, the sums of products of two functions of v.
-fn products_of_cells(rows: &Rows<'_>, k: usize) -> Vec<f64> {
+fn products_of_cells(rows: &Rows, k: usize) -> Vec<f64> {
     let [p, q] = [&rows.u, &rows.v].map(|it| it.degree());
     let block = (q + 1) * (q + 1);
     let mut cells = vec![0.0; (rows.v.count() - q) * (2 * p + 1) * block];
-    let mut products = vec![0.0; block];
     for i in rows.points_from(k.saturating_sub(p)..k + 1) {
         let [(row, along), (column, across)] = rows.functions(i);
-        for (products, a) in products.chunks_exact_mut(q + 1).zip(across) {
-            let pairs = products.iter_mut().zip(across);
-            pairs.for_each(|(product, b)| *product = a * b);
-        }
         let own = k - row;
         let first = (column * (2 * p + 1) + p - own) * block;
         let blocks = cells[first..][..(p + 1) * block].chunks_exact_mut(block);
         for (sums, b) in blocks.zip(along) {
             let factor = along[own] * b;
-            let pairs = sums.iter_mut().zip(&products);
-            pairs.for_each(|(sum, product)| *sum += factor * product);
+            for (sums, a) in sums.chunks_exact_mut(q + 1).zip(across) {
+                add(factor * a, across, sums);
+            }
         }
     }
     cells

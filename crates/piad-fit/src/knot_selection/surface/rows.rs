@@ -4,7 +4,8 @@
 //! A[i][(k, l)] = B_k(u_i) B_l(v_i)
 //! ```
 //!
-//! The functions are evaluated once at each different parameter of a direction. Around a closed
+//! The functions are evaluated once at each different parameter of a direction. Products of cubic functions have a fixed
+//! number of terms, which the compiler unrolls. Around a closed
 //! direction the first control points follow the last ones: there products have a margin of p more
 //! of them, so that those of a point are always next to each other.
 
@@ -20,6 +21,9 @@ use crate::linear::stencil::Reach;
 /// The number of points that one thread takes at a time.
 const PART: usize = 16_384;
 
+/// The number of cubic functions that can differ from zero at a place.
+const CUBIC: usize = 4;
+
 /// Points at places among the different parameters of both directions, sorted by u.
 #[derive(Debug)]
 pub(super) struct Sites {
@@ -31,24 +35,42 @@ pub(super) struct Sites {
     pub poles: [bool; 2],
 }
 
-/// The functions of a direction that can differ from zero at each of its parameters.
+/// The functions of a direction that can differ from zero at each point.
 #[derive(Debug)]
 pub(super) struct Functions {
     line: Breaks,
     width: usize,
     /// The first of them.
     firsts: Vec<u32>,
+    /// Their values, in the order of the points: products read them one after the other.
     values: Vec<f64>,
 }
 
 impl Functions {
-    fn new(line: &Breaks, t: &Arc<Vec<f64>>) -> Self {
+    /// At the parameters of these places among the different ones.
+    fn new(line: &Breaks, t: &Arc<Vec<f64>>, places: &[u32]) -> Self {
+        let width = line.degree() + 1;
         let (firsts, values) = Values::new(line, t).into_rows();
+        let are_in_order = places.len() == t.len() && places.is_sorted();
+        let line = line.clone();
+        if are_in_order {
+            return Self {
+                line,
+                width,
+                firsts,
+                values,
+            };
+        }
+        let mut of_points = vec![0.0; places.len() * width];
+        let all = of_points.par_chunks_mut(width).zip(places);
+        all.with_min_len(PART).for_each(|(point, &place)| {
+            point.copy_from_slice(&values[place as usize * width..][..width]);
+        });
         Self {
-            line: line.clone(),
-            width: line.degree() + 1,
-            firsts,
-            values,
+            line,
+            width,
+            firsts: places.iter().map(|&place| firsts[place as usize]).collect(),
+            values: of_points,
         }
     }
 
@@ -61,30 +83,32 @@ impl Functions {
         self.width - 1
     }
 
-    fn at(&self, place: u32) -> (usize, &[f64]) {
-        let place = place as usize;
-        let values = &self.values[place * self.width..(place + 1) * self.width];
-        (self.firsts[place] as usize, values)
+    #[inline]
+    fn at(&self, point: usize) -> (usize, &[f64]) {
+        let values = &self.values[point * self.width..][..self.width];
+        (self.firsts[point] as usize, values)
     }
 }
 
 /// The matrix.
 #[derive(Debug)]
-pub(super) struct Rows<'a> {
-    sites: &'a Sites,
+pub(super) struct Rows {
     poles: [bool; 2],
     pub(super) u: Functions,
     pub(super) v: Functions,
 }
 
-impl<'a> Rows<'a> {
+impl Rows {
     /// Evaluates the functions over some knots.
-    pub(super) fn new(sites: &'a Sites, lines: &[Breaks; 2]) -> Self {
+    pub(super) fn new(sites: &Sites, lines: &[Breaks; 2]) -> Self {
+        let [u, v] = [0, 1].map(|axis| {
+            let (t, places) = (&sites.parameters[axis], &sites.places[axis]);
+            Functions::new(&lines[axis], t, places)
+        });
         Self {
-            u: Functions::new(&lines[0], &sites.parameters[0]),
-            v: Functions::new(&lines[1], &sites.parameters[1]),
+            u,
+            v,
             poles: sites.poles,
-            sites,
         }
     }
 
@@ -98,7 +122,7 @@ impl<'a> Rows<'a> {
 
     /// The number of points.
     pub(super) fn points(&self) -> usize {
-        self.sites.places[0].len()
+        self.u.firsts.len()
     }
 
     /// The number of control points.
@@ -117,12 +141,11 @@ impl<'a> Rows<'a> {
         let x = self.with_margin(x);
         let value = |i: usize| {
             let [(row, along), (column, across)] = self.functions(i);
-            let line = |(k, a): (usize, &f64)| {
-                let x = &x[(row + k) * columns + column..][..across.len()];
-                let sum: f64 = x.iter().zip(across).map(|(x, b)| x * b).sum();
-                a * sum
-            };
-            along.iter().enumerate().map(line).sum::<f64>()
+            let x = &x[row * columns + column..];
+            match <&[f64; CUBIC]>::try_from(across) {
+                Ok(across) => value_of_cubics(x, columns, along, across),
+                Err(_) => value(x, columns, along, across),
+            }
         };
         let parts = y.par_chunks_mut(PART).enumerate();
         parts.for_each(|(part, y)| {
@@ -157,10 +180,8 @@ impl<'a> Rows<'a> {
         for (i, x) in x.iter().enumerate() {
             let [(row, along), (column, across)] = self.functions(start + i);
             for (k, a) in along.iter().enumerate() {
-                let factor = a * x;
-                let sums = &mut sums[(row - first + k) * columns + column..][..across.len()];
-                let pairs = sums.iter_mut().zip(across);
-                pairs.for_each(|(sum, b)| *sum += factor * b);
+                let sums = &mut sums[(row - first + k) * columns + column..];
+                add(a * x, across, sums);
             }
         }
         (first, sums)
@@ -180,17 +201,17 @@ impl<'a> Rows<'a> {
 
     /// The points at which the first function of u that differs from zero is one of some; points are sorted by u.
     pub(super) fn points_from(&self, firsts: Range<usize>) -> Range<usize> {
-        let places = &self.sites.places[0];
         let before = |end: usize| {
-            places.partition_point(|&place| (self.u.firsts[place as usize] as usize) < end)
+            let firsts = &self.u.firsts;
+            firsts.partition_point(|&first| (first as usize) < end)
         };
         before(firsts.start)..before(firsts.end)
     }
 
     /// The functions of u and of v at point `i`.
+    #[inline]
     pub(super) fn functions(&self, i: usize) -> [(usize, &[f64]); 2] {
-        let [u, v] = &self.sites.places;
-        [self.u.at(u[i]), self.v.at(v[i])]
+        [self.u.at(i), self.v.at(i)]
     }
 
     /// The control points with those around the ends of closed directions.
@@ -236,4 +257,44 @@ impl<'a> Rows<'a> {
                 .for_each(|x| *x = first);
         }
     }
+}
+
+/// The sum of the products of control points, from the first of them on in lines of `columns`, and functions.
+fn value(x: &[f64], columns: usize, along: &[f64], across: &[f64]) -> f64 {
+    let lines = along.iter().zip(x.chunks(columns));
+    lines
+        .map(|(a, x)| a * x.iter().zip(across).map(|(x, b)| x * b).sum::<f64>())
+        .sum()
+}
+
+/// The same of cubic functions across.
+#[inline]
+fn value_of_cubics(x: &[f64], columns: usize, along: &[f64], across: &[f64; CUBIC]) -> f64 {
+    let mut sums = [0.0; CUBIC];
+    for (k, a) in along.iter().enumerate() {
+        add_cubic(*a, &x[k * columns..], &mut sums);
+    }
+    sums.iter().zip(across).map(|(sum, b)| sum * b).sum()
+}
+
+/// `sums ← sums + factor x` for the first few numbers.
+#[inline]
+pub(super) fn add(factor: f64, x: &[f64], sums: &mut [f64]) {
+    match <&[f64; CUBIC]>::try_from(x) {
+        Ok(x) => {
+            if let Some(sums) = sums.first_chunk_mut() {
+                add_cubic(factor, x, sums);
+            }
+        }
+        Err(_) => {
+            let pairs = sums.iter_mut().zip(x);
+            pairs.for_each(|(sum, x)| *sum += factor * x);
+        }
+    }
+}
+
+#[inline]
+fn add_cubic(factor: f64, x: &[f64], sums: &mut [f64; CUBIC]) {
+    let pairs = sums.iter_mut().zip(&x[..CUBIC]);
+    pairs.for_each(|(sum, x)| *sum += factor * x);
 }

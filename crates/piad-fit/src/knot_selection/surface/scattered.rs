@@ -109,7 +109,7 @@ impl ScatteredData {
     }
 
     /// The squared distances of the sorted data, times the square of the unit.
-    fn squares(&self, rows: &Rows<'_>, control_points: &Points) -> Vec<f64> {
+    fn squares(&self, rows: &Rows, control_points: &Points) -> Vec<f64> {
         let mut squares = vec![0.0; self.points.len()];
         let mut fit = vec![0.0; self.points.len()];
         for (x, data) in control_points.lanes().iter().zip(self.points.lanes()) {
@@ -127,7 +127,7 @@ impl ScatteredData {
         self.measured(&Rows::new(&self.sites, lines), control_points)
     }
 
-    fn measured(&self, rows: &Rows<'_>, control_points: Points) -> Nearest {
+    fn measured(&self, rows: &Rows, control_points: Points) -> Nearest {
         let squares = self.squares(rows, &control_points);
         let left = [0, 1].map(|axis| {
             let mut left = vec![0.0; self.sites.parameters[axis].len()];
@@ -165,7 +165,7 @@ impl ScatteredData {
 
     fn nearest_by(
         &self,
-        effort: impl Fn(&Rows<'_>) -> Effort,
+        effort: impl Fn(&Rows) -> Effort,
         start: Option<Points>,
         lines: &[Breaks; 2],
         energy: Option<&Stencil>,
