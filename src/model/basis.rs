@@ -86,6 +86,15 @@ impl Basis {
         }
     }
 
+    /// The same with this degree, if it is a B-spline of which neither the degree nor the knots are given.
+    pub(super) fn or_degree(self, degree: usize) -> Self {
+        let is_open = self.degree.is_none() && self.knots.is_none();
+        match self.kind {
+            BasisKind::Bspline if is_open => Self::of_degree(degree),
+            _ => self,
+        }
+    }
+
     /// The basis of a direction.
     pub(super) fn choice(self, axis: Axis) -> OrMistakes<BasisChoice> {
         let kind = match self.kind {

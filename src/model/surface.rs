@@ -52,7 +52,7 @@ pub(crate) struct SurfaceInput {
     /// way around; without `closed` they are those whose ends are near each other in all of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sections: Option<SectionList>,
-    /// The bases; without them cubic B-splines, of few sections of a lower degree.
+    /// The bases; without them cubic B-splines, of few sections ones of a lower degree.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basis: Option<PerDirection<Basis>>,
     /// Short for B-splines of this degree, instead of `basis`.
@@ -183,9 +183,11 @@ impl SurfaceInput {
         {
             let closed = self.closed.map(PerDirection::split);
             sections.closed = closed.map(|(_, v)| v).or(sections.closed);
-            if self.basis.is_none() && self.degree.is_none() {
-                let [u, v] = sections.usual_degrees().map(Whole);
-                self.degree = Some(PerDirection::Each { u, v });
+            if self.degree.is_none() {
+                let (u, v) = self.basis.map(PerDirection::split).unwrap_or_default();
+                let [p, q] = sections.usual_degrees();
+                let (u, v) = (u.or_degree(p), v.or_degree(q));
+                self.basis = Some(PerDirection::Each { u, v });
             }
         }
         Ok(self)
