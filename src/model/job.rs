@@ -45,7 +45,7 @@ pub struct JobRequest {
     /// How weights are used; only with weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rational: Option<Rational>,
-    /// The method; without one `global`, and of polylines, sections, meshes and scattered points with a tolerance least squares with `control_points` `"auto"`.
+    /// The method; without one `global`, and of polylines, sections, meshes, and, with a tolerance, scattered points and grids with missing points least squares with `control_points` `"auto"`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) method: Option<MethodInput>,
     /// When the iteration ends.
@@ -181,12 +181,13 @@ impl JobRequest {
 }
 
 /// Returns true if only least squares with as few control points as the tolerance needs fits what is asked for: the edges
-/// of a polyline, sections, meshes, and other scattered points for which there is a tolerance.
+/// of a polyline, sections, meshes, and scattered points and grids with missing points for which there is a tolerance.
 fn has_one_method(request: &Request, tolerance: Option<Tolerance>) -> bool {
-    let of_scattered = |scattered: &Scattered| {
-        matches!(scattered, Scattered::Sections(_) | Scattered::Mesh(_)) || tolerance.is_some()
-    };
-    request.polyline || request.scattered.as_ref().is_some_and(of_scattered)
+    let scattered = request.scattered.as_ref();
+    let is_one_kind =
+        scattered.is_some_and(|it| matches!(it, Scattered::Sections(_) | Scattered::Mesh(_)));
+    let is_incomplete = scattered.is_some() || !request.missing.is_empty();
+    request.polyline || is_one_kind || is_incomplete && tolerance.is_some()
 }
 
 impl ValidJob {

@@ -469,12 +469,6 @@ async fn what_does_not_go_with_it_is_refused() {
     let auto = |u: Value| json!({"kind": "least_squares", "control_points": u});
     for (shape, method, pointer, reason) in [
         (
-            json!({"points": [[null, [0, 0]], [[0, 1], [1, 1]], [[1, 3], [2, 2]]]}),
-            auto(json!("auto")),
-            "/surface/points/0/0",
-            "missing",
-        ),
-        (
             json!({"points": grid()}),
             auto(json!({"u": "auto", "v": 5})),
             "/method/control_points",

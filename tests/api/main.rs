@@ -64,6 +64,7 @@ mod fit_once;
 mod floods;
 mod foot_points;
 mod forecasts;
+mod gaps;
 mod goldens;
 mod heads;
 mod heights;

@@ -685,7 +685,7 @@ export interface components {
             surface?: components["schemas"]["SurfaceInput"] | null;
             /** @description How weights are used; only with weights. */
             rational?: components["schemas"]["Rational"] | null;
-            /** @description The method; without one `global`, and of polylines, sections, meshes and scattered points with a tolerance least squares with `control_points` `"auto"`. */
+            /** @description The method; without one `global`, and of polylines, sections, meshes, and, with a tolerance, scattered points and grids with missing points least squares with `control_points` `"auto"`. */
             method?: components["schemas"]["Method"] | null;
             /** @description When the iteration ends. */
             stop?: components["schemas"]["StopRules"] | null;
@@ -1010,7 +1010,7 @@ export interface components {
              *     way around; without `closed` they are those whose ends are near each other in all of them.
              */
             sections?: components["schemas"]["Sections"] | null;
-            /** @description The bases; without them cubic B-splines, of few sections of a lower degree. */
+            /** @description The bases; without them cubic B-splines, of few sections ones of a lower degree. */
             basis?: components["schemas"]["Basis"] | components["schemas"]["BasisPair"] | null;
             /** @description Short for B-splines of this degree, instead of `basis`. */
             degree?: number | components["schemas"]["DegreePair"] | null;
@@ -3943,7 +3943,10 @@ export interface components {
             points?: components["schemas"]["PointGrid"];
             /** @description The points of sections, one after the other, or the vertices of a mesh. */
             scattered?: components["schemas"]["ScatteredPoints"];
-            /** @description How many of them each section has, or the triangles of the mesh. */
+            /**
+             * @description How many of them each section has, the triangles of the mesh, or the parameters of the rows and columns of a grid with
+             *     missing points, if x and y say them.
+             */
             parameters?: components["schemas"]["SurfaceParameters"];
         };
         /**

@@ -181,7 +181,7 @@ impl Fields {
     /// The job that they ask for, with the points of this body.
     pub(super) fn job(self, bytes: &Bytes, config: &Config) -> Result<ReadJob<FileWords>, Problem> {
         let hints = file::hints(&self.json, self.reading, config.limits().points);
-        let mut points = file::suited(&self.json, imported(bytes, &hints)?);
+        let mut points = imported(bytes, &hints)?;
         let notices = std::mem::take(&mut points.notices);
         let (request, words) = file::read(self.json, points, &hints)?;
         Ok(ReadJob {
@@ -211,7 +211,6 @@ impl PartJobs {
             let hints = file::hints(&fields.json, fields.reading, most);
             let parts = import::read_parts(&body.bytes, &hints)?;
             let line = |part| {
-                let part = file::suited(&fields.json, part);
                 let json = file::json(fields.json.clone(), part, &hints)?;
                 Ok([json, Bytes::from_static(b"\n")].concat().into())
             };

@@ -63,6 +63,14 @@ impl From<MeshUnfoldingInput> for MeshUnfolding {
     }
 }
 
+impl SurfaceParameters {
+    /// Those of rows and of columns, one by one.
+    pub(crate) fn of_lines(lines: [Vec<f64>; 2]) -> Self {
+        let [u, v] = lines.map(|it| ParametersInput(Parametrization::Explicit(Arc::new(it))));
+        Self::Grid(PerDirection::Each { u, v })
+    }
+}
+
 impl<'de> Deserialize<'de> for SurfaceParameters {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         deserializer.deserialize_any(ParametersVisitor)

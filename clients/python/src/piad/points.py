@@ -23,8 +23,8 @@ class FilePoints:
     closed: bool = False
     """The curve is closed: the file had its first point at the end again, which is not among the points."""
     parameters: Union[tuple[float, ...], Mapping[str, Any], None] = None
-    """The parameters of the points of a curve: their times, where these were asked for. Of scattered points those that fits
-    take: the numbers of points of sections, or the triangles of a mesh."""
+    """The parameters of the points of a curve: their times, where these were asked for. Of a surface as fits take them: the
+    numbers of points of sections, the triangles of a mesh, or those of the rows and columns of a grid with missing points."""
     scattered: bool = False
     """The points are those of sections, or the vertices of a mesh."""
 

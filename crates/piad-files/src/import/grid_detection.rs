@@ -3,6 +3,7 @@
 use super::closed_outline;
 use super::error::FileError;
 use super::imported::{Hints, Imported, Kind};
+use super::line_parameters;
 use super::mesh;
 use super::part::{Order, Part};
 use super::repeated;
@@ -61,15 +62,18 @@ pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileEr
         true => part.counts(),
         false => Vec::new(),
     };
+    let has_gaps = !part.missing.is_empty();
+    let grid_with_gaps = grid.filter(|_| has_gaps);
     Ok(Imported {
         sections,
+        line_parameters: grid_with_gaps
+            .and_then(|grid| line_parameters::of_lattice(&part.points, &part.missing, grid)),
         points: part.points,
         grid,
         missing: part.missing,
         closed,
         unordered,
         parameters,
-        surface_parameters: None,
         triangles: part.triangles,
         origin: part.origin,
         lines: part.lines,

@@ -91,8 +91,8 @@ pub struct Imported {
     pub unordered: bool,
     /// The parameters of the points of a curve, increasing: their times, where these are asked for.
     pub parameters: Option<Vec<f64>>,
-    /// The parameters (u, v) of scattered points of a surface, from 0 to 1, if they are known.
-    pub surface_parameters: Option<Vec<[f64; 2]>>,
+    /// The parameters of the rows and of the columns of a grid with gaps, from 0 to 1, if x and y say them.
+    pub line_parameters: Option<[Vec<f64>; 2]>,
     /// The triangles between scattered points that are the vertices of a mesh: the indices of their corners.
     pub triangles: Vec<[u32; 3]>,
     /// Where the first two coordinates start, if they were longitudes and latitudes.

@@ -40,16 +40,25 @@ pub(crate) struct Automatic {
 impl Automatic {
     /// Level 0 of an automatic fit; `None` of any other.
     pub(crate) fn start(problem: &Arc<Problem>) -> Option<Self> {
+        Self::started(problem, false)
+    }
+
+    /// Without data in some places it is kept near the others from the beginning.
+    fn started(problem: &Arc<Problem>, has_gaps: bool) -> Option<Self> {
         let (settings, automatic) = problem.method().automatic()?;
+        let careful = has_gaps.then(|| Schedules::careful_surface(problem));
+        let is_gappy = !problem.request().missing.is_empty();
         let mut schedule = match (problem.alone(), problem.corners()) {
-            (Some((alone, inliers)), _) => match Self::start(alone) {
+            (Some((alone, inliers)), _) => match Self::started(alone, is_gappy) {
                 Some(fit) => {
                     Schedules::Several(Box::new(Alone::new(Box::new(fit), Arc::clone(inliers))))
                 }
                 None => Schedules::Nowhere,
             },
             (None, Some(_)) => Self::of_pieces(problem),
-            (None, None) => Schedules::new(problem, settings, automatic),
+            (None, None) => careful
+                .flatten()
+                .unwrap_or_else(|| Schedules::new(problem, settings, automatic)),
         };
         let now = schedule.next(problem).unwrap_or_else(|| {
             // Not even the first level has finite numbers.

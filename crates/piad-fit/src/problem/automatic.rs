@@ -47,12 +47,6 @@ pub(crate) fn check_request(request: &Request) -> Result<(), Invalid> {
             "correct_parameters is for curves without constraints and fairness whose ends are interpolated, and for scattered points that are no sections, without constraints, data_weights and robust",
         ));
     }
-    if let Some(&index) = request.missing.first() {
-        return Err(Invalid::at(
-            Place::Point(index),
-            "a fit that chooses the number of its control points cannot have missing points in a grid: pass the others as scattered points",
-        ));
-    }
     let along = |constraint: &Constraint| matches!(constraint.at, At::Boundary(..));
     match settings.constraints.iter().position(along) {
         Some(index) => Err(Invalid::at(

@@ -102,7 +102,7 @@ impl Direction {
 /// degree, between corners if it has some.
 pub(crate) fn first_direction(
     choice: DirectionChoice,
-    (points, grid): (&Points, Grid),
+    (points, grid, missing): (&Points, Grid, Option<&Missing>),
     breaks: Option<&[f64]>,
     most: usize,
     axis: Axis,
@@ -116,8 +116,14 @@ pub(crate) fn first_direction(
     if degree >= free {
         return Err(Invalid::too_few_control_points(axis, free, degree));
     }
-    let Parametrized { values, period } =
-        parameters(choice.parameters, points, grid, None, axis, choice.closed)?;
+    let Parametrized { values, period } = parameters(
+        choice.parameters,
+        points,
+        grid,
+        missing,
+        axis,
+        choice.closed,
+    )?;
     check_range(&values, axis)?;
     let direction = if let Some(Corners::At(corners)) = &choice.corners {
         let period = choice.closed.then_some(period);

@@ -47,6 +47,9 @@ impl Problem {
         let outline = self.request.trim.map_or(0, |_| BYTES_OF_OUTLINE * points);
         let arrays = arrays + outline;
         let arrays = arrays + self.request.scattered.as_ref().map_or(0, Scattered::bytes);
+        if let Some((alone, _)) = self.alone() {
+            return arrays + alone.memory();
+        }
         if let Some((settings, _)) = self.method().automatic() {
             let most = self.most_control_points();
             return arrays + first::memory(self, settings, most) + demand.bytes;

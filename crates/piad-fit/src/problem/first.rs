@@ -7,6 +7,7 @@ use super::request::Request;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
+use crate::data::missing::Missing;
 use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::edges::Edges;
@@ -18,7 +19,7 @@ use crate::setup::Setup;
 /// The directions with which a fit begins that chooses its knots.
 pub(crate) fn first_directions(
     request: &Request,
-    pairs: Option<&Pairs>,
+    (pairs, missing): (Option<&Pairs>, Option<&Missing>),
     (settings, _): (&LeastSquares, &Settings),
 ) -> Result<(Direction, Option<Direction>), Invalid> {
     let breaks = |place: usize| {
@@ -34,7 +35,7 @@ pub(crate) fn first_directions(
         let v = v.map(|v| first(v, 1, settings.v, Axis::V));
         return Ok((u, v.transpose()?));
     }
-    let data = (&*request.points, request.grid);
+    let data = (&*request.points, request.grid, missing);
     let direction = |choice: &DirectionChoice, most, axis, place: usize| {
         let breaks = breaks(place);
         first_direction(choice.clone(), data, breaks, most, axis)

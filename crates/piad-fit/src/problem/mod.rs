@@ -16,6 +16,7 @@ mod cost;
 mod creases;
 mod fairness;
 mod first;
+mod gaps;
 mod order;
 mod pieces;
 mod polyline;
@@ -64,8 +65,8 @@ pub struct Problem {
     setup: Arc<Setup>,
     /// The tolerance in data units, as it was asked for: methods may have a larger one.
     tolerance: f64,
-    /// Of a robust fit that leaves points out.
-    robust: Option<Robust>,
+    /// The points that are fitted, where others are outliers or missing.
+    kept: Option<Kept>,
     /// How scattered points get their parameters, if that was chosen by the fit.
     chosen: Option<Scattered>,
     /// The outline of the data, of a surface that is trimmed.
@@ -74,11 +75,11 @@ pub struct Problem {
     folded: Option<FoldedTriangles>,
 }
 
-/// What a robust fit leaves out.
+/// The points of a fit that are not outliers of a robust one, and not missing where it chooses its knots.
 #[derive(Clone, Debug)]
-struct Robust {
+struct Kept {
     inliers: Arc<Inliers>,
-    /// The same fit of the inliers alone, if it chooses its knots by itself.
+    /// The same fit of these points alone, if it chooses its knots by itself.
     alone: Option<Arc<Problem>>,
 }
 
@@ -191,7 +192,7 @@ impl Problem {
             request,
             setup: Arc::new(setup),
             tolerance,
-            robust: None,
+            kept: None,
             outline: None,
             folded: mesh.as_ref().and_then(|mesh| mesh.folded),
             chosen: mesh.map(|mesh| mesh.rule).or(chosen),
@@ -202,22 +203,27 @@ impl Problem {
             problem.setup = Arc::new(placed);
         }
         fairness::choose(&mut problem.request, &problem.setup, problem.tolerance)?;
-        problem.robust = match (inliers, alone) {
-            (Some(inliers), Some(alone)) => {
-                let alone = problem.is_automatic().then_some(alone);
-                let alone = alone.map(|alone| Self::admitted(alone, admission));
-                let alone = alone.transpose()?.map(Arc::new);
-                Some(Robust { inliers, alone })
-            }
-            _ => {
-                problem.pieces()?;
-                None
-            }
-        };
         while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
             let finer = first::finer(&problem.setup, &problem.request);
             problem.setup = Arc::new(finer.ok_or(mistake)?);
         }
+        let kept = match problem.is_automatic() {
+            true => gaps::present(&problem.request, &problem.setup),
+            false => None,
+        };
+        let kept = kept.map(|(present, alone)| (Arc::new(present), alone));
+        problem.kept = match kept.or(inliers.zip(alone)) {
+            Some((inliers, alone)) => {
+                let alone = problem.is_automatic().then_some(alone);
+                let alone = alone.map(|alone| Self::admitted(alone, admission));
+                let alone = alone.transpose()?.map(Arc::new);
+                Some(Kept { inliers, alone })
+            }
+            None => {
+                problem.pieces()?;
+                None
+            }
+        };
         Ok(problem)
     }
 
@@ -291,12 +297,16 @@ impl Problem {
 
     /// The points that a robust fit leaves out, by index.
     pub fn outliers(&self) -> &[usize] {
-        self.robust.as_ref().map_or(&[], |it| &it.inliers.outliers)
+        let robust = self
+            .kept
+            .as_ref()
+            .filter(|_| self.request.missing.is_empty());
+        robust.map_or(&[], |it| &it.inliers.outliers)
     }
 
-    /// The fit of the points that a robust fit that chooses its knots does not leave out, and which these are.
+    /// The fit that chooses its knots of the points that are neither outliers nor missing, and which these are.
     pub(crate) fn alone(&self) -> Option<(&Arc<Self>, &Arc<Inliers>)> {
-        let Robust { inliers, alone } = self.robust.as_ref()?;
+        let Kept { inliers, alone } = self.kept.as_ref()?;
         Some((alone.as_ref()?, inliers))
     }
 
@@ -374,7 +384,7 @@ fn all_directions(
     missing: Option<&Missing>,
 ) -> Result<(Direction, Option<Direction>), Invalid> {
     match (pairs, request.method.automatic()) {
-        (_, Some(settings)) => first::first_directions(request, pairs, settings),
+        (_, Some(settings)) => first::first_directions(request, (pairs, missing), settings),
         (Some(pairs), None) => scattered_directions(request, pairs),
         (None, None) => directions(request, missing),
     }

@@ -21,7 +21,7 @@ const MULTIPLICATIONS: usize = 10_000;
 /// Bytes that a point takes meanwhile, with its neighbours.
 const BYTES: usize = 256;
 
-/// The points of a robust fit that are not outliers.
+/// The points of a fit that are neither outliers nor missing.
 #[derive(Clone, Debug)]
 pub(crate) struct Inliers {
     /// Their indices, which increase.
@@ -63,15 +63,18 @@ impl Inliers {
             );
             return Err(Invalid::at(Place::Points, detail));
         }
-        let missing = Missing::new(&outliers, count);
-        Ok(missing.map(|missing| {
-            let indices: Vec<usize> = (0..count).filter(|&it| !missing.contains(it)).collect();
-            Self {
-                points: Arc::new(request.points.selected(indices.iter().copied())),
-                outliers: outliers.into(),
-                indices,
-            }
-        }))
+        Ok(Missing::new(&outliers, count).map(|it| Self::without(&it, &request.points)))
+    }
+
+    /// All points but some.
+    pub(super) fn without(missing: &Missing, points: &Points) -> Self {
+        let (outliers, indices): (Vec<usize>, Vec<usize>) =
+            (0..points.len()).partition(|&index| missing.contains(index));
+        Self {
+            points: Arc::new(points.selected(indices.iter().copied())),
+            outliers: outliers.into(),
+            indices,
+        }
     }
 
     /// The outliers as missing points.

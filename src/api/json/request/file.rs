@@ -158,19 +158,6 @@ fn closed(fields: &Map<String, Value>) -> Option<bool> {
     said.or(open.then_some(false))
 }
 
-/// The points of a file as a fit with these fields takes them: one that chooses the number of its control points takes no
-/// grid with gaps.
-pub(crate) fn suited(fields: &Map<String, Value>, file: Imported) -> Imported {
-    let method = fields.get("method");
-    let count = method.and_then(|method| method.get("control_points"));
-    let is_automatic = count.is_some_and(|count| count == "auto");
-    let has_gaps = !file.missing.is_empty() && file.points.dimension() == 3;
-    match is_automatic && has_gaps {
-        true => file.into_scattered(),
-        false => file,
-    }
-}
-
 /// Reads a job of these fields, with these points of a file, about which that was known.
 pub(crate) fn read(
     fields: Map<String, Value>,
@@ -263,8 +250,8 @@ fn parts_of_job(
     let is_mesh = matches!(data, Data::Mesh(..));
     let shape = fields.entry(name).or_insert_with(|| json!({}));
     if let Some(shape) = shape.as_object_mut() {
-        if let Some(parameters) = file.surface_parameters {
-            let parameters = || json!(parameters);
+        if let (Some([u, v]), false) = (file.line_parameters, shape.contains_key("closed")) {
+            let parameters = || json!({"u": u, "v": v});
             shape.entry("parameters").or_insert_with(parameters);
         }
         if !file.sections.is_empty() {

@@ -59,7 +59,8 @@ struct SurfacePoints {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ScatteredPoints>")]
     scattered: Option<PointList>,
-    /// How many of them each section has, or the triangles of the mesh.
+    /// How many of them each section has, the triangles of the mesh, or the parameters of the rows and columns of a grid with
+    /// missing points, if x and y say them.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<SurfaceParameters>,
 }
@@ -86,6 +87,7 @@ impl PointsView {
             missing,
             closed,
             parameters,
+            line_parameters,
             name,
             notices,
             ..
@@ -126,7 +128,7 @@ impl PointsView {
                         grid,
                     }),
                     scattered: None,
-                    parameters: None,
+                    parameters: line_parameters.map(SurfaceParameters::of_lines),
                 }),
             ),
         };

@@ -1,4 +1,4 @@
-//! The schedule of a robust fit: that of the points which it does not leave out, as if they were alone.
+//! The schedule of a fit with outliers or missing points: that of the others, as if they were alone.
 
 use std::sync::Arc;
 
@@ -27,8 +27,13 @@ impl Alone {
     /// The same curve or surface as one of all points.
     fn of_all(&self, whole: &Arc<Problem>) -> Option<Fit> {
         let (problem, control_points) = (self.fit.problem(), self.fit.control_points());
-        let with_outliers = |it| self.inliers.with_outliers(it, problem.v().is_some());
-        let mut directions: Vec<_> = problem.directions().map(with_outliers).collect();
+        let is_grid = whole.v().is_some() && !whole.is_scattered();
+        let pairs = problem.directions().zip(whole.directions());
+        let of_all = pairs.map(|(it, all)| match is_grid {
+            true => it.with_parameters(all.parameters.to_vec()),
+            false => self.inliers.with_outliers(it, problem.v().is_some()),
+        });
+        let mut directions: Vec<_> = of_all.collect();
         let mut points = control_points.clone();
         if let [u] = &mut directions[..] {
             // The control points of a closed curve are counted from its first datum on.

@@ -48,26 +48,10 @@ impl Schedules {
     /// The schedule that keeps the fit near its data where there are none: of curves from a level on, of surfaces from
     /// the coarsest knots on.
     pub(super) fn careful(&self, whole: &Problem, now: &Fit) -> Option<Self> {
-        let (settings, automatic) = whole.method().automatic()?;
         if whole.v().is_some() {
-            let problem = whole;
-            let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
-            let data: Box<dyn Data> = match problem.is_scattered() {
-                // Where it is given, there is no more of it.
-                _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
-                true => Box::new(FairSurface::unasked(setup, settings)?),
-                false => {
-                    let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
-                    let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());
-                    let data = GridData::new(points, problem.grid(), parameters.ok()?);
-                    Box::new(data.fair(problem.tolerance()))
-                }
-            };
-            let options = surface_options(problem, (settings, automatic), None);
-            return Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
-                data, options,
-            ))));
+            return Self::careful_surface(whole);
         }
+        let (settings, _) = whole.method().automatic()?;
         let problem = &*now.problem;
         let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
         let first = in_lines(&now.control_points, &lines);
@@ -95,6 +79,29 @@ impl Schedules {
         };
         let schedule = Schedule::new(points, Arc::clone(&guide.parameters), options, minimum);
         Some(Self::Curve(Box::new(schedule), Some(Between::Guide(guide))))
+    }
+}
+
+impl Schedules {
+    /// The same of a surface.
+    pub(super) fn careful_surface(problem: &Problem) -> Option<Self> {
+        let (settings, automatic) = problem.method().automatic()?;
+        let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
+        let data: Box<dyn Data> = match problem.is_scattered() {
+            // Where it is given, there is no more of it.
+            _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
+            true => Box::new(FairSurface::unasked(setup, settings)?),
+            false => {
+                let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
+                let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());
+                let data = GridData::new(points, problem.grid(), parameters.ok()?);
+                Box::new(data.fair(problem.tolerance()))
+            }
+        };
+        let options = surface_options(problem, (settings, automatic), None);
+        Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
+            data, options,
+        ))))
     }
 }
 

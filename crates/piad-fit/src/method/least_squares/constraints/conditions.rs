@@ -73,7 +73,7 @@ pub(super) fn conditions(
     if settings.ends == EndPoints::Interpolated && corners.is_empty() {
         return Err(Invalid::at(
             Place::Setting(Setting::EndPoints),
-            "there are no ends to interpolate: closed directions have none, and neither have scattered points",
+            "there are no ends to interpolate: closed directions have none, and neither have scattered points and grids with missing points whose knots the fit chooses",
         ));
     }
     let is_replaced = |point: usize| {
