@@ -315,3 +315,41 @@ fn a_ball_has_its_poles() {
         assert_eq!(outline.is_whole(), !bite);
     }
 }
+
+/// Where parameters follow the surface, the outline follows them: half of a pipe with noise, seen from above, has its sides
+/// crowded together at first.
+#[test]
+fn outlines_follow_parameters_that_move() {
+    let part = |k: usize, step: f64| (0.5 + k as f64 * step).fract();
+    let at = |k: usize| {
+        let [a, b] = [PI * part(k, 0.754_877_666), part(k, 0.569_840_29)];
+        let radius = 20.0 + 0.06 * (part(k, 0.437_016) - 0.5);
+        [radius * a.cos(), 60.0 * b, radius * a.sin()]
+    };
+    let points: Vec<[f64; 3]> = (0..3000)
+        .map(at)
+        .filter(|[x, y, _]| x.hypot(y - 30.0) > 8.0)
+        .collect();
+    let follows = crate::method::Automatic {
+        correct_parameters: true,
+    };
+    let settings = LeastSquares {
+        automatic: Some(follows),
+        ..LeastSquares::automatic(1000, 1000)
+    };
+    let fit = Fit::scattered(&points, plan()).trimmed();
+    let fit = fit.method(Method::LeastSquares(settings)).tolerance(0.1);
+    let levels: Vec<_> = fit.prepare().unwrap().levels().collect();
+    let [first, last] = [&levels[0], &levels[levels.len() - 1]].map(|it| it.problem());
+    let given = data(last, last.v().unwrap()).parameters;
+    assert_ne!(given, data(first, first.v().unwrap()).parameters);
+    let left_out = |problem: &Problem| {
+        let outline = problem.outline().unwrap();
+        given.iter().filter(|it| !is_inside(outline, **it)).count()
+    };
+    let (followed, stayed) = (left_out(last), left_out(first));
+    assert!(
+        followed < 60 && 2 * followed < stayed,
+        "{followed} {stayed}"
+    );
+}
