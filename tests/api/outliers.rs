@@ -128,6 +128,45 @@ async fn scans_and_smoothed_curves_have_outliers() {
     );
 }
 
+/// Outliers far away from a scan turn neither its plane nor what is found among its points, also where they are many.
+#[tokio::test]
+async fn far_outliers_of_scans_do_not_choose_the_parameters() {
+    let server = Server::start().await;
+    for every in [20, 10] {
+        let is_outlier = |i: &usize| i % every == 7;
+        let at = |i: usize| {
+            let [x, y, side] = [0.754_877_666, 0.569_840_29, 0.437_016]
+                .map(|step| (0.5 + i as f64 * step).fract());
+            let noise = 0.01 * (side - 0.5);
+            let up = match is_outlier(&i) {
+                true => (1.0 + 2.0 * side) * if i / every % 2 == 0 { 1.0 } else { -1.0 },
+                false => noise,
+            };
+            [x, y, 0.3 * (5.0 * x).sin() * (4.0 * y).cos() + up]
+        };
+        let scan: Vec<[f64; 3]> = (0..3000).map(at).collect();
+        for parameters in ["auto", "project"] {
+            let fitted = server
+                .fit(&json!({
+                    "surface": {"scattered": scan, "parameters": parameters},
+                    "method": {"kind": "least_squares", "control_points": "auto", "robust": true},
+                    "stop": {"tolerance": 0.03},
+                }))
+                .await;
+            assert_eq!(
+                fitted["state"], "converged",
+                "{every} {parameters} {fitted}"
+            );
+            let result = server.json(&format!("{}/result", base(&fitted))).await;
+            let found = result["outliers"]["indices"].as_array().unwrap();
+            let expected: Vec<usize> = (0..3000).filter(is_outlier).collect();
+            let missed = expected.iter().filter(|it| !found.contains(&json!(it)));
+            assert_eq!(missed.count(), 0, "{every} {parameters}");
+            assert!(found.len() < expected.len() + 30, "{}", found.len());
+        }
+    }
+}
+
 #[tokio::test]
 async fn what_is_not_robust_is_refused_by_name() {
     let server = Server::start().await;

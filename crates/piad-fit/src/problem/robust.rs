@@ -8,7 +8,7 @@ use crate::basis::choice::{Corners, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
 use crate::data::missing::Missing;
-use crate::data::outliers::{Along, Cloud, FEWEST_POINTS, find};
+use crate::data::outliers::{Along, Cloud, FEWEST_POINTS, find, isolated};
 use crate::data::points::{Points, ROUNDING};
 use crate::invalid::{Axis, Invalid, Place, Setting};
 use crate::method::{At, Constraint, LeastSquares, Method};
@@ -205,14 +205,22 @@ fn outliers(request: &Request, settings: &LeastSquares) -> Result<Vec<usize>, In
         corners.contains(&index) || settings.constraints.iter().any(is_at)
     };
     if let Some(rule) = &request.scattered {
-        let rule = rule.chosen(points)?;
+        let is_isolated = isolated(points);
+        let rule = match rule {
+            Scattered::Auto => {
+                let others = (0..points.len()).filter(|&i| !is_isolated[i]);
+                rule.chosen(&points.selected(others))?
+            }
+            rule => rule.chosen(points)?,
+        };
         let some: Vec<usize> = match rule {
             Scattered::Plane => nearest_to_their_plane(points)?,
             _ => (0..points.len()).collect(),
         };
         let pairs = rule.parameters_by(points, &some, [false; 2])?;
         let parameters = [0, 1].map(|axis| pairs.direction(axis).0);
-        return Ok(find(&Cloud::new(points, &parameters), least, is_kept));
+        let cloud = Cloud::new(points, &parameters, &is_isolated);
+        return Ok(find(&cloud, least, is_kept));
     }
     let choice = request.u.parameters.clone();
     let is_given = matches!(choice, Parametrization::Explicit(_));

@@ -12,9 +12,11 @@
 //! nothing changes after a few.
 //!
 //! - [`along`] a curve, where each point has neighbours before and behind it;
-//! - [`scattered`] over a surface, where neighbours have the nearest parameters.
+//! - [`scattered`] over a surface, where neighbours have the nearest parameters, without those that are [`isolated`] in
+//!   space.
 
 mod along;
+mod isolated;
 mod scattered;
 
 use nalgebra::{Matrix3, Vector3};
@@ -24,6 +26,7 @@ use crate::data::points::{Points, ROUNDING};
 use crate::interrupt;
 
 pub(crate) use along::Along;
+pub(crate) use isolated::isolated;
 pub(crate) use scattered::Cloud;
 
 /// Fewer points do not show which of them are wrong.

@@ -42,8 +42,8 @@ pub(crate) struct Cloud<'a> {
 }
 
 impl<'a> Cloud<'a> {
-    /// Of points with these parameters, whose range does not matter.
-    pub(crate) fn new(points: &'a Points, [u, v]: &[Vec<f64>; 2]) -> Self {
+    /// Of points with these parameters, whose range does not matter. Some of them, as they are isolated, are no neighbours.
+    pub(crate) fn new(points: &'a Points, [u, v]: &[Vec<f64>; 2], is_isolated: &[bool]) -> Self {
         let scales = [u, v].map(|lane| Points::from_lanes([lane.clone()]).inner_diagonal());
         let scaled = |t: f64, scale: f64| if scale > 0.0 { t / scale } else { t };
         let pairs = u.iter().zip(v);
@@ -51,8 +51,9 @@ impl<'a> Cloud<'a> {
             .map(|(u, v)| [scaled(*u, scales[0]), scaled(*v, scales[1])])
             .collect();
         let leaf = |(i, it): (usize, &[f64; 2])| GeomWithData::new(*it, i as u32);
-        let tree: RTree<GeomWithData<[f64; 2], u32>> =
-            RTree::bulk_load(parameters.iter().enumerate().map(leaf).collect());
+        let leaves = parameters.iter().enumerate().map(leaf);
+        let leaves = leaves.filter(|it| !is_isolated[it.data as usize]);
+        let tree: RTree<GeomWithData<[f64; 2], u32>> = RTree::bulk_load(leaves.collect());
         let nearest = |(i, it): (usize, &[f64; 2])| {
             let others = tree.nearest_neighbor_iter(*it).map(|it| it.data);
             others

@@ -126,7 +126,11 @@ fn outliers_of_surfaces_are_found() {
             parameters[0].push(x);
             parameters[1].push(100.0 * y);
         }
-        let found = find(&Cloud::new(&points, &parameters), 0.0, |_| false);
+        let found = find(
+            &Cloud::new(&points, &parameters, &isolated(&points)),
+            0.0,
+            |_| false,
+        );
         let [missed, others] = mistakes(&moved, &found);
         assert!(
             missed == 0 && others <= 2,
