@@ -222,6 +222,7 @@ pub fn assert_same_iteration(message: &pb::Iteration, json: &Value, columns: u32
             let points: Value = entries.iter().map(|entry| entry[1].clone()).collect();
             assert_same(&changes.points, &points);
         }
+        Some(pb::iteration::Geometry::Deltas(_)) => panic!("JSON has no counterpart"),
     }
 }
 

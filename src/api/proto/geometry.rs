@@ -12,6 +12,7 @@ use super::view::{directions, distances, outliers};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::job::content::Content;
+use crate::job::deltas::Change;
 use crate::job::frame::Frame;
 use crate::job::state::State;
 use crate::job::trim::Trimmed;
@@ -60,17 +61,54 @@ pub(crate) fn iteration(frame: &Frame, form: &Form) -> Content {
     let told = problem.directions().filter(|_| tells);
     let mut knots = told.map(|it| it.basis.knots().unwrap_or_default().into_owned());
     let message = pb::Iteration {
+        knots_u: knots.next().unwrap_or_default(),
+        knots_v: knots.next().unwrap_or_default(),
+        geometry: shown,
+        ..head(level, problem)
+    };
+    written(&message, large)
+}
+
+/// A level that says by how many steps points, and weights, have moved from what its reader has, as the bytes of an
+/// `Iteration`.
+pub(crate) fn moved(frame: &Frame, view: View, changes: &[Change]) -> Content {
+    let (level, problem) = (&frame.level, &frame.problem);
+    let (rows, columns) = match view {
+        View::Samples(grid) => (grid.rows, grid.columns),
+        _ => {
+            let geometry = Geometry::new(problem, &frame.control_points);
+            (geometry.rows(), geometry.columns().unwrap_or(1))
+        }
+    };
+    let step = |index: usize| changes.get(index).map_or(0.0, |change| change.step);
+    let numbers = |index: usize| changes.get(index).map(|change| change.numbers.to_vec());
+    let deltas = pb::Deltas {
+        dimension: count(problem.dimension()),
+        rows: count(rows),
+        columns: count(columns),
+        step: step(0),
+        points: numbers(0).unwrap_or_default(),
+        weight_step: step(1),
+        weights: numbers(1).unwrap_or_default(),
+    };
+    let message = pb::Iteration {
+        geometry: Some(iteration::Geometry::Deltas(deltas)),
+        ..head(level, problem)
+    };
+    written(&message, None)
+}
+
+/// What is said of every level.
+fn head(level: &Level, problem: &Problem) -> pb::Iteration {
+    pb::Iteration {
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
         rate: level.rate,
         moved: level.moved as u64,
         bad_weight: bad_weight(level),
         predicted: level.predicted.map(|level| level as u64),
-        knots_u: knots.next().unwrap_or_default(),
-        knots_v: knots.next().unwrap_or_default(),
-        geometry: shown,
-    };
-    written(&message, large)
+        ..pb::Iteration::default()
+    }
 }
 
 /// Whose result it is.
