@@ -5,7 +5,11 @@ use futures_util::StreamExt;
 use serde_json::{Value, json};
 
 use crate::data;
-use crate::support::{Server, Story, assert_query_refused, base, events, levels, thinned};
+use crate::messages as pb;
+use crate::messages::iteration::Geometry;
+use crate::messages_over_rest;
+use crate::rpc::{self, Messages};
+use crate::support::{Server, Story, assert_query_refused, base, events, levels, problem, thinned};
 
 /// The whole numbers of a packed array, coordinate by coordinate.
 pub fn unpacked(bytes: &[u8], places: usize, dimension: usize) -> Vec<i64> {
@@ -418,6 +422,84 @@ async fn lines_are_the_same() {
     assert_eq!(iterations, events);
 }
 
+/// Takes the geometry of a message, which is compared with the same event in base64.
+fn take_message(reader: &mut [Vec<f64>; 2], message: &pb::Iteration, exact: &Value) {
+    let name = match exact.get("samples") {
+        None => "control_points",
+        Some(_) => "samples",
+    };
+    let error = message.error.unwrap().max;
+    match message.geometry.as_ref().unwrap() {
+        Geometry::ControlNet(net) => *reader = [net.points.clone(), net.weights.clone()],
+        Geometry::Samples(samples) => *reader = [samples.points.clone(), Vec::new()],
+        Geometry::Deltas(deltas) => {
+            assert!(deltas.step <= error / 64.0);
+            let count = deltas.rows * deltas.columns * deltas.dimension;
+            assert_eq!(reader[0].len(), count as usize);
+            moved(
+                &mut reader[0],
+                deltas.step,
+                &deltas.points,
+                deltas.dimension as usize,
+            );
+            if !reader[1].is_empty() {
+                moved(&mut reader[1], deltas.weight_step, &deltas.weights, 1);
+            }
+        }
+        Geometry::Changes(_) => panic!("these are something else"),
+    }
+    for (numbers, name) in reader.iter().zip([name, "weights"]) {
+        let exact = exact.get(name).map(|text| complete(text, &json!("base64")));
+        assert_near(numbers, &exact.unwrap_or_default(), error / 64.0);
+    }
+}
+
+#[tokio::test]
+async fn messages_say_the_same() {
+    let server = Server::start().await;
+    let mut client = rpc::connect(&server).await;
+    for (name, job, view) in jobs() {
+        if !["weights", "surface", "samples"]
+            .iter()
+            .any(|it| name.contains(it))
+        {
+            continue;
+        }
+        let created = server.fit(&job).await;
+        let path = format!("{}/events?encoding=", base(&created));
+        let (exact, _) = thinned(&server, &format!("{path}base64{view}"), None).await;
+        let request = server.get(&format!("{path}delta{view}"));
+        let request = request.header("accept", "application/x-protobuf");
+        let rest = messages_over_rest::events(request.send().await.unwrap()).await;
+        let samples = view.split("samples=").nth(1).unwrap_or_default();
+        let mut samples = samples.split('x').map(|it| it.parse().unwrap_or_default());
+        let options = pb::StreamOptions {
+            json_encoding: pb::JsonEncoding::Delta.into(),
+            view: match view {
+                "" => pb::View::ControlPoints.into(),
+                _ => pb::View::Samples.into(),
+            },
+            samples_u: samples.next().unwrap_or_default(),
+            samples_v: samples.next().unwrap_or_default(),
+            ..pb::StreamOptions::default()
+        };
+        let id = created["id"].as_str().unwrap();
+        let called = Messages::read(rpc::watch(&mut client, id, None, options).await).await;
+        assert_eq!(rest.iterations, called.iterations, "{name}");
+        let mut reader = <[Vec<f64>; 2]>::default();
+        for (message, exact) in rest.iterations.iter().zip(&exact) {
+            take_message(&mut reader, message, exact);
+        }
+        let is_delta = |it: &&pb::Iteration| matches!(it.geometry, Some(Geometry::Deltas(_)));
+        let count = rest.iterations.iter().filter(is_delta).count();
+        assert_eq!(count, exact.len() - 2, "{name}");
+        let last = exact.last().unwrap();
+        let last = ["control_points", "samples"].map(|name| last.get(name));
+        let last = last.into_iter().flatten().next().unwrap();
+        assert_eq!(reader[0], complete(last, &json!("base64")));
+    }
+}
+
 /// 50 iterations of a curve in space.
 pub fn fifty(count: usize) -> Value {
     let points: Vec<[f64; 3]> = (0..count)
@@ -520,6 +602,13 @@ async fn choices_that_do_not_go_with_differences_are_refused() {
         "delta is for streams",
     )
     .await;
+    for path in ["/v1/fit", "/v1/batch"] {
+        let request = server.post(&format!("{path}?encoding=delta"));
+        let refused = request.json(&data::small_job()).send().await.unwrap();
+        let (status, problem) = problem(refused).await;
+        let parameter = &problem["errors"][0]["parameter"];
+        assert_eq!((status, parameter), (400, &json!("encoding")), "{path}");
+    }
     for (stream, pointer) in [
         (
             json!({"encoding": "delta", "changed": true}),

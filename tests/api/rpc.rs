@@ -91,7 +91,7 @@ async fn create(client: &mut RpcClient, input: pb::JobInput) -> pb::Job {
         .unwrap()
 }
 
-async fn watch(
+pub async fn watch(
     client: &mut RpcClient,
     id: &str,
     resume_after: Option<u64>,
