@@ -262,7 +262,6 @@ async fn each_event_is_near_its_iteration_and_the_last_is_exact() {
         assert_eq!(levels(&deltas), levels(&exact), "{name}");
         follow(&deltas, &exact);
         let count = deltas.iter().filter(|it| encoding(it) == "delta").count();
-        println!("{name}: {count} of {} are differences", deltas.len());
         if deltas.len() > 4 && !name.ends_with("needed") {
             assert!(
                 count >= deltas.len() / 2,
@@ -538,18 +537,7 @@ pub async fn sizes(server: &Server, job: &Value) -> Vec<(&'static str, usize)> {
 async fn a_stream_takes_a_fifth_of_its_bytes() {
     let server = Server::start().await;
     let sizes = sizes(&server, &fifty(10_000)).await;
-    println!("{sizes:?}");
     assert!(sizes[3].1 * 5 <= sizes[1].1, "{sizes:?}");
-}
-
-/// `cargo nextest run --test api --run-ignored only bytes_of_streams --no-capture` prints them.
-#[tokio::test]
-#[ignore = "measures"]
-async fn bytes_of_streams() {
-    let server = Server::start().await;
-    for count in [1000, 10_000, 100_000] {
-        println!("{count}: {:?}", sizes(&server, &fifty(count)).await);
-    }
 }
 
 #[tokio::test]

@@ -17,14 +17,17 @@ const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// The most coordinates of a point.
 const MOST_COORDINATES: usize = 3;
 
+/// Copies the numbers of an array from one on, point by point.
+pub(crate) type Fill = Box<dyn Fn(usize, &mut [f64])>;
+
 /// An array of an iteration: points, or weights.
 pub(crate) struct Target {
     /// How many points there are.
     pub places: usize,
     /// How many coordinates they have.
     pub dimension: usize,
-    /// Copies the numbers from one on, point by point.
-    pub fill: Box<dyn Fn(usize, &mut [f64]) + Send + Sync>,
+    /// Its numbers.
+    pub fill: Fill,
 }
 
 /// By how much an array has changed.
