@@ -180,12 +180,21 @@ fn jobs() -> Vec<(&'static str, Value, &'static str)> {
             .collect::<Value>()
     };
     let method = json!({"kind": "least_squares", "control_points": "auto"});
+    let number = |i: usize, k: usize| (i as f64 * 0.1 + k as f64).sin() * (k + 1) as f64;
+    let many: Vec<Vec<f64>> = (0..300)
+        .map(|i| (0..16).map(|k| number(i, k)).collect())
+        .collect();
     vec![
         ("a curve", json!({"curve": {"points": data::wave(300)}}), ""),
         (
             "samples",
             json!({"curve": {"points": data::wave(300)}}),
             "&view=samples&samples=300",
+        ),
+        (
+            "many coordinates",
+            json!({"curve": {"points": many}, "stop": {"tolerance": 1e-9}}),
+            "",
         ),
         (
             "one coordinate",
@@ -386,6 +395,23 @@ async fn each_step_is_made_once() {
     assert!(one == two && two == three);
     let made = server.metrics().await["piad_encodings_total"];
     assert!(made <= (one.len() + 4) as f64, "{made} of {}", one.len());
+}
+
+/// A server that has no room for what its readers have sends all events complete.
+#[tokio::test]
+async fn without_memory_all_events_are_complete() {
+    let server = Server::with(|config| config.memory = Some("16MiB".parse().unwrap())).await;
+    for (count, is_small) in [(10_000, true), (30_000, false)] {
+        let mut job = fifty(count);
+        job["stop"]["max_iterations"] = json!(5);
+        let created = server.fit(&job).await;
+        let path = format!("{}/events?encoding=", base(&created));
+        let (exact, _) = thinned(&server, &format!("{path}base64"), None).await;
+        let (deltas, _) = thinned(&server, &format!("{path}delta"), None).await;
+        follow(&deltas, &exact);
+        let has = deltas.iter().any(|it| encoding(it) == "delta");
+        assert_eq!(has, is_small, "{count}");
+    }
 }
 
 #[tokio::test]
