@@ -45,10 +45,7 @@ impl Kept for Content {
 /// Steps that cannot be made are known as such.
 impl Kept for Option<Step> {
     fn kept_in(self, cache: &Arc<Cache>) -> Self {
-        self.map(|step| Step {
-            content: step.content.kept_in(cache),
-            ..step
-        })
+        self.map(|step| step.kept_in(cache))
     }
 }
 

@@ -119,6 +119,13 @@ pub(crate) struct Charge {
     bytes: usize,
 }
 
+impl Charge {
+    /// Whether more may be kept beside it.
+    pub(super) fn has_room(&self) -> bool {
+        !self.cache.is_full()
+    }
+}
+
 /// The same bytes once more.
 impl Clone for Charge {
     fn clone(&self) -> Self {

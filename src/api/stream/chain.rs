@@ -115,7 +115,8 @@ impl Chain {
         encode::frame(job, frame, &form).await
     }
 
-    /// The changes since the event before, and what the reader has then; `None` if they are too large.
+    /// The changes since the event before, and what the reader has then; `None` if they are too large, or there is no
+    /// room.
     async fn step(
         &self,
         job: &Arc<Job>,
@@ -151,12 +152,13 @@ impl Chain {
                 let changes = Arc::clone(&step.changes);
                 let apply = move || {
                     let mut own = own;
-                    let applied = Arc::make_mut(&mut own).apply(k, &changes);
-                    applied.map(|()| own)
+                    let applied = Numbers::alone(&mut own)?.apply(k, &changes);
+                    Some(applied.map(|()| own))
                 };
                 match encode::computed(job, cost, apply).await? {
-                    Ok(numbers) => numbers,
-                    Err(reason) => return Err(StoreError::Failed(reason.to_string())),
+                    Some(Ok(numbers)) => numbers,
+                    Some(Err(reason)) => return Err(StoreError::Failed(reason.to_string())),
+                    None => return Ok(None),
                 }
             }
         };
@@ -169,18 +171,15 @@ fn step(frame: &Frame, form: &Form, held: &Mutex<Option<Arc<Numbers>>>) -> Optio
     let mut numbers = held.lock().take()?;
     let level = &frame.level;
     let (targets, _) = targets(frame, form.view);
-    let changes = Arc::make_mut(&mut numbers).follow(level.iteration, level.error.max, &targets)?;
+    let own = Numbers::alone(&mut numbers)?;
+    let changes = own.follow(level.iteration, level.error.max, &targets)?;
     let content = match form.is_protobuf() {
         false => json::view::level::moved(frame, form.view, &changes),
         true => proto::geometry::moved(frame, form.view, &changes),
     };
     let after = Arc::downgrade(&numbers);
     *held.lock() = Some(numbers);
-    Some(Step {
-        content,
-        changes: changes.into(),
-        after,
-    })
+    Some(Step::new(content, changes, after))
 }
 
 /// The arrays of a view, and true unless it is known that some do not fit into 32 bits.

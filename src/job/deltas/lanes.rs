@@ -1,6 +1,7 @@
 //! An array of numbers that follows another one in whole steps.
 
 use bytes::Bytes;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::packed::{BLOCK, Malformed, pack, unpack, unsigned};
 
@@ -41,7 +42,7 @@ pub(crate) struct Change {
 pub(super) struct Lanes {
     places: usize,
     values: Vec<f64>,
-    /// The largest absolute value.
+    /// The largest absolute value, with its first digits.
     largest: f64,
 }
 
@@ -68,12 +69,38 @@ impl Target {
             let points = &mut points[..count * dimension];
             (self.fill)(start * dimension, points);
             for coordinate in 0..dimension {
-                let from = points[coordinate..].iter().step_by(dimension);
-                lane.iter_mut().zip(from).for_each(|(to, x)| *to = *x);
-                visit(coordinate, start, &lane[..count]);
+                let lane = &mut lane[..count];
+                match dimension {
+                    1 => lane.copy_from_slice(points),
+                    2 => every::<2>(points, coordinate, lane),
+                    3 => every::<3>(points, coordinate, lane),
+                    _ => {
+                        let from = points[coordinate..].iter().step_by(dimension);
+                        lane.iter_mut().zip(from).for_each(|(to, x)| *to = *x);
+                    }
+                }
+                visit(coordinate, start, lane);
             }
         }
     }
+}
+
+/// Copies a coordinate of points with D of them.
+fn every<const D: usize>(points: &[f64], coordinate: usize, lane: &mut [f64]) {
+    let (points, _) = points.as_chunks::<D>();
+    let places = lane.iter_mut().zip(points);
+    places.for_each(|(to, point)| *to = point[coordinate]);
+}
+
+/// The upper half of a number without its sign: larger numbers have a larger one.
+#[inline(always)]
+fn upper_half(x: f64) -> i32 {
+    (x.to_bits() >> 32) as i32 & i32::MAX
+}
+
+/// A number by its upper half, up to the digits of the lower one.
+fn of_upper_half(half: i32) -> f64 {
+    f64::from_bits(u64::from(half.unsigned_abs()) << 32)
 }
 
 impl Lanes {
@@ -84,9 +111,8 @@ impl Lanes {
         target.each(|coordinate, start, lane| {
             values[coordinate * places + start..][..lane.len()].copy_from_slice(lane);
         });
-        let largest = values.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-        let finite = values.iter().fold(true, |all, x| all & x.is_finite());
-        finite.then_some(Self {
+        let largest = of_upper_half(most(&values));
+        largest.is_finite().then_some(Self {
             places,
             values,
             largest,
@@ -107,7 +133,7 @@ impl Lanes {
     pub(super) fn has_room_in_32_bits(&self, step: f64) -> bool {
         let smallest = f64::from(f32::from_bits(1));
         let rounding = power_of_two(self.largest) * f64::from(f32::EPSILON);
-        self.largest < f64::from(f32::MAX) && rounding.max(smallest) <= step
+        self.largest < f64::from(f32::MAX) / 2.0 && rounding.max(smallest) <= step
     }
 
     /// Rounds all numbers to 32 bits.
@@ -125,15 +151,23 @@ impl Lanes {
         }
         let mut packed = vec![Vec::new(); target.dimension];
         let mut block = [0; BLOCK];
-        let (mut reaches, mut largest) = (true, 0.0_f64);
+        let (mut reaches, mut half) = (true, 0);
+        let arch = Arch::new();
         target.each(|coordinate, start, lane| {
             let has = &mut self.values[coordinate * places + start..][..lane.len()];
-            let block = &mut block[..lane.len()];
-            reaches &= move_block(has, lane, step, block);
-            largest = has.iter().fold(largest, |most, x| most.max(x.abs()));
-            pack(block, &mut packed[coordinate]);
+            let numbers = &mut block[..lane.len()];
+            let moving = Moving {
+                has,
+                to: lane,
+                step,
+                numbers,
+            };
+            let (is_reached, most) = arch.dispatch(moving);
+            reaches &= is_reached;
+            half = half.max(most);
+            pack(&block[..lane.len()], &mut packed[coordinate]);
         });
-        self.largest = largest;
+        self.largest = of_upper_half(half);
         reaches.then(|| Change {
             step,
             numbers: packed.concat().into(),
@@ -144,17 +178,15 @@ impl Lanes {
     pub(super) fn apply(&mut self, change: &Change) -> Result<(), Malformed> {
         let mut bytes = &change.numbers[..];
         let mut block = [0; BLOCK];
-        let mut largest = 0.0_f64;
         for lane in self.values.chunks_mut(self.places.max(1)) {
             for has in lane.chunks_mut(BLOCK) {
                 let block = &mut block[..has.len()];
                 unpack(&mut bytes, block)?;
                 let moved = has.iter_mut().zip(&*block);
                 moved.for_each(|(has, d)| *has += change.step * f64::from(*d));
-                largest = has.iter().fold(largest, |most, x| most.max(x.abs()));
             }
         }
-        self.largest = largest;
+        self.largest = of_upper_half(most(&self.values));
         match bytes {
             [] => Ok(()),
             _ => Err(Malformed::TooLong),
@@ -162,20 +194,40 @@ impl Lanes {
     }
 }
 
-/// Moves numbers by whole steps to where they are nearest to others, and writes how many; returns false if these are
-/// too many.
-fn move_block(has: &mut [f64], to: &[f64], step: f64, block: &mut [u32]) -> bool {
-    let inverse = 1.0 / step;
-    let mut reaches = true;
+/// The largest upper half of numbers.
+fn most(numbers: &[f64]) -> i32 {
+    numbers.iter().fold(0, |most, x| most.max(upper_half(*x)))
+}
+
+/// Moves a block of numbers by whole steps to where they are nearest to others.
+struct Moving<'a> {
+    has: &'a mut [f64],
+    to: &'a [f64],
+    step: f64,
+    /// How many steps.
+    numbers: &'a mut [u32],
+}
+
+impl NullaryFnOnce for Moving<'_> {
+    /// False if some are moved by too many steps, and the largest upper half.
+    type Output = (bool, i32);
+
     // Without branches, so that the loop is vectorised.
-    for ((has, to), z) in has.iter_mut().zip(to).zip(block) {
-        let steps = (to - *has) * inverse;
-        let rounded = steps + ROUNDER;
-        *has += step * (rounded - ROUNDER);
-        *z = unsigned(rounded.to_bits() as i32);
-        reaches &= steps.abs() <= MOST;
+    #[inline(always)]
+    fn call(self) -> (bool, i32) {
+        let (step, inverse) = (self.step, 1.0 / self.step);
+        let (mut reaches, mut most) = (true, 0);
+        let places = self.has.iter_mut().zip(self.to).zip(self.numbers);
+        for ((has, to), number) in places {
+            let steps = (to - *has) * inverse;
+            let rounded = steps + ROUNDER;
+            *has += step * (rounded - ROUNDER);
+            *number = unsigned(rounded.to_bits() as i32);
+            reaches &= steps.abs() <= MOST;
+            most = most.max(upper_half(*has));
+        }
+        (reaches, most)
     }
-    reaches
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub(crate) use packed::Malformed;
 pub(crate) struct Numbers {
     iteration: usize,
     arrays: Vec<Lanes>,
-    _charge: Charge,
+    charge: Charge,
 }
 
 /// From what readers have to the next iteration, made once for all who have the same.
@@ -35,6 +35,29 @@ pub(crate) struct Step {
     pub changes: Arc<[Change]>,
     /// What its readers have then, while one of them has it.
     pub after: Weak<Numbers>,
+    _charge: Option<Arc<Charge>>,
+}
+
+impl Step {
+    /// A step that is not kept yet.
+    pub(crate) fn new(content: Content, changes: Vec<Change>, after: Weak<Numbers>) -> Self {
+        Self {
+            content,
+            changes: changes.into(),
+            after,
+            _charge: None,
+        }
+    }
+
+    /// The same, counted in the cache from now on.
+    pub(super) fn kept_in(self, cache: &Arc<Cache>) -> Self {
+        let bytes = self.changes.iter().map(|change| change.numbers.len());
+        Self {
+            _charge: Some(Arc::new(cache.charge(bytes.sum()))),
+            content: self.content.kept_in(cache),
+            ..self
+        }
+    }
 }
 
 impl Numbers {
@@ -49,9 +72,15 @@ impl Numbers {
         let arrays = arrays?;
         Some(Self {
             iteration,
-            _charge: cache.charge(Self::bytes(&arrays)),
+            charge: cache.charge(Self::bytes(&arrays)),
             arrays,
         })
+    }
+
+    /// Those of one reader alone: a copy, if others hold them too, for which there may be no room.
+    pub(crate) fn alone(held: &mut Arc<Self>) -> Option<&mut Self> {
+        let is_alone = Arc::strong_count(held) == 1;
+        (is_alone || held.charge.has_room()).then(|| Arc::make_mut(held))
     }
 
     /// The iteration that they are near to.
