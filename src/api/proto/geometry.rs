@@ -9,6 +9,7 @@ use uuid::Uuid;
 
 use super::names;
 use super::view::{directions, distances, outliers};
+use crate::api::json::view::shape::NestedShape;
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::job::content::Content;
@@ -220,9 +221,9 @@ fn write_net(
         columns: count(columns),
         ..pb::ControlNet::default()
     };
-    let points = Packed::new(POINTS, places * problem.dimension());
+    let points = Packed::new(POINTS, &[places, problem.dimension()]);
     let weights = problem.is_homogeneous();
-    let weights = weights.then(|| Packed::new(WEIGHTS_OF_NET, places));
+    let weights = weights.then(|| Packed::new(WEIGHTS_OF_NET, &[places]));
     let arrays = [Some(&points), weights.as_ref()];
     begin(writer, field, &head, arrays.into_iter().flatten());
     points.write(writer, net());
@@ -239,10 +240,10 @@ fn write_samples(writer: &mut ArrayWriter, field: u32, samples: &Samples) {
         columns: count(samples.columns()),
         ..pb::Samples::default()
     };
-    let points = Packed::new(POINTS, samples.count() * samples.dimension());
+    let points = Packed::new(POINTS, &[samples.count(), samples.dimension()]);
     let lines = [Some(samples.u), samples.v].into_iter().flatten();
     let lines = PARAMETERS_OF_SAMPLES.into_iter().zip(lines);
-    let lines = lines.map(|(field, line)| (Packed::new(field, line.count()), line));
+    let lines = lines.map(|(field, line)| (Packed::new(field, &[line.count()]), line));
     let lines: Vec<_> = lines.collect();
     let arrays = std::iter::once(&points).chain(lines.iter().map(|(packed, _)| packed));
     begin(writer, field, &head, arrays);
@@ -270,16 +271,24 @@ struct Packed {
     /// What stands before the numbers.
     key: Vec<u8>,
     numbers: usize,
+    shape: NestedShape,
 }
 
 impl Packed {
-    fn new(field: u32, numbers: usize) -> Self {
+    /// Numbers of this shape: those of a point stay together.
+    fn new(field: u32, shape: &[usize]) -> Self {
+        let shape = NestedShape::from(shape);
+        let numbers = shape.count();
         let mut key = Vec::new();
         if numbers > 0 {
             encode_key(field, WireType::LengthDelimited, &mut key);
             encode_varint(8 * numbers as u64, &mut key);
         }
-        Self { key, numbers }
+        Self {
+            key,
+            numbers,
+            shape,
+        }
     }
 
     /// All its bytes.
@@ -289,7 +298,7 @@ impl Packed {
 
     fn write(&self, writer: &mut ArrayWriter, numbers: impl Source) {
         writer.text().put_slice(&self.key);
-        writer.array([self.numbers].as_slice().into(), numbers, Digits::Raw);
+        writer.array(self.shape, numbers, Digits::Raw);
     }
 }
 
