@@ -11,6 +11,7 @@ use parking_lot::Mutex;
 
 use super::encode::{self, Cost};
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
+use crate::api::json::view::writer::points_at_once;
 use crate::api::{json, proto};
 use crate::job::Job;
 use crate::job::content::Content;
@@ -19,6 +20,7 @@ use crate::job::frame::Frame;
 use crate::job::store::StoreError;
 use crate::model::stream::form::{Form, View};
 use crate::model::stream::options::StreamOptions;
+use piad_fit::data::Grid;
 use piad_fit::engine::Geometry;
 use piad_fit::engine::samples::Samples;
 
@@ -86,10 +88,11 @@ impl Chain {
         let (shown, view, is_json) = (Arc::clone(frame), form.view, !form.is_protobuf());
         let start = move || {
             let level = shown.level;
-            let (targets, fit) = targets(&shown, view);
+            let targets = targets(&shown, view);
             let numbers = Numbers::of(level.iteration, &targets, &memory);
-            let narrow =
-                |numbers: &Numbers| is_json && fit && numbers.have_room_in_32_bits(level.error.max);
+            let narrow = |numbers: &Numbers| {
+                is_json && numbers.have_room_in_32_bits(level.error.max) && fits(&shown, view)
+            };
             let is_narrow = numbers.as_ref().is_some_and(narrow);
             // Without room for what a reader has, all events are complete.
             let mut numbers = numbers.filter(|_| !memory.is_full());
@@ -170,7 +173,7 @@ impl Chain {
 fn step(frame: &Frame, form: &Form, held: &Mutex<Option<Arc<Numbers>>>) -> Option<Step> {
     let mut numbers = held.lock().take()?;
     let level = &frame.level;
-    let (targets, _) = targets(frame, form.view);
+    let targets = targets(frame, form.view);
     let own = Numbers::alone(&mut numbers)?;
     let changes = own.follow(level.iteration, level.error.max, &targets)?;
     let content = match form.is_protobuf() {
@@ -182,14 +185,12 @@ fn step(frame: &Frame, form: &Form, held: &Mutex<Option<Arc<Numbers>>>) -> Optio
     Some(Step::new(content, changes, after))
 }
 
-/// The arrays of a view, and true unless it is known that some do not fit into 32 bits.
-fn targets(frame: &Frame, view: View) -> (Vec<Target>, bool) {
+/// The arrays of a view.
+fn targets(frame: &Frame, view: View) -> Vec<Target> {
     let (problem, points) = (&frame.problem, &frame.control_points);
     let dimension = problem.dimension();
     if let View::Samples(grid) = view {
-        let samples = Samples::new(Arc::clone(problem.setup()), Arc::clone(points), grid);
-        let fit = samples.fits_32_bits() != Some(false);
-        return (vec![target(samples, grid.count(), dimension)], fit);
+        return vec![target(samples(frame, grid), grid.count(), dimension)];
     }
     let geometry = Geometry::new(problem, points);
     let places = geometry.rows() * geometry.columns().unwrap_or(1);
@@ -200,16 +201,28 @@ fn targets(frame: &Frame, view: View) -> (Vec<Target>, bool) {
     let weights = problem.is_homogeneous().then(|| NetWeights(net()));
     let weights = weights.map(|weights| target(weights, places, 1));
     let points = target(net(), places, dimension);
-    (
-        [Some(points), weights].into_iter().flatten().collect(),
-        true,
-    )
+    [Some(points), weights].into_iter().flatten().collect()
+}
+
+fn samples(frame: &Frame, grid: Grid) -> Samples {
+    let (setup, points) = (frame.problem.setup(), &frame.control_points);
+    Samples::new(Arc::clone(setup), Arc::clone(points), grid)
+}
+
+/// Returns false if complete events have 64 bits although all that they show has room in 32: samples whose control
+/// points are too large.
+fn fits(frame: &Frame, view: View) -> bool {
+    match view {
+        View::Samples(grid) => samples(frame, grid).fits_32_bits() != Some(false),
+        _ => true,
+    }
 }
 
 fn target(source: impl Source, places: usize, dimension: usize) -> Target {
     Target {
         places,
         dimension,
+        at_once: points_at_once(dimension),
         fill: Box::new(move |start, numbers| source.fill(start, numbers)),
     }
 }

@@ -24,7 +24,9 @@ pub(crate) struct Target {
     pub places: usize,
     /// How many coordinates they have.
     pub dimension: usize,
-    /// Its numbers.
+    /// How many points are copied at a time.
+    pub at_once: usize,
+    /// Copies them.
     pub fill: Fill,
 }
 
@@ -61,32 +63,50 @@ pub(super) fn step(error: f64, largest: f64) -> f64 {
 impl Target {
     /// Calls `visit` for each block of each coordinate, with the number of the first place.
     fn each(&self, mut visit: impl FnMut(usize, usize, &[f64])) {
-        let dimension = self.dimension;
-        let mut points = vec![0.0; dimension * BLOCK];
-        let mut lane = [0.0; BLOCK];
-        for start in (0..self.places).step_by(BLOCK) {
-            let count = BLOCK.min(self.places - start);
-            let points = &mut points[..count * dimension];
+        let Self {
+            places, dimension, ..
+        } = *self;
+        let mut points = vec![0.0; self.at_once * dimension];
+        let mut lanes = vec![0.0; BLOCK * dimension];
+        let (mut first, mut count) = (0, 0);
+        for start in (0..places).step_by(self.at_once) {
+            let copied = self.at_once.min(places - start);
+            let points = &mut points[..copied * dimension];
             (self.fill)(start * dimension, points);
-            for coordinate in 0..dimension {
-                let lane = &mut lane[..count];
-                match dimension {
-                    1 => lane.copy_from_slice(points),
-                    2 => every::<2>(points, coordinate, lane),
-                    3 => every::<3>(points, coordinate, lane),
-                    _ => {
-                        let from = points[coordinate..].iter().step_by(dimension);
-                        lane.iter_mut().zip(from).for_each(|(to, x)| *to = *x);
-                    }
+            let mut rest = &*points;
+            while !rest.is_empty() {
+                let room = (BLOCK - count).min(rest.len() / dimension);
+                let (these, others) = rest.split_at(room * dimension);
+                for (coordinate, lane) in lanes.chunks_exact_mut(BLOCK).enumerate() {
+                    copy(these, dimension, coordinate, &mut lane[count..count + room]);
                 }
-                visit(coordinate, start, lane);
+                (rest, count) = (others, count + room);
+                if count == BLOCK || first + count == places {
+                    for (coordinate, lane) in lanes.chunks_exact(BLOCK).enumerate() {
+                        visit(coordinate, first, &lane[..count]);
+                    }
+                    (first, count) = (first + count, 0);
+                }
             }
         }
     }
 }
 
-/// Copies a coordinate of points with D of them.
-fn every<const D: usize>(points: &[f64], coordinate: usize, lane: &mut [f64]) {
+/// Copies a coordinate of points.
+fn copy(points: &[f64], dimension: usize, coordinate: usize, lane: &mut [f64]) {
+    match dimension {
+        1 => lane.copy_from_slice(points),
+        2 => copy_one_of::<2>(points, coordinate, lane),
+        3 => copy_one_of::<3>(points, coordinate, lane),
+        _ => {
+            let from = points[coordinate..].iter().step_by(dimension);
+            lane.iter_mut().zip(from).for_each(|(to, x)| *to = *x);
+        }
+    }
+}
+
+/// Copies one of D coordinates.
+fn copy_one_of<const D: usize>(points: &[f64], coordinate: usize, lane: &mut [f64]) {
     let (points, _) = points.as_chunks::<D>();
     let places = lane.iter_mut().zip(points);
     places.for_each(|(to, point)| *to = point[coordinate]);
@@ -241,6 +261,7 @@ mod tests {
         Target {
             places: numbers.len() / dimension,
             dimension,
+            at_once: 85,
             fill: Box::new(move |start, to| {
                 to.copy_from_slice(&numbers[start..start + to.len()]);
             }),
@@ -308,6 +329,26 @@ mod tests {
             Err(Malformed::CutOff)
         );
         assert_eq!(with([&bytes[..], &[0]].concat()), Err(Malformed::TooLong));
+    }
+
+    /// Numbers may depend on which others are copied with them.
+    #[test]
+    fn as_many_points_are_copied_at_a_time_as_is_said() {
+        for (places, at_once) in [(1000, 255), (1000, 384), (256, 256), (1, 48), (513, 1)] {
+            let parts: Vec<_> = (0..places).step_by(at_once).collect();
+            let part_of = move |start: usize| start as f64;
+            let target = Target {
+                places,
+                dimension: 3,
+                at_once,
+                fill: Box::new(move |start, to| to.fill(part_of(start / 3))),
+            };
+            let lanes = Lanes::of(&target).unwrap();
+            for (place, x) in lanes.values.iter().enumerate() {
+                let part = parts[place % places / at_once];
+                assert_eq!(*x, part_of(part), "{places} {at_once} {place}");
+            }
+        }
     }
 
     #[test]
