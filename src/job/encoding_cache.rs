@@ -8,6 +8,7 @@ use futures_util::future::{BoxFuture, Shared};
 use parking_lot::Mutex;
 
 use super::content::Content;
+use super::deltas::Step;
 use super::memory::Cache;
 use super::peer;
 use super::store::StoreError;
@@ -16,28 +17,53 @@ use super::store::StoreError;
 const MOST: usize = 4;
 
 /// The encodings by the names of their forms, the oldest first.
-#[derive(Debug, Default)]
-pub(crate) struct EncodingCache(Mutex<VecDeque<(Arc<str>, Encoding)>>);
+#[derive(Debug)]
+pub(crate) struct EncodingCache<T = Content>(Mutex<VecDeque<(Arc<str>, Encoding<T>)>>);
 
-type Made = Result<Content, StoreError>;
+type Made<T> = Result<T, StoreError>;
 
 /// A content that was made, or is being made by a task of its own: so a reader that is not polled, as
 /// its client takes nothing, does not hold up the others.
 #[derive(Clone, Debug)]
-enum Encoding {
-    Done(Content),
-    Pending(Shared<BoxFuture<'static, Made>>),
+enum Encoding<T> {
+    Done(T),
+    Pending(Shared<BoxFuture<'static, Made<T>>>),
 }
 
-impl EncodingCache {
+/// What is cached.
+pub(crate) trait Kept: Clone + Send + Sync + 'static {
+    /// The same, counted in the cache from now on.
+    fn kept_in(self, cache: &Arc<Cache>) -> Self;
+}
+
+impl Kept for Content {
+    fn kept_in(self, cache: &Arc<Cache>) -> Self {
+        Self::kept_in(self, cache)
+    }
+}
+
+/// Steps that cannot be made are known as such.
+impl Kept for Option<Step> {
+    fn kept_in(self, cache: &Arc<Cache>) -> Self {
+        self.map(|step| step.kept_in(cache))
+    }
+}
+
+impl<T> Default for EncodingCache<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Kept> EncodingCache<T> {
     /// The content in this form, which `encode` makes if nobody has before. It is kept while there is
     /// room in the cache.
-    pub(crate) async fn get<F: Future<Output = Made> + Send + 'static>(
+    pub(crate) async fn get<F: Future<Output = Made<T>> + Send + 'static>(
         &self,
         form: &Arc<str>,
         cache: &Arc<Cache>,
         encode: impl FnOnce() -> F,
-    ) -> Made {
+    ) -> Made<T> {
         let (content, pending) = match self.begin(form, cache, encode)? {
             Encoding::Done(content) => (Ok(content), false),
             Encoding::Pending(encoding) => (encoding.await, true),
@@ -48,12 +74,12 @@ impl EncodingCache {
         content
     }
 
-    fn begin<F: Future<Output = Made> + Send + 'static>(
+    fn begin<F: Future<Output = Made<T>> + Send + 'static>(
         &self,
         form: &Arc<str>,
         cache: &Arc<Cache>,
         encode: impl FnOnce() -> F,
-    ) -> Result<Encoding, StoreError> {
+    ) -> Result<Encoding<T>, StoreError> {
         let mut encodings = self.0.lock();
         if let Some((_, known)) = encodings.iter().find(|(name, _)| name == form) {
             return Ok(known.clone());

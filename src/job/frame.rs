@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::content::Content;
+use super::deltas::Step;
 use super::encoding_cache::EncodingCache;
 use super::memory::{Cache, Charge};
 use super::store::StoreError;
@@ -25,6 +26,7 @@ pub(crate) struct Frame {
     /// The fit has ended at this level.
     pub is_last: bool,
     encoded: EncodingCache,
+    steps: EncodingCache<Option<Step>>,
     /// The bytes of the control points in the cache.
     _charge: Option<Charge>,
 }
@@ -58,6 +60,7 @@ impl Frame {
             moved: None,
             is_last: true,
             encoded: EncodingCache::default(),
+            steps: EncodingCache::default(),
             _charge: None,
         }
     }
@@ -94,5 +97,17 @@ impl Frame {
         encode: impl FnOnce() -> F,
     ) -> Result<Content, StoreError> {
         self.encoded.get(form, cache, encode).await
+    }
+
+    /// The step to the frame for readers with this name, which have the same numbers; `None` if they are too far away.
+    pub(crate) async fn step<
+        F: Future<Output = Result<Option<Step>, StoreError>> + Send + 'static,
+    >(
+        &self,
+        readers: &Arc<str>,
+        cache: &Arc<Cache>,
+        make: impl FnOnce() -> F,
+    ) -> Result<Option<Step>, StoreError> {
+        self.steps.get(readers, cache, make).await
     }
 }

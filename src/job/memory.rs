@@ -4,15 +4,16 @@
 //! |---|---|---|
 //! | `heavy` | 5 | running jobs with large steps |
 //! | `quick` | 2 | running jobs with small steps, which wait for no large one |
-//! | `replays` | 5 | runs that compute levels again that readers have missed |
+//! | `replays` | 4½ | runs that compute levels again that readers have missed |
 //! | `requests` | ½ | small requests while they arrive and are read |
 //! | `bodies` | ½ | large ones while they arrive, which small ones do not wait for |
 //! | `reading` | ¼ | large ones while they are read, which wait for no client |
 //! | `files` | ¾ | files that are made as a whole, and searches for foot points |
+//! | `numbers` | ½ | what readers have that are told differences alone |
 //! | `cache` | 2 | recent frames, their encoded forms, jobs that have just ended |
 //!
-//! All but the cache are [shares](Share): those who need memory wait for it. The cache only counts its
-//! contents, which are evicted when there are too many.
+//! All but the last two are [shares](Share): those who need memory wait for it. A [cache](Cache) only counts its
+//! contents, which are evicted when there are too many, or not kept.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,6 +31,7 @@ pub(crate) struct Memory {
     pub bodies: Share,
     pub reading: Share,
     pub files: Share,
+    pub numbers: Arc<Cache>,
     pub cache: Arc<Cache>,
 }
 
@@ -41,15 +43,13 @@ impl Memory {
             limit: bytes,
             heavy: Share::new(part(20)),
             quick: Share::new(part(8)),
-            replays: Share::new(part(20)),
+            replays: Share::new(part(18)),
             requests: Share::new(part(2)),
             bodies: Share::new(part(2)),
             reading: Share::new(part(1)),
             files: Share::new(part(3)),
-            cache: Arc::new(Cache {
-                limit: part(8),
-                used: AtomicUsize::new(0),
-            }),
+            numbers: Arc::new(Cache::new(part(2))),
+            cache: Arc::new(Cache::new(part(8))),
         }
     }
 
@@ -58,7 +58,7 @@ impl Memory {
         self.limit
     }
 
-    /// Bytes in use, of the shares and of the cache.
+    /// Bytes in use, of the shares and of the caches.
     pub(crate) fn used(&self) -> usize {
         let shares = [
             &self.heavy,
@@ -70,7 +70,9 @@ impl Memory {
             &self.files,
         ];
         let used = shares.iter().map(|share| share.used());
-        used.sum::<usize>() + self.cache.used.load(Ordering::Relaxed)
+        let counted = [&self.numbers, &self.cache];
+        let counted = counted.map(|cache| cache.used.load(Ordering::Relaxed));
+        used.sum::<usize>() + counted.iter().sum::<usize>()
     }
 }
 
@@ -82,6 +84,14 @@ pub(crate) struct Cache {
 }
 
 impl Cache {
+    /// Nothing is kept yet.
+    fn new(limit: usize) -> Self {
+        Self {
+            limit,
+            used: AtomicUsize::new(0),
+        }
+    }
+
     /// Counts these bytes until the charge is dropped.
     pub(crate) fn charge(self: &Arc<Self>, bytes: usize) -> Charge {
         self.used.fetch_add(bytes, Ordering::Relaxed);
@@ -107,6 +117,20 @@ impl Cache {
 pub(crate) struct Charge {
     cache: Arc<Cache>,
     bytes: usize,
+}
+
+impl Charge {
+    /// Whether more may be kept beside it.
+    pub(super) fn has_room(&self) -> bool {
+        !self.cache.is_full()
+    }
+}
+
+/// The same bytes once more.
+impl Clone for Charge {
+    fn clone(&self) -> Self {
+        self.cache.charge(self.bytes)
+    }
 }
 
 impl Drop for Charge {

@@ -3,7 +3,8 @@
 //! - [`outline`]: a job without its points;
 //! - [`state`]: the state machine of a job, and how far it has come;
 //! - [`frame`]: the geometry of one level, shared by everyone who reads it;
-//! - [`encoding_cache`], [`content`]: its encoded forms, each made once, and their bytes for the wire;
+//! - [`encoding_cache`], [`content`]: its encoded forms, each made once, and their bytes for the wire; [`deltas`]: its
+//!   difference from what a reader has;
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`reader_budget`]: how long readers wait
 //!   for each other; [`peer`]: the client machine that a reader belongs to;
@@ -27,6 +28,7 @@ mod checkpoints;
 pub(crate) mod content;
 pub(crate) mod counters;
 pub(crate) mod cursor;
+pub(crate) mod deltas;
 pub(crate) mod direct;
 pub(crate) mod encoding_cache;
 pub(crate) mod errand;

@@ -27,10 +27,11 @@ const DISCONNECTS: [(OnDisconnect, pb::OnDisconnect); 2] = [
     (OnDisconnect::Cancel, pb::OnDisconnect::Cancel),
 ];
 
-const ENCODINGS: [(Encoding, pb::JsonEncoding); 3] = [
+const ENCODINGS: [(Encoding, pb::JsonEncoding); 4] = [
     (Encoding::Json, pb::JsonEncoding::Json),
     (Encoding::Base64, pb::JsonEncoding::Base64),
     (Encoding::Base64F32, pb::JsonEncoding::Base64F32),
+    (Encoding::Delta, pb::JsonEncoding::Delta),
 ];
 
 const DIGITS: [(Digits, pb::JsonDigits); 2] = [
@@ -82,12 +83,14 @@ pub(crate) fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpe
     })
 }
 
-/// What the message of a call says. What is about JSON is ignored.
+/// What the message of a call says. What is about JSON alone is ignored.
 pub(crate) fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Mistake> {
+    let options = options.unwrap_or_default();
+    let is_delta = options.json_encoding == i32::from(pb::JsonEncoding::Delta);
     let options = pb::StreamOptions {
-        json_encoding: 0,
+        json_encoding: if is_delta { options.json_encoding } else { 0 },
         json_digits: 0,
-        ..options.unwrap_or_default()
+        ..options
     };
     spec(options, "stream.")
 }

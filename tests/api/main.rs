@@ -43,6 +43,7 @@ mod damage;
 mod data;
 mod database;
 mod deleting;
+mod deltas;
 mod dense;
 mod dense_curves;
 mod description;

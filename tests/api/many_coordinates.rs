@@ -1,7 +1,10 @@
 //! Curves through points with more than three coordinates, such as the angles of joints.
 
+use prost::Message;
 use serde_json::{Value, json};
 
+use crate::messages as pb;
+use crate::messages::fit_result::Geometry;
 use crate::numbers::flat;
 use crate::support::{Server, base, problem};
 
@@ -73,6 +76,14 @@ async fn what_holds_numbers_has_all_coordinates() {
                     .await;
                 crate::encodings::assert_same(&binary, &result, "control_points");
             }
+            let request = server.get(&format!("{path}/result"));
+            let request = request.header("accept", "application/x-protobuf");
+            let bytes = request.send().await.unwrap().bytes().await.unwrap();
+            let message = pb::FitResult::decode(bytes).unwrap();
+            let Some(Geometry::ControlNet(net)) = message.geometry else {
+                panic!("it has control points");
+            };
+            assert!(net.points == flat(&result["control_points"]), "{joints}");
             let samples = server
                 .json(&format!("{path}/result?view=samples&samples=11"))
                 .await;

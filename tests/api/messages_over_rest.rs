@@ -29,7 +29,7 @@ async fn message<M: Message + Default>(response: Response) -> M {
 }
 
 /// The messages of a stream, each after its length.
-async fn events(response: Response) -> Messages {
+pub async fn events(response: Response) -> Messages {
     assert_eq!(response.status(), 200);
     assert_eq!(response.headers()["content-type"], PROTOBUF);
     let mut bytes = response.bytes().await.unwrap();

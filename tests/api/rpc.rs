@@ -91,7 +91,7 @@ async fn create(client: &mut RpcClient, input: pb::JobInput) -> pb::Job {
         .unwrap()
 }
 
-async fn watch(
+pub async fn watch(
     client: &mut RpcClient,
     id: &str,
     resume_after: Option<u64>,
@@ -222,6 +222,7 @@ pub fn assert_same_iteration(message: &pb::Iteration, json: &Value, columns: u32
             let points: Value = entries.iter().map(|entry| entry[1].clone()).collect();
             assert_same(&changes.points, &points);
         }
+        Some(pb::iteration::Geometry::Deltas(_)) => panic!("JSON has no counterpart"),
     }
 }
 

@@ -108,6 +108,36 @@ TEST(what_streams_leave_out) {
     }, options);
 }
 
+TEST(differences_make_iterations) {
+    for (auto job : {testing::curve(300), testing::curve(60), testing::surface()}) {
+        if (job.contains("curve") && job["curve"]["points"].size() == 60) job["curve"]["weights"] = std::vector<double>(60, 2.0);
+        for (const char* view : {"control_points", "samples"}) {
+            std::vector<Iteration> exact;
+            std::vector<Iteration> near;
+            piad::WatchOptions options;
+            options.view = view;
+            options.encoding = "base64";
+            client().watch(job, [&](const Iteration& one) { exact.push_back(one); }, options);
+            options.encoding = "delta";
+            client().watch(job, [&](const Iteration& one) { near.push_back(one); }, options);
+            CHECK(exact.size() > 2);
+            CHECK_EQUAL(exact.size(), near.size());
+            for (std::size_t k = 0; k < exact.size(); ++k) {
+                const double bound = exact[k].error.max / 64 + 1e-13;
+                const auto are_near = [&](const std::vector<double>& a, const std::vector<double>& b) {
+                    return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [&](double x, double y) { return std::abs(x - y) <= bound; });
+                };
+                CHECK(are_near(exact[k].control_points, near[k].control_points));
+                CHECK(are_near(exact[k].weights, near[k].weights));
+                CHECK(are_near(exact[k].samples.points, near[k].samples.points));
+            }
+            CHECK(exact.back().control_points == near.back().control_points);
+            CHECK(exact.back().weights == near.back().weights);
+            CHECK(exact.back().samples.points == near.back().samples.points);
+        }
+    }
+}
+
 TEST(changes_make_complete_iterations) {
     for (auto job : {testing::curve(60), testing::surface()}) {
         const bool surface = job.contains("surface");

@@ -105,6 +105,45 @@ public static class StreamTests
         }
     }
 
+    public static async Task DifferencesMakeIterations(Server server)
+    {
+        using (var client = new PiadClient(server.Url))
+        {
+            double[][] weights = Enumerable.Range(0, 6).Select(i => Enumerable.Range(0, 5).Select(j => 1 + i * j / 20.0).ToArray()).ToArray();
+            double[] line = Enumerable.Range(0, 300).Select(i => 1 + i % 3 / 2.0).ToArray();
+            await CheckDifferencesAsync(await client.CreateAsync(new CurveRequest(Tests.Wave(300)) { Weights = line }));
+            await CheckDifferencesAsync(await client.CreateAsync(new CurveRequest(Tests.Wave(300))));
+            await CheckDifferencesAsync(await client.CreateAsync(new SurfaceRequest(Tests.Hill(6, 5)) { Weights = weights }));
+        }
+    }
+
+    private static async Task CheckDifferencesAsync(PiadJob job)
+    {
+        foreach (string view in new[] { "control_points", "samples" })
+        {
+            List<FitIteration> full = await ListAsync(job, new WatchOptions { View = view, Encoding = "base64" });
+            List<FitIteration> near = await ListAsync(job, new WatchOptions { View = view, Encoding = "delta" });
+            Check.That(near.Count > 3, "there are iterations");
+            Check.Same(full.Select(it => it.Number), near.Select(it => it.Number), "numbers of iterations");
+            Check.Same(NumbersOf(full.Last()), NumbersOf(near.Last()), "the last iteration");
+            for (int k = 0; k < near.Count; k++)
+            {
+                double[] expected = NumbersOf(full[k]), found = NumbersOf(near[k]);
+                Check.Equal(expected.Length, found.Length, "count of numbers");
+                double bound = full[k].Error.Max / 64 + 1e-13;
+                Check.That(expected.Zip(found, (a, b) => Math.Abs(a - b)).All(distance => distance <= bound), "iteration " + k + " is near");
+            }
+        }
+    }
+
+    private static double[] NumbersOf(FitIteration it)
+    {
+        if (it.Samples != null) return Tests.Flat(it.Samples);
+        if (it.SampleRows != null) return Tests.Flat(it.SampleRows);
+        if (it.Curve != null) return Tests.Flat(it.Curve.ControlPoints).Concat(it.Curve.Weights ?? new double[0]).ToArray();
+        return Tests.Flat(it.Surface.ControlPoints).Concat(Tests.Flat(it.Surface.Weights)).ToArray();
+    }
+
     public static async Task KnotsMayChange(Server server)
     {
         using (var client = new PiadClient(server.Url))

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import base64
+import json
 import os
 import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
+import httpx
+import numpy as np
 import pytest
 
 from conftest import ROOT, Server
+
+import piad
 
 
 def snippets(page: str, section: str) -> list[str]:
@@ -33,6 +40,29 @@ def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, m
     monkeypatch.setenv("MPLBACKEND", "agg")
     code = snippets(page, section)[0].replace("http://127.0.0.1:8080", server.url)
     exec(compile(code, page, "exec"), {})
+
+
+def test_differences_are_read_as_documented(server: Server, capsys: pytest.CaptureFixture[str]) -> None:
+    code = snippets("docs/STREAMS.md", "Differences")[0].replace("http://127.0.0.1:8080", server.url)
+    program: dict[str, Any] = {}
+    exec(compile(code, "docs/STREAMS.md", "exec"), program)
+    assert len(capsys.readouterr().out.splitlines()) > 3
+    with piad.Client(server.url) as client:
+        job = next(client.jobs())
+        assert np.array_equal(program["points"], job.result().curve.control_points)
+        url, deltas = f"{server.url}/v1/jobs/{job.id}/events?encoding=delta", 0
+        lines = httpx.get(url, headers={"Accept": "application/x-ndjson"}).text.splitlines()
+        events = [json.loads(line)["data"] for line in lines[1:-1]]
+        for event, exact in zip(events, job.iterations()):
+            assert exact.control_points is not None
+            if event["encoding"] == "delta":
+                points, deltas = program["moved"](points, event), deltas + 1
+                assert np.abs(points - exact.control_points).max() <= event["step"] / 2 + 1e-15
+            else:
+                width = "<f4" if event["encoding"] == "base64_f32" else "<f8"
+                raw = np.frombuffer(base64.b64decode(event["control_points"]), width)
+                points = raw.astype(float).reshape(event["shape"])
+        assert deltas == len(events) - 2
 
 
 @pytest.mark.parametrize("section", ["Five minutes", "Many fits at once", "While a point is dragged"])

@@ -58,6 +58,29 @@ def test_changes_are_applied(client: piad.Client, name: str) -> None:
         assert level.weights is None or np.array_equal(level.weights, full.weights)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("name", FITS)
+@pytest.mark.parametrize("view", ["control_points", "samples"])
+def test_differences_are_applied(client: piad.Client, name: str, view: Any) -> None:
+    job = client.create(**FITS[name])
+    job.wait()
+    exact = list(job.iterations(view=view, encoding="base64"))
+    near = list(job.iterations(view=view, encoding="delta"))
+    assert [level.number for level in near] == [level.number for level in exact]
+    for level, full in zip(near, exact):
+        for array, expected in zip(_arrays(level), _arrays(full)):
+            assert array.shape == expected.shape
+            bound = (full.error.max or 0) / 64 + 1e-14 * np.abs(expected).max()
+            assert np.abs(array - expected).max() <= bound
+    for array, expected in zip(_arrays(near[-1]), _arrays(exact[-1])):
+        assert np.array_equal(array, expected)
+
+
+def _arrays(level: piad.Iteration) -> list[Any]:
+    if level.samples is not None:
+        return [level.samples.points]
+    return [array for array in (level.control_points, level.weights) if array is not None]
+
+
 def test_streams_of_the_job_itself(client: piad.Client) -> None:
     job = client.create(CURVE, stream={"view": "errors", "every": 2, "describe": "none", "on_disconnect": "cancel"})
     assert job.shape().bases[0].degree == 3

@@ -25,6 +25,12 @@ def close(points, expected):
     return abs(points - expected) <= 1e-11
 
 
+def apart(points, expected):
+    if isinstance(points, list):
+        return max(map(apart, points, expected))
+    return abs(points - expected)
+
+
 def derived(geometry, parameters):
     # In the first parameter, by differences.
     step, order = 1e-6, 1 if isinstance(geometry, piad.Curve) else (1, 0)
@@ -46,6 +52,9 @@ with piad.Client(sys.argv[1]) as client:
             count = 9 if job.status.kind == "curve" else (5, 4)
             samples = job.samples(count)
             assert close(level.geometry.evaluate(*samples.parameters), samples.points), name
+        for exact, near in zip(job.iterations(encoding="base64"), job.iterations(encoding="delta")):
+            assert apart(exact.control_points, near.control_points) <= exact.error.max / 64 + 1e-13, name
+            assert exact.weights is None or apart(exact.weights, near.weights) <= exact.error.max
         geometry = job.result().geometry
         derived(geometry, samples.parameters)
         assert close(geometry.as_bspline().evaluate(*samples.parameters), samples.points), name

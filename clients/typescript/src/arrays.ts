@@ -66,6 +66,53 @@ function bytesOf(text: string): Uint8Array<ArrayBuffer> {
   }
 }
 
+// As many whole numbers have the same width.
+const BLOCK = 256;
+
+/**
+ * An array whose numbers have moved by `step` times the packed whole numbers; `dimension` is the last number of
+ * its shape, 1 for weights.
+ */
+export function moved({ data, shape }: Tensor, step: number, text: string, dimension: number): Tensor {
+  const bytes = bytesOf(text);
+  // A number may begin in the last byte.
+  const padded = new Uint8Array(bytes.length + 8);
+  padded.set(bytes);
+  const view = new DataView(padded.buffer);
+  const to = new Float64Array(data);
+  let at = 0;
+  for (let coordinate = 0; coordinate < dimension; coordinate++) {
+    for (let start = coordinate; start < to.length; start += BLOCK * dimension) {
+      const end = Math.min(start + BLOCK * dimension, to.length);
+      const count = Math.ceil((end - start) / dimension);
+      const width = padded[at] ?? 0;
+      const next = at + 1 + Math.ceil((count * width) / 8);
+      if (width > 32 || at >= bytes.length || next > bytes.length) {
+        throw new ProtocolError("the server sent packed numbers that are cut off or too wide");
+      }
+      if (width > 0) move(to, start, end, dimension, step, view, at + 1, width);
+      at = next;
+    }
+  }
+  if (at !== bytes.length) throw new ProtocolError("the server sent more packed numbers than there are");
+  return { data: to, shape };
+}
+
+/** Moves the numbers of a block. */
+function move(to: Float64Array, start: number, end: number, dimension: number, step: number, view: DataView, at: number, width: number) {
+  const mask = width === 32 ? -1 : (1 << width) - 1;
+  let bit = 0;
+  for (let i = start; i < end; i += dimension) {
+    const byte = at + (bit >>> 3);
+    const shift = bit & 7;
+    let bits = view.getUint32(byte, true) >>> shift;
+    if (shift + width > 32) bits |= view.getUint8(byte + 4) << (32 - shift);
+    bits &= mask;
+    to[i]! += step * ((bits >>> 1) ^ -(bits & 1));
+    bit += width;
+  }
+}
+
 /** A copy that can be written to. */
 export function copy({ data, shape }: Tensor): Tensor {
   return { data: data.slice(), shape };

@@ -1905,11 +1905,11 @@ export interface components {
          */
         Describe: "full" | "none";
         /**
-         * @description How arrays of numbers are written: as JSON, or as little-endian numbers of 64 or 32 bits in base64. Default: `"json"`.
+         * @description How arrays of numbers are written: as JSON, or as little-endian numbers of 64 or 32 bits in base64. In streams also as differences, `delta`: after a first complete event each one says by how many steps every number moves, packed and in base64; the last one comes complete with 64 bits. Default: `"json"`.
          * @example json
          * @enum {string}
          */
-        NumberEncoding: "json" | "base64" | "base64_f32";
+        NumberEncoding: "json" | "base64" | "base64_f32" | "delta";
         /**
          * @description How many digits coordinates have: all, or as many as the current error deserves, rounded by at most 1 % of it. Default: `"full"`.
          * @example full
@@ -2746,11 +2746,11 @@ export interface components {
             indices: number[];
         };
         /**
-         * @description Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest.
+         * @description Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest; of `delta`, in streams, packed whole numbers, by how many steps each number has moved.
          * @example base64
          * @enum {string}
          */
-        BinaryEncoding: "base64" | "base64_f32";
+        BinaryEncoding: "base64" | "base64_f32" | "delta";
         /**
          * @description Numbers as a list, or in base64.
          * @example [
@@ -2904,6 +2904,16 @@ export interface components {
             knots?: number[] | string | null | components["schemas"]["KnotArrayPair"];
             /** @description A weight that no CAD kernel takes. */
             bad_weight?: components["schemas"]["BadWeight"];
+            /**
+             * Format: double
+             * @description Only with the encoding `delta`: by how much a step moves a coordinate, a power of two.
+             */
+            step?: number;
+            /**
+             * Format: double
+             * @description Only with the encoding `delta` in homogeneous fits: by how much a step moves a weight.
+             */
+            weight_step?: number;
             /** @description How the arrays are written, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points` or `samples`, if they are binary. */

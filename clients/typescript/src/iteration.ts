@@ -1,7 +1,7 @@
 /** Iterations and results, from the JSON of the server. */
 
 import type * as api from "./api.js";
-import { type Tensor, copy, line, tensor } from "./arrays.js";
+import { type Tensor, copy, line, moved, tensor } from "./arrays.js";
 import { ProtocolError } from "./errors.js";
 import { type Shape, shapeOf, withKnots } from "./shape.js";
 
@@ -91,6 +91,7 @@ export function iterationOf(event: api.IterationEvent, shape: Shape, before: Ite
     badWeight: event.bad_weight ?? null,
     shape: event.knots == null ? shape : withKnots(shape, event.knots),
   };
+  if (event.encoding === "delta") return { ...level, ...movedFrom(before, event) };
   if (event.samples !== undefined) {
     return { ...level, view: "samples", samples: points(event, event.samples), parameters: parameters(event) };
   }
@@ -140,6 +141,28 @@ function parameters({ parameters, encoding }: api.IterationEvent): Lines {
 function lines(value: api.FitResult["parameters"], encoding: Written["encoding"]): Lines {
   if (typeof value === "string" || Array.isArray(value)) return [line(value, encoding)];
   return [line(value.u, encoding), line(value.v, encoding)];
+}
+
+type Geometry = Pick<FittedIteration, "view" | "controlPoints" | "weights"> | Pick<SampledIteration, "view" | "samples" | "parameters">;
+
+/** The numbers before, moved by steps. */
+function movedFrom(before: Iteration | null, event: api.IterationEvent): Geometry {
+  const dimension = event.shape?.at(-1) ?? 1;
+  const next = (array: Tensor, step: number | undefined, text: unknown, dimension: number) => {
+    if (typeof text !== "string" || step === undefined) throw new ProtocolError("the server sent a change without its steps");
+    return moved(array, step, text, dimension);
+  };
+  if (before?.view === "samples") {
+    const { view, parameters } = before;
+    return { view, parameters, samples: next(before.samples, event.step, event.samples, dimension) };
+  }
+  if (before?.view !== "control_points") throw new ProtocolError("the server sent changes before what has changed");
+  const { view, weights } = before;
+  return {
+    view,
+    controlPoints: next(before.controlPoints, event.step, event.control_points, dimension),
+    weights: weights === null ? null : next(weights, event.weight_step, event.weights, 1),
+  };
 }
 
 /** The control points before, with those that have moved. */

@@ -9,9 +9,11 @@ use uuid::Uuid;
 
 use super::names;
 use super::view::{directions, distances, outliers};
+use crate::api::json::view::shape::NestedShape;
 use crate::api::json::view::source::{NetPoints, NetWeights, Source};
 use crate::api::json::view::writer::{ArrayWriter, Digits};
 use crate::job::content::Content;
+use crate::job::deltas::Change;
 use crate::job::frame::Frame;
 use crate::job::state::State;
 use crate::job::trim::Trimmed;
@@ -60,17 +62,54 @@ pub(crate) fn iteration(frame: &Frame, form: &Form) -> Content {
     let told = problem.directions().filter(|_| tells);
     let mut knots = told.map(|it| it.basis.knots().unwrap_or_default().into_owned());
     let message = pb::Iteration {
+        knots_u: knots.next().unwrap_or_default(),
+        knots_v: knots.next().unwrap_or_default(),
+        geometry: shown,
+        ..head(level, problem)
+    };
+    written(&message, large)
+}
+
+/// A level that says by how many steps points, and weights, have moved from what its reader has, as the bytes of an
+/// `Iteration`.
+pub(crate) fn moved(frame: &Frame, view: View, changes: &[Change]) -> Content {
+    let (level, problem) = (&frame.level, &frame.problem);
+    let (rows, columns) = match view {
+        View::Samples(grid) => (grid.rows, grid.columns),
+        _ => {
+            let geometry = Geometry::new(problem, &frame.control_points);
+            (geometry.rows(), geometry.columns().unwrap_or(1))
+        }
+    };
+    let step = |index: usize| changes.get(index).map_or(0.0, |change| change.step);
+    let numbers = |index: usize| changes.get(index).map(|change| change.numbers.to_vec());
+    let deltas = pb::Deltas {
+        dimension: count(problem.dimension()),
+        rows: count(rows),
+        columns: count(columns),
+        step: step(0),
+        points: numbers(0).unwrap_or_default(),
+        weight_step: step(1),
+        weights: numbers(1).unwrap_or_default(),
+    };
+    let message = pb::Iteration {
+        geometry: Some(iteration::Geometry::Deltas(deltas)),
+        ..head(level, problem)
+    };
+    written(&message, None)
+}
+
+/// What is said of every level.
+fn head(level: &Level, problem: &Problem) -> pb::Iteration {
+    pb::Iteration {
         iteration: level.iteration as u64,
         error: Some(distances(&level.error, problem.method())),
         rate: level.rate,
         moved: level.moved as u64,
         bad_weight: bad_weight(level),
         predicted: level.predicted.map(|level| level as u64),
-        knots_u: knots.next().unwrap_or_default(),
-        knots_v: knots.next().unwrap_or_default(),
-        geometry: shown,
-    };
-    written(&message, large)
+        ..pb::Iteration::default()
+    }
 }
 
 /// Whose result it is.
@@ -182,9 +221,9 @@ fn write_net(
         columns: count(columns),
         ..pb::ControlNet::default()
     };
-    let points = Packed::new(POINTS, places * problem.dimension());
+    let points = Packed::new(POINTS, &[places, problem.dimension()]);
     let weights = problem.is_homogeneous();
-    let weights = weights.then(|| Packed::new(WEIGHTS_OF_NET, places));
+    let weights = weights.then(|| Packed::new(WEIGHTS_OF_NET, &[places]));
     let arrays = [Some(&points), weights.as_ref()];
     begin(writer, field, &head, arrays.into_iter().flatten());
     points.write(writer, net());
@@ -201,10 +240,10 @@ fn write_samples(writer: &mut ArrayWriter, field: u32, samples: &Samples) {
         columns: count(samples.columns()),
         ..pb::Samples::default()
     };
-    let points = Packed::new(POINTS, samples.count() * samples.dimension());
+    let points = Packed::new(POINTS, &[samples.count(), samples.dimension()]);
     let lines = [Some(samples.u), samples.v].into_iter().flatten();
     let lines = PARAMETERS_OF_SAMPLES.into_iter().zip(lines);
-    let lines = lines.map(|(field, line)| (Packed::new(field, line.count()), line));
+    let lines = lines.map(|(field, line)| (Packed::new(field, &[line.count()]), line));
     let lines: Vec<_> = lines.collect();
     let arrays = std::iter::once(&points).chain(lines.iter().map(|(packed, _)| packed));
     begin(writer, field, &head, arrays);
@@ -232,16 +271,24 @@ struct Packed {
     /// What stands before the numbers.
     key: Vec<u8>,
     numbers: usize,
+    shape: NestedShape,
 }
 
 impl Packed {
-    fn new(field: u32, numbers: usize) -> Self {
+    /// Numbers of this shape: those of a point stay together.
+    fn new(field: u32, shape: &[usize]) -> Self {
+        let shape = NestedShape::from(shape);
+        let numbers = shape.count();
         let mut key = Vec::new();
         if numbers > 0 {
             encode_key(field, WireType::LengthDelimited, &mut key);
             encode_varint(8 * numbers as u64, &mut key);
         }
-        Self { key, numbers }
+        Self {
+            key,
+            numbers,
+            shape,
+        }
     }
 
     /// All its bytes.
@@ -251,7 +298,7 @@ impl Packed {
 
     fn write(&self, writer: &mut ArrayWriter, numbers: impl Source) {
         writer.text().put_slice(&self.key);
-        writer.array([self.numbers].as_slice().into(), numbers, Digits::Raw);
+        writer.array(self.shape, numbers, Digits::Raw);
     }
 }
 

@@ -60,14 +60,18 @@ pub(super) fn end(job: &Job, status: &Status, form: &Form) -> Content {
     }
 }
 
+/// Returns true if no iteration follows.
+pub(super) fn is_last(job: &Job, frame: &Frame) -> bool {
+    frame.is_last || job.has_ended_at(frame.level.iteration)
+}
+
 /// The data of an `iteration` event, made once for each frame and form.
 pub(crate) async fn frame(
     job: &Arc<Job>,
     frame: &Arc<Frame>,
     form: &Form,
 ) -> Result<Content, StoreError> {
-    let is_last = || frame.is_last || job.has_ended_at(frame.level.iteration);
-    let in_full = form.digits == Digits::Auto && is_last();
+    let in_full = form.digits == Digits::Auto && is_last(job, frame);
     let form = if in_full {
         form.in_full()
     } else {
@@ -133,9 +137,14 @@ impl Cost {
         let operations = self.operations();
         match WorkLane::of_samples(self.evaluation) {
             WorkLane::Long(evaluation) => WorkLane::Long(evaluation),
-            _ if operations <= SMALL => WorkLane::Quick,
+            _ if self.is_small() => WorkLane::Quick,
             _ => WorkLane::of_wire(operations),
         }
+    }
+
+    /// Returns true if it takes less than it would to hand it over.
+    fn is_small(self) -> bool {
+        self.operations() <= SMALL
     }
 
     fn operations(self) -> usize {
@@ -151,20 +160,32 @@ pub(crate) async fn off_network(
     encode: impl FnOnce() -> Content + Send + 'static,
 ) -> Result<Content, StoreError> {
     let cost: Cost = cost.into();
-    let operations = cost.operations();
-    if operations <= SMALL {
-        return Ok(encode());
-    }
     // Many numbers are encoded when they are sent, piece by piece.
+    let encode = move || match cost.is_small() {
+        true => encode(),
+        false => encode().costing(cost.operations()),
+    };
+    computed(job, cost, encode).await
+}
+
+/// Computes on the compute pool, unless it takes little.
+pub(super) async fn computed<T: Send + 'static>(
+    job: &Job,
+    cost: Cost,
+    compute: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, StoreError> {
+    if cost.is_small() {
+        return Ok(compute());
+    }
     let lane = match WorkLane::of_samples(cost.evaluation) {
         WorkLane::Long(evaluation) => WorkLane::Long(evaluation),
-        _ => WorkLane::of_wire(operations),
+        _ => WorkLane::of_wire(cost.operations()),
     };
     let traced = job.trace().encode(cost.numbers);
-    let encode = move || {
+    let compute = move || {
         let _traced = traced;
-        encode().costing(operations)
+        compute()
     };
     let scheduler = &job.resources().scheduler;
-    Ok(scheduler.compute_in_turns(lane, encode).await?)
+    Ok(scheduler.compute_in_turns(lane, compute).await?)
 }

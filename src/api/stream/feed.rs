@@ -12,6 +12,7 @@ use tokio::sync::watch;
 use tokio::time::{Duration, Instant, sleep_until};
 use tracing::error;
 
+use super::chain::Chain;
 use super::encode;
 use super::milestones::Milestones;
 use crate::api::app::App;
@@ -75,6 +76,8 @@ pub(crate) struct Feed {
     job: Arc<Job>,
     cursor: Cursor,
     options: StreamOptions,
+    /// Events follow from each other.
+    chain: Option<Chain>,
     milestones: Option<Milestones>,
     /// It has iterations of another kernel.
     again: bool,
@@ -167,6 +170,7 @@ impl Feed {
         Self {
             cursor,
             job,
+            chain: Chain::new(&options),
             milestones: Some(milestones).filter(|milestones| !milestones.all_reached()),
             options,
             again: start == Start::Again,
@@ -297,9 +301,11 @@ impl Feed {
             .unwrap_or(&self.options.form);
         // Whoever resumes a stream has the knots of level 0, from the `job` event.
         let known = self.told.unwrap_or(0);
-        let data = match frame.knots_since > known {
-            true => encode::frame(&self.job, frame, &form.with_knots()).await?,
-            false => encode::frame(&self.job, frame, form).await?,
+        let tells_knots = frame.knots_since > known;
+        let data = match &mut self.chain {
+            Some(chain) => chain.event(&self.job, frame, tells_knots).await?,
+            None if tells_knots => encode::frame(&self.job, frame, &form.with_knots()).await?,
+            None => encode::frame(&self.job, frame, form).await?,
         };
         self.told = Some(k);
         let id = EventId::new(&self.job, k);

@@ -2,10 +2,12 @@
 //!
 //! - [`feed`]: a job as a sequence of events; [`milestones`]: which iterations a stream shows that is asked
 //!   for the progress alone;
-//! - [`encode`]: their data, made once for all readers and off the network threads; [`encoded`]: events as
+//! - [`encode`]: their data, made once for all readers and off the network threads; `chain`: as changes of what a
+//!   reader has; [`encoded`]: events as
 //!   messages;
 //! - [`sending`]: what goes out on a connection.
 
+mod chain;
 pub(crate) mod encode;
 pub(crate) mod encoded;
 pub(crate) mod feed;

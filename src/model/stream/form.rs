@@ -80,7 +80,8 @@ impl Form {
         let view = view(choices, surface)?;
         let encoding = match choices.get(|spec| spec.encoding) {
             None | Some(chosen::Encoding::Json) => Encoding::Json,
-            Some(chosen::Encoding::Base64) => Encoding::Base64,
+            // That of complete events.
+            Some(chosen::Encoding::Base64 | chosen::Encoding::Delta) => Encoding::Base64,
             Some(chosen::Encoding::Base64F32) => Encoding::Base64F32,
         };
         let digits = choices.get(|spec| spec.digits).unwrap_or(Digits::Full);
@@ -114,6 +115,16 @@ impl Form {
     /// What tells this form from others: what is made in one form is shared by all who want it.
     pub(crate) fn key(&self) -> &Arc<str> {
         &self.key
+    }
+
+    /// The same with numbers of 32 bits in base64.
+    pub(crate) fn in_32_bits(&self) -> Self {
+        let narrow = Self::new(self.view, Encoding::Base64F32, self.digits);
+        if self.knots {
+            narrow.with_knots()
+        } else {
+            narrow
+        }
     }
 
     /// The same as a protobuf message, in which numbers are written in one way only.

@@ -16,6 +16,8 @@ pub(crate) struct StreamOptions {
     pub form: Form,
     /// What events show instead once the client has complete control points.
     pub changes: Option<Form>,
+    /// Events say by how much numbers differ from those that the client has.
+    pub deltas: bool,
     /// The `job` event has knots, parameters and fixed weights.
     pub describes: bool,
     /// Only iterations that are multiples of this, and the last.
@@ -42,8 +44,12 @@ impl StreamOptions {
         }
         refuse_numbers(request)?;
         // How numbers are written in JSON is of no interest, whatever the job says of it.
+        let encoding = Choices::new(request, job).get(|spec| spec.encoding);
         let request = StreamSpec {
-            encoding: Some(chosen::Encoding::Json),
+            encoding: match encoding {
+                Some(chosen::Encoding::Delta) => encoding,
+                _ => Some(chosen::Encoding::Json),
+            },
             digits: Some(Digits::Full),
             ..request.clone()
         };
@@ -78,6 +84,7 @@ impl StreamOptions {
         let form = Form::of(choices, surface)?;
         let changed = choices.get(|spec| spec.changed).unwrap_or(false);
         let options = Self {
+            deltas: choices.get(|spec| spec.encoding) == Some(chosen::Encoding::Delta),
             changes: changed.then(|| Form::new(View::Changed, form.encoding, form.digits)),
             form,
             describes: choices.get(|spec| spec.describe) != Some(Describe::None),
@@ -167,6 +174,10 @@ impl StreamSpec {
 
 /// The form of a single iteration of a curve or a surface in JSON.
 pub(crate) fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
+    if request.encoding == Some(chosen::Encoding::Delta) {
+        let detail = "delta is for streams: there is no event before this one to differ from";
+        return Err(ChoiceMistake::of_request(Choice::Encoding, detail));
+    }
     Form::of(Choices::new(request, None), surface)
 }
 
@@ -187,14 +198,18 @@ pub(crate) fn check_range(
 
 /// Messages have no choice of how numbers are written.
 fn refuse_numbers(request: &StreamSpec) -> Result<(), ChoiceMistake> {
+    let written = |encoding: &chosen::Encoding| *encoding != chosen::Encoding::Delta;
     let given = [
-        (Choice::Encoding, request.encoding.is_some()),
+        (
+            Choice::Encoding,
+            request.encoding.as_ref().is_some_and(written),
+        ),
         (Choice::Digits, request.digits.is_some()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
         None => Ok(()),
         Some((choice, _)) => {
-            let detail = "it is about numbers in JSON; protobuf messages have all 64 bits";
+            let detail = "it is about numbers in JSON; protobuf messages have all 64 bits, or in streams encoding=delta";
             Err(ChoiceMistake::of_request(choice, detail))
         }
     }

@@ -36,7 +36,7 @@ schema_of!(
     Encoding,
     "NumberEncoding",
     names::<Self>(
-        "How arrays of numbers are written: as JSON, or as little-endian numbers of 64 or 32 bits in base64."
+        "How arrays of numbers are written: as JSON, or as little-endian numbers of 64 or 32 bits in base64. In streams also as differences, `delta`: after a first complete event each one says by how many steps every number moves, packed and in base64; the last one comes complete with 64 bits."
     )
 );
 schema_of!(

@@ -23,6 +23,8 @@ named!(
         Base64 = "base64",
         /// Little-endian numbers of 32 bits in base64.
         Base64F32 = "base64_f32",
+        /// As differences from what the reader has, in few bits.
+        Delta = "delta",
     }
 );
 

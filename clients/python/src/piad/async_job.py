@@ -20,7 +20,7 @@ from .iteration import Deviation, Index, Iteration, Result, Samples, Shape
 from .status import Status
 
 View = Literal["control_points", "samples", "errors"]
-Encoding = Literal["json", "base64", "base64_f32"]
+Encoding = Literal["json", "base64", "base64_f32", "delta"]
 Format = Literal["json", "step", "iges", "obj", "gltf", "stl", "ply", "dxf", "svg", "geojson", "gpx", "csv"]
 Dots = Literal["auto", "on", "off"]
 Units = Literal["mm", "m", "in"]
@@ -91,7 +91,8 @@ class AsyncJob:
 
         With `changed` the server sends only control points that have moved; iterations are complete
         even so. Numbers travel as base64 where numpy is there, unless the job has a `stream` of its
-        own or other parameters forbid it.
+        own or other parameters forbid it. With `encoding="delta"` they take about a tenth of the bytes: those of an
+        iteration are within a hundredth of its largest error, and those of the last one are exact.
         """
         parameters = {
             "view": view,

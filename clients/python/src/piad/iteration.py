@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Optional, Union
+from typing import Any, Optional, TypeVar, Union
 
 from ._arrays import Array, as_array, as_lists, copy, from_base64, np, outer, size
+from ._deltas import moved
 from .errors import ProtocolError
 from .geometry import Basis, Boundary, Curve, Surface
 from .geometry.boundary import Side
@@ -198,11 +199,29 @@ class Samples:
         return f"<piad.Samples {size(self.points)}>"
 
     @classmethod
-    def from_json(cls, value: Mapping[str, Any]) -> Samples:
-        """Reads an iteration with `view=samples`."""
+    def from_json(cls, value: Mapping[str, Any], before: Optional[Samples] = None) -> Samples:
+        """Reads an iteration with `view=samples`. One that only says how they have moved is applied to those `before`."""
+        if value.get("encoding") == "delta":
+            before = _known(before)
+            return cls(before.parameters, _moved(value, "samples", "step", before.points))
         parameters = value["parameters"]
         lines = [parameters["u"], parameters["v"]] if isinstance(parameters, dict) else [parameters]
         return cls(tuple(_line(value, line) for line in lines), _array(value, "samples"))
+
+
+_T = TypeVar("_T")
+
+
+def _known(before: Optional[_T]) -> _T:
+    if before is None:
+        raise ProtocolError("the server sent changes before what has changed")
+    return before
+
+
+def _moved(value: Mapping[str, Any], name: str, step: str, before: Array) -> Array:
+    """An array of an iteration that says by how many steps its numbers have moved."""
+    dimension = 1 if name == "weights" else value["shape"][-1]
+    return moved(before, value[step], value[name], dimension)
 
 
 def _array(value: Mapping[str, Any], name: str, dropped: int = 0) -> Array:
@@ -273,7 +292,7 @@ class Iteration:
             _bad_weight(value),
             points,
             weights,
-            Samples.from_json(value) if "samples" in value else None,
+            Samples.from_json(value, None if before is None else before.samples) if "samples" in value else None,
             shape,
             value.get("predicted"),
         )
@@ -287,14 +306,19 @@ class Iteration:
 
 
 def _net(value: Mapping[str, Any], before: Optional[Iteration]) -> tuple[Optional[Array], Optional[Array]]:
+    if value.get("encoding") == "delta" and "control_points" in value:
+        points = _known(_known(before).control_points)
+        weights = _known(before).weights
+        if weights is not None:
+            weights = _moved(value, "weights", "weight_step", weights)
+        return _moved(value, "control_points", "step", points), weights
     if "control_points" in value:
         weights = _array(value, "weights", 1) if "weights" in value else None
         return _array(value, "control_points"), weights
     if "changed" not in value:
         return None, None
-    if before is None or before.control_points is None:
-        raise ProtocolError("the server sent changes before what has changed")
-    points = copy(before.control_points)
+    before = _known(before)
+    points = copy(_known(before.control_points))
     weights = None if before.weights is None else copy(before.weights)
     for place, point, *weight in value["changed"]:
         _set(points, place, as_array(point))

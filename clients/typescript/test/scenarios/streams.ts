@@ -6,6 +6,12 @@ import { all, equal, first, ok, refused, sleep } from "../check.js";
 import { AUTOMATIC, CURVE, FITS, SURFACE, large, slow } from "../shapes.js";
 import type { Scenarios } from "../world.js";
 
+/** The coordinates and weights of an iteration. */
+function numbersOf(level: FittedIteration | SampledIteration): number[] {
+  if (level.view === "samples") return [...level.samples.data];
+  return [...level.controlPoints.data, ...(level.weights?.data ?? [])];
+}
+
 const POINTS = { curve: { points: CURVE } };
 
 export const streams: Scenarios = {
@@ -38,6 +44,24 @@ export const streams: Scenarios = {
       const full = await all(job.iterations({ view: "control_points" }));
       const changed = await all(job.iterations({ view: "control_points", changed: true }));
       equal(changed, full, name);
+    }
+  },
+
+  "differences are applied": async ({ client }) => {
+    for (const [name, request] of Object.entries(FITS)) {
+      const job = await client().create(request, { wait: 10 });
+      for (const view of ["control_points", "samples"] as const) {
+        const exact = await all(job.iterations({ view, encoding: "base64" }));
+        const near = await all(job.iterations({ view, encoding: "delta" }));
+        equal(near.map(({ number }) => number), exact.map(({ number }) => number), name);
+        equal(near.at(-1), exact.at(-1), name);
+        for (const [k, level] of near.entries()) {
+          const [found, expected] = [numbersOf(level), numbersOf(exact[k]!)];
+          equal(found.length, expected.length, name);
+          const bound = (level.error.max ?? 0) / 64 + 1e-12;
+          ok(found.every((x, i) => Math.abs(x - expected[i]!) <= bound), `${name} ${view} ${k}`);
+        }
+      }
     }
   },
 

@@ -6,6 +6,8 @@
 
 use std::io;
 
+use base64_simd::STANDARD;
+use bytes::Bytes;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Serializer;
@@ -17,7 +19,7 @@ use super::source::Source;
 use super::writer::{ArrayWriter, Digits, fits_32_bits};
 use crate::job::content::Content;
 
-/// Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest.
+/// Arrays are little-endian numbers of 64 or 32 bits in base64, the last index running fastest; of `delta`, in streams, packed whole numbers, by how many steps each number has moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema, Serialize)]
 #[schemars(example = Self::Base64)]
 pub(super) enum BinaryEncoding {
@@ -25,6 +27,8 @@ pub(super) enum BinaryEncoding {
     Base64,
     #[serde(rename = "base64_f32")]
     Base64F32,
+    #[serde(rename = "delta")]
+    Delta,
 }
 
 /// The arrays of a JSON document.
@@ -33,10 +37,14 @@ pub(super) struct Document {
     arrays: Vec<Array>,
 }
 
-struct Array {
-    shape: NestedShape,
-    numbers: Box<dyn Source>,
-    precision: Precision,
+enum Array {
+    Numbers {
+        shape: NestedShape,
+        numbers: Box<dyn Source>,
+        precision: Precision,
+    },
+    /// Whole numbers, packed.
+    Packed(Bytes),
 }
 
 /// How precisely the numbers of an array are written.
@@ -79,6 +87,16 @@ impl Document {
         NumberArray(self.array(&[count], numbers, Precision::Exact))
     }
 
+    /// Points that have moved by these packed numbers of steps.
+    pub(super) fn packed_points(&mut self, numbers: Bytes) -> PointArray {
+        PointArray(self.push(Array::Packed(numbers)))
+    }
+
+    /// Weights that have moved by these packed numbers of steps.
+    pub(super) fn packed_weights(&mut self, numbers: Bytes) -> WeightArray {
+        WeightArray(self.push(Array::Packed(numbers)))
+    }
+
     fn array(&mut self, shape: &[usize], numbers: impl Source, precision: Precision) -> ArraySlot {
         // If a number is too large for 32 bits, all arrays get 64, so that none becomes infinite.
         if matches!(self.digits, Digits::Base64F32)
@@ -87,11 +105,15 @@ impl Document {
         {
             self.digits = Digits::Base64;
         }
-        self.arrays.push(Array {
+        self.push(Array::Numbers {
             shape: shape.into(),
             numbers: Box::new(numbers),
             precision,
-        });
+        })
+    }
+
+    fn push(&mut self, array: Array) -> ArraySlot {
+        self.arrays.push(array);
         ArraySlot(self.arrays.len() as u8 - 1)
     }
 
@@ -111,8 +133,8 @@ impl Document {
         if let Err(error) = answer.serialize(&mut serializer) {
             tracing::error!(%error, "an answer has no JSON form");
         }
-        let count: usize = self.arrays.iter().map(|array| array.shape.count()).sum();
-        let bytes = text.len() + count.saturating_mul(self.digits.size());
+        let sizes = self.arrays.iter().map(|array| array.size(self.digits));
+        let bytes = sizes.fold(text.len(), usize::saturating_add);
         let mut writer = ArrayWriter::with_capacity(bytes);
         let mut arrays: Vec<Option<Array>> = self.arrays.into_iter().map(Some).collect();
         let mut parts = text.split(|byte| *byte == MARK);
@@ -125,12 +147,37 @@ impl Document {
                 .get_mut(usize::from(*place) - 1)
                 .and_then(Option::take);
             if let Some(array) = array {
-                let digits = array.precision.digits(self.digits);
-                writer.array(array.shape, array.numbers, digits);
+                array.write(self.digits, &mut writer);
             }
             writer.text().extend(after);
         }
         writer.finish()
+    }
+}
+
+impl Array {
+    /// About how many bytes it takes.
+    fn size(&self, digits: Digits) -> usize {
+        match self {
+            Self::Numbers { shape, .. } => shape.count().saturating_mul(digits.size()),
+            Self::Packed(bytes) => bytes.len() / 3 * 4 + 6,
+        }
+    }
+
+    fn write(self, digits: Digits, writer: &mut ArrayWriter) {
+        match self {
+            Self::Numbers {
+                shape,
+                numbers,
+                precision,
+            } => writer.array(shape, numbers, precision.digits(digits)),
+            Self::Packed(bytes) => {
+                let text = writer.text();
+                text.push(b'"');
+                STANDARD.encode_append(&bytes, text);
+                text.push(b'"');
+            }
+        }
     }
 }
 

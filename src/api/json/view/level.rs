@@ -9,11 +9,12 @@ use super::arrays::{KnotArray, NumberArray, PointArray, WeightArray, point};
 use super::document::{BinaryEncoding, Document};
 use super::error::ErrorView;
 use super::examples;
-use super::net::{ArrayShape, BadWeight, ControlNet, knots};
+use super::net::{ArrayShape, BadWeight, ControlNet, knots, net_shape};
 use super::rounding::Rounding;
 use super::writer::Digits;
 use crate::api::json::plain::never_null;
 use crate::job::content::Content;
+use crate::job::deltas::Change;
 use crate::job::frame::Frame;
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::schema_of;
@@ -49,6 +50,12 @@ pub(crate) struct IterationEvent {
     /// A weight that no CAD kernel takes.
     #[serde(skip_serializing_if = "Option::is_none")]
     bad_weight: Option<BadWeight>,
+    /// Only with the encoding `delta`: by how much a step moves a coordinate, a power of two.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    step: Option<f64>,
+    /// Only with the encoding `delta` in homogeneous fits: by how much a step moves a weight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    weight_step: Option<f64>,
     /// What is shown of the geometry.
     #[serde(flatten)]
     shown: Shown,
@@ -82,22 +89,48 @@ pub(super) struct Shown {
 
 /// The data of an `iteration` event.
 pub(crate) fn level(frame: &Frame, form: &Form) -> Content {
-    let (level, problem) = (&frame.level, &frame.problem);
-    let mut document = Document::new(digits(form, level));
+    let problem = &frame.problem;
+    let mut document = Document::new(digits(form, &frame.level));
     let shown = Shown::new(&mut document, frame, form.view);
     let tells = form.knots && problem.is_automatic();
     let knots = tells.then(|| knots(&mut document, problem));
     document.finish(&IterationEvent {
-        milestone: None,
-        iteration: level.iteration,
-        error: ErrorView::new(&level.error, &**problem),
-        rate: level.rate,
-        predicted: level.predicted,
-        moved: level.moved,
         knots,
-        bad_weight: BadWeight::of(level, problem),
-        shown,
+        ..IterationEvent::new(frame, shown)
     })
+}
+
+/// The data of an `iteration` event that says by how many steps points, and weights, have moved from what its reader
+/// has.
+pub(crate) fn moved(frame: &Frame, view: View, changes: &[Change]) -> Content {
+    let mut document = Document::new(Digits::Base64);
+    let shown = Shown::moved(&mut document, frame, view, changes);
+    let mut steps = changes.iter().map(|change| change.step);
+    document.finish(&IterationEvent {
+        step: steps.next(),
+        weight_step: steps.next(),
+        ..IterationEvent::new(frame, shown)
+    })
+}
+
+impl IterationEvent {
+    /// What is said of every level, and this of its geometry.
+    fn new(frame: &Frame, shown: Shown) -> Self {
+        let (level, problem) = (&frame.level, &frame.problem);
+        Self {
+            milestone: None,
+            iteration: level.iteration,
+            error: ErrorView::new(&level.error, &**problem),
+            rate: level.rate,
+            predicted: level.predicted,
+            moved: level.moved,
+            knots: None,
+            bad_weight: BadWeight::of(level, problem),
+            step: None,
+            weight_step: None,
+            shown,
+        }
+    }
 }
 
 /// How coordinates are written in this form.
@@ -140,6 +173,29 @@ impl Shown {
                 let samples = Samples::new(Arc::clone(problem.setup()), Arc::clone(points), grid);
                 Self::samples(document, samples)
             }
+        }
+    }
+
+    /// By how many steps the points of a view, and their weights, have moved.
+    fn moved(document: &mut Document, frame: &Frame, view: View, changes: &[Change]) -> Self {
+        let mut arrays = changes.iter().map(|change| change.numbers.clone());
+        let points = arrays.next().map(|it| document.packed_points(it));
+        let problem = &frame.problem;
+        let (control_points, samples, shape) = match (view, problem.v()) {
+            (View::Samples(grid), None) => (None, points, vec![grid.rows, problem.dimension()]),
+            (View::Samples(grid), Some(_)) => {
+                let shape = vec![grid.rows, grid.columns, problem.dimension()];
+                (None, points, shape)
+            }
+            _ => (points, None, net_shape(problem)),
+        };
+        Self {
+            encoding: Some(BinaryEncoding::Delta),
+            shape: Some(ArrayShape(shape)),
+            control_points,
+            weights: arrays.next().map(|it| document.packed_weights(it)),
+            samples,
+            ..Self::default()
         }
     }
 

@@ -33,7 +33,7 @@ pub(crate) mod points;
 pub(crate) mod rates;
 pub(crate) mod result;
 mod rounding;
-mod shape;
+pub(crate) mod shape;
 pub(crate) mod source;
 pub(crate) mod warning;
 pub(crate) mod writer;

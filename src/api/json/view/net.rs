@@ -30,8 +30,7 @@ impl ControlNet {
         problem: &Arc<Problem>,
         points: &Arc<Points>,
     ) -> Self {
-        let functions = problem.directions().map(|it| it.basis.functions());
-        let shape: Vec<usize> = functions.chain([problem.dimension()]).collect();
+        let shape = net_shape(problem);
         let net = || NetPoints {
             problem: Arc::clone(problem),
             control_points: Arc::clone(points),
@@ -47,6 +46,12 @@ impl ControlNet {
             weights,
         }
     }
+}
+
+/// The numbers of control points in each direction, and of coordinates.
+pub(super) fn net_shape(problem: &Problem) -> Vec<usize> {
+    let functions = problem.directions().map(|it| it.basis.functions());
+    functions.chain([problem.dimension()]).collect()
 }
 
 /// The number of points in each direction, and of coordinates. Weights have the same without the last number.

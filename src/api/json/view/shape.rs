@@ -29,7 +29,7 @@ impl NestedShape {
     pub(super) const DEEPEST: usize = 3;
 
     /// How many numbers there are.
-    pub(super) fn count(self) -> usize {
+    pub(crate) fn count(self) -> usize {
         self.lists().last().copied().unwrap_or(1)
     }
 

@@ -253,7 +253,7 @@ pub(super) fn record(problem: &Problem) -> Record {
         milestones: Some(vec![0.1, 1e-300]),
         pace: Some(Pace::All),
         changed: Some(false),
-        encoding: Some(Encoding::Json),
+        encoding: Some(Encoding::Delta),
         digits: Some(Digits::Auto),
         on_disconnect: Some(OnDisconnect::Cancel),
     };
