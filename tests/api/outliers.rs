@@ -139,7 +139,14 @@ async fn far_outliers_of_scans_do_not_choose_the_parameters() {
                 .map(|step| (0.5 + i as f64 * step).fract());
             let noise = 0.01 * (side - 0.5);
             let up = match is_outlier(&i) {
-                true => (1.0 + 2.0 * side) * if i / every % 2 == 0 { 1.0 } else { -1.0 },
+                true => {
+                    (1.0 + 2.0 * side)
+                        * if (i / every).is_multiple_of(2) {
+                            1.0
+                        } else {
+                            -1.0
+                        }
+                }
                 false => noise,
             };
             [x, y, 0.3 * (5.0 * x).sin() * (4.0 * y).cos() + up]
