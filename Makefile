@@ -184,12 +184,13 @@ bench: $(VENV)/benches
 	$(PYTHON) benches/files/memory.py target/release/piad
 	$(PYTHON) benches/scipy/compare.py target/release/piad
 
-# As few control points as a tolerance needs, beside scipy and OpenCASCADE: half an hour.
+# As few control points as a tolerance needs, beside scipy, OpenCASCADE and geomdl: three quarters of an hour.
 tolerance: $(VENV)/tolerance
 	cargo build --locked --release
 	$(PYTHON) benches/tolerance/compare.py target/release/piad
 	$(PYTHON) benches/tolerance/memory.py target/release/piad
 	$(PYTHON) benches/sections/compare.py target/release/piad
+	$(PYTHON) benches/scans/compare.py target/release/piad
 
 $(VENV)/tolerance: benches/tolerance/requirements.txt
 	@python3 -m venv $(VENV) && ldconfig -p | grep -q libGL.so.1 || \

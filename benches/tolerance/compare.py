@@ -14,7 +14,7 @@
 scipy is given the best of twenty smoothing factors. That piad's distances are what it says, by scipy, is checked in
 fits.py. Ends with code 1 where piad is not within the tolerance, needs more control points than the better of both for
 one of the curves or for Franke's function, two more than a spline with few knots has, not a tenth fewer of all curves or airfoils, more in all for the terrain, or
-more time. Needs requirements.txt; `make tolerance` installs them and takes half an hour.
+more time. Needs requirements.txt; `make tolerance` installs them and takes three quarters of an hour.
 """
 
 import argparse

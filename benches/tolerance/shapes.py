@@ -120,37 +120,41 @@ def airfoils() -> list[tuple[str, np.ndarray]]:
     return found
 
 
-def franke() -> np.ndarray:
-    """1500 scattered points of Franke's function: multiples of the inverses of the plastic number and its square."""
-    i = np.arange(1, 1501)
-    x, y = (i * 0.754_877_666_246_693) % 1, (i * 0.569_840_290_998_053) % 1
-    z = (
+def franke_heights(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    return (
         0.75 * np.exp(-((9 * x - 2) ** 2 + (9 * y - 2) ** 2) / 4)
         + 0.75 * np.exp(-((9 * x + 1) ** 2) / 49 - (9 * y + 1) / 10)
         + 0.5 * np.exp(-((9 * x - 7) ** 2 + (9 * y - 3) ** 2) / 4)
         - 0.2 * np.exp(-((9 * x - 4) ** 2) - (9 * y - 7) ** 2)
     )
-    return np.c_[x, y, z]
 
 
-def elevations() -> np.ndarray:
-    """200 × 150 elevations of the same model, at places between its rows and columns (bilinear): x, y and z in metres."""
+def franke(count: int = 1500) -> np.ndarray:
+    """Scattered points of Franke's function: multiples of the inverses of the plastic number and its square."""
+    i = np.arange(1, count + 1)
+    x, y = (i * 0.754_877_666_246_693) % 1, (i * 0.569_840_290_998_053) % 1
+    return np.c_[x, y, franke_heights(x, y)]
+
+
+def elevations(rows: int = 200, columns: int = 150) -> np.ndarray:
+    """Elevations of the same model, at places between its rows and columns (bilinear): x, y and z in metres."""
     from matplotlib import cbook
     from scipy.interpolate import RegularGridInterpolator
 
     elevation = cbook.get_sample_data("jacksboro_fault_dem.npz")["elevation"].astype(float)
-    rows, columns = (np.arange(count) for count in elevation.shape)
-    places = np.meshgrid(np.linspace(0, rows[-1], 200), np.linspace(0, columns[-1], 150), indexing="ij")
-    heights = RegularGridInterpolator((rows, columns), elevation)(tuple(places))
+    lines = [np.arange(count) for count in elevation.shape]
+    wanted = [np.linspace(0, line[-1], count) for line, count in zip(lines, (rows, columns))]
+    places = np.meshgrid(*wanted, indexing="ij")
+    heights = RegularGridInterpolator(lines, elevation)(tuple(places))
     return np.stack([90.0 * places[0], 74.0 * places[1], heights], axis=-1)
 
 
-def terrain() -> np.ndarray:
-    """100,000 of the 138,632 elevations of the Jacksboro fault that come with matplotlib, in whole metres from 236 to
-    1076, as x, y and z in metres: rows are 90 m apart, columns 74 m."""
+def terrain(rest: bool = False) -> np.ndarray:
+    """100,000 of the 138,632 elevations of the Jacksboro fault that come with matplotlib, or the rest of them, in whole
+    metres from 236 to 1076, as x, y and z in metres: rows are 90 m apart, columns 74 m."""
     from matplotlib import cbook
 
     elevation = cbook.get_sample_data("jacksboro_fault_dem.npz")["elevation"]
-    chosen = np.random.default_rng(2024).permutation(elevation.size)[:100_000]
-    i, j = np.divmod(chosen, elevation.shape[1])
+    order = np.random.default_rng(2024).permutation(elevation.size)
+    i, j = np.divmod(order[100_000:] if rest else order[:100_000], elevation.shape[1])
     return np.column_stack([90.0 * i, 74.0 * j, elevation[i, j].astype(float)])
