@@ -22,7 +22,6 @@ use crate::data::points::Points;
 use crate::geometry::norms::FitError;
 use crate::problem::Problem;
 use crate::termination::{Outcome, Reason};
-use crate::trim::trimmed;
 
 /// The fit at some level, and the schedule that leads on.
 #[derive(Debug)]
@@ -104,10 +103,6 @@ impl Automatic {
 
     /// The level after this one: of another schedule where this one has ended with a fit that leaves its data.
     fn following(&mut self) -> Option<Fit> {
-        self.next_of_schedules().map(|fit| self.trimmed(fit))
-    }
-
-    fn next_of_schedules(&mut self) -> Option<Fit> {
         if let Some(next) = self.schedule.next(&self.whole) {
             return Some(next);
         }
@@ -123,32 +118,6 @@ impl Automatic {
         }
         self.leaves = self.now.leaves(Reach::Far);
         None
-    }
-
-    /// The same with the outline of its data, where this is asked for and their parameters have moved. Where they have no
-    /// outline, that of those before stays.
-    fn trimmed(&self, fit: Fit) -> Fit {
-        let has_moved = |from: &Problem| {
-            let pairs = fit.problem.directions().zip(from.directions());
-            let mut pairs = pairs.map(|(one, other)| (&one.parameters, &other.parameters));
-            pairs.any(|(one, other)| !Arc::ptr_eq(one, other))
-        };
-        if self.whole.outline().is_none() || !has_moved(&self.whole) {
-            return fit;
-        }
-        let of_before = self.now.problem.outline().cloned();
-        let of_before = of_before.map(|it| Problem::clone(&fit.problem).with_outline(it));
-        let moved = match has_moved(&self.now.problem) {
-            true => trimmed(Problem::clone(&fit.problem)).ok(),
-            false => None,
-        };
-        match moved.or(of_before) {
-            Some(problem) => Fit {
-                problem: Arc::new(problem),
-                ..fit
-            },
-            None => fit,
-        }
     }
 
     /// Moves on, unless this is the last level: how many control points there are now, and how far

@@ -6,7 +6,7 @@ use super::*;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
 use crate::data::grid::Grid;
-use crate::fit::{Fit, Level};
+use crate::fit::Fit;
 use crate::geometry::outline::polyline;
 use crate::geometry::trimmed_area::trimmed_area;
 use crate::method::{LeastSquares, Method};
@@ -314,41 +314,4 @@ fn a_ball_has_its_poles() {
         assert!((area / expected - 1.0).abs() < 0.03, "{area} {expected}");
         assert_eq!(outline.is_whole(), !bite);
     }
-}
-
-/// Where parameters follow the surface, the outline follows them: half of a pipe with noise, seen from above, has its sides
-/// crowded together at first.
-#[test]
-fn outlines_follow_parameters_that_move() {
-    let part = |k: usize, step: f64| (0.5 + k as f64 * step).fract();
-    let at = |k: usize| {
-        let [a, b] = [PI * part(k, 0.754_877_666), part(k, 0.569_840_29)];
-        let radius = 20.0 + 0.06 * (part(k, 0.437_016) - 0.5);
-        [radius * a.cos(), 60.0 * b, radius * a.sin()]
-    };
-    let points: Vec<[f64; 3]> = (0..3000)
-        .map(at)
-        .filter(|[x, y, _]| x.hypot(y - 30.0) > 8.0)
-        .collect();
-    let follows = crate::method::Automatic {
-        correct_parameters: true,
-    };
-    let settings = LeastSquares {
-        automatic: Some(follows),
-        ..LeastSquares::automatic(1000, 1000)
-    };
-    let fit = Fit::scattered(&points, plan()).trimmed();
-    let fit = fit.method(Method::LeastSquares(settings)).tolerance(0.1);
-    let levels: Vec<_> = fit.prepare().unwrap().levels().collect();
-    let parameters = |problem: &Problem| data(problem, problem.v().unwrap()).parameters;
-    let first = levels[0].problem();
-    let mut moved = levels.iter().map(Level::problem).rev();
-    let moved = moved.find(|it| parameters(it) != parameters(first));
-    let moved = moved.unwrap();
-    let given = parameters(moved);
-    let [before, after] = [first, moved].map(|it| it.outline().unwrap());
-    assert_ne!(before, after);
-    let some = given.iter().step_by(20);
-    let left_out = some.filter(|it| !is_inside(after, **it)).count();
-    assert!(left_out < 4, "{left_out}");
 }
