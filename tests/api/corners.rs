@@ -239,6 +239,18 @@ async fn as_few_control_points_as_pieces_need() {
     let last = story.iterations.last().unwrap();
     assert_eq!(last["control_points"].as_array().unwrap().len(), 19);
     assert!(from_zigzag(&samples(&server, &story.job).await) < 1e-12);
+    let warnings = |of: &Value| of["warnings"].as_array().unwrap().clone();
+    assert!(warnings(&story.end).is_empty(), "{}", story.end);
+    // Without them the curve rounds the corners, and a warning names the first one.
+    let round = json!({
+        "curve": {"points": zigzag()},
+        "method": {"kind": "least_squares", "control_points": "auto"},
+        "stop": {"tolerance": 1e-3},
+    });
+    let round = warnings(&server.stream(&round).await.end);
+    assert_eq!(round[0]["code"], "rounded_corners");
+    assert_eq!(round[0]["pointer"], "/curve/points/4");
+    assert!(round[0]["detail"].as_str().unwrap().contains("5 corners"));
     // With a bend that needs more, the levels grow.
     let bent: Vec<[f64; 2]> = (0..=120)
         .map(|i| f64::from(i) * 0.05)

@@ -2221,7 +2221,8 @@ export interface components {
              *     points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
              *     `between_points`: the fit leaves its data between neighbours by more than these leave it free. `folded_parameters`: points of a
              *     surface with nearly the same parameters are far from each other, so that no surface is near both. `spikes`: a few
-             *     points of a curve that least squares fits are far from where their neighbours lead. There may be others in later versions.
+             *     points of a curve that least squares fits are far from where their neighbours lead. `rounded_corners`: the points
+             *     of a curve that chooses its knots turn as at corners, which `corners` would keep. There may be others in later versions.
              * @example few_points
              * @example even_degree
              * @example rounding
@@ -2236,6 +2237,7 @@ export interface components {
              * @example between_points
              * @example folded_parameters
              * @example spikes
+             * @example rounded_corners
              */
             code: string;
             /** @description A JSON pointer into the input of the job. */

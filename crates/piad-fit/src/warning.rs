@@ -10,6 +10,7 @@ use super::invalid::{Axis, Place};
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::direction::Direction;
 use crate::basis::end_conditions::{End, Ends, MOST_ESTIMATED};
+use crate::data::corners;
 use crate::data::no_data::no_data;
 use crate::data::outliers;
 use crate::data::point_order::is_unordered;
@@ -51,6 +52,13 @@ pub enum Warning {
     },
     /// Least squares: a few points of a curve are far from where their neighbours lead.
     Spikes {
+        /// How many.
+        count: usize,
+        /// The first of them.
+        index: usize,
+    },
+    /// A curve that chooses its knots rounds points at which the data turn as corners do.
+    RoundedCorners {
         /// How many.
         count: usize,
         /// The first of them.
@@ -120,6 +128,9 @@ const UNCHANGED: f64 = 0.99;
 /// What to do about points that are wrong.
 const ROBUST: &str = "\"robust\": true leaves such points out";
 
+/// What keeps corners.
+const CORNERS: &str = "\"corners\": \"auto\" keeps them sharp";
+
 impl Warning {
     /// What is doubtful about a direction as it is asked for, with a control point for each data point.
     pub(super) fn of_direction(
@@ -170,6 +181,14 @@ impl Warning {
         Some(Self::Spikes { count, index })
     }
 
+    /// The corners of the points of a curve that is not asked to keep them.
+    pub(super) fn of_corners(points: &Points, closed: bool) -> Option<Self> {
+        let angle = corners::USUAL_ANGLE.to_radians();
+        let corners = corners::find(points, closed, angle);
+        let (count, index) = (corners.len(), *corners.first()?);
+        Some(Self::RoundedCorners { count, index })
+    }
+
     /// Whether the values of a grid have one that stands for missing data.
     pub(super) fn of_grid(points: &Points, missing: &[usize]) -> Option<Self> {
         no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
@@ -192,7 +211,7 @@ impl Warning {
     }
 
     /// All names on the wire.
-    pub const CODES: [&str; 14] = [
+    pub const CODES: [&str; 15] = [
         "few_points",
         "even_degree",
         "rounding",
@@ -207,6 +226,7 @@ impl Warning {
         "between_points",
         "folded_parameters",
         "spikes",
+        "rounded_corners",
     ];
 
     /// The name on the wire.
@@ -226,6 +246,7 @@ impl Warning {
             Self::Between(_) => "between_points",
             Self::Folded(_) => "folded_parameters",
             Self::Spikes { .. } => "spikes",
+            Self::RoundedCorners { .. } => "rounded_corners",
         }
     }
 
@@ -235,7 +256,7 @@ impl Warning {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
             Self::Outliers { .. } | Self::Unordered | Self::NoData { .. } => Place::Points,
             Self::Between(excursion) => Place::Point(excursion.index),
-            Self::Spikes { index, .. } => Place::Point(index),
+            Self::Spikes { index, .. } | Self::RoundedCorners { index, .. } => Place::Point(index),
             Self::Folded(Fold {
                 points: [index, _], ..
             }) => Place::Point(index),
@@ -319,6 +340,12 @@ impl Warning {
             Self::Spikes { count, index } => format!(
                 "{count} points, of which the first is point {index}, are far from where their neighbours lead, and the fit \
                  is drawn towards them: {ROBUST}"
+            ),
+            Self::RoundedCorners { count: 1, index } => format!(
+                "the points have a corner at point {index}, and the curve rounds it: {CORNERS}"
+            ),
+            Self::RoundedCorners { count, index } => format!(
+                "the points have {count} corners, the first at point {index}, and the curve rounds them: {CORNERS}"
             ),
             Self::WithoutData { count } => format!(
                 "{count} control points have no data where their functions differ from zero: they stay where they \

@@ -55,6 +55,7 @@ pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
         Warning::Between(_) => pb::WarningCode::BetweenPoints,
         Warning::Folded(_) => pb::WarningCode::FoldedParameters,
         Warning::Spikes { .. } => pb::WarningCode::Spikes,
+        Warning::RoundedCorners { .. } => pb::WarningCode::RoundedCorners,
     }
 }
 

@@ -44,6 +44,14 @@ pub(super) fn resolve(request: &mut Request, inliers: Option<&Inliers>) -> Resul
     pass_through(request, &indices)
 }
 
+/// Returns true if a curve chooses its knots and could have corners, and is not asked for them.
+pub(super) fn rounds(request: &Request) -> bool {
+    request.method.is_automatic()
+        && request.u.corners.is_none()
+        && request.points.dimension() > 1
+        && check(request).is_ok()
+}
+
 /// The angle beyond which a curve may turn.
 pub(super) fn radians(degrees: f64) -> Result<f64, Invalid> {
     match degrees > 0.0 && degrees < 180.0 {

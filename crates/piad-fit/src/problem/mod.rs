@@ -363,7 +363,10 @@ impl Problem {
             && !settings.robust
             && !request.polyline
         {
-            warnings.extend(Warning::of_spikes(&request.points, u.closed));
+            let spikes = Warning::of_spikes(&request.points, u.closed);
+            let corners = || Warning::of_corners(&request.points, u.closed);
+            let is_round = corners::rounds(request);
+            warnings.extend(spikes.or_else(|| is_round.then(corners).flatten()));
         }
         // Fewer control points have knots of their own, which are not at the data.
         if self.method().scheme().control_points().is_some() {

@@ -30,7 +30,8 @@ pub(crate) struct WarningView {
     /// points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
     /// `between_points`: the fit leaves its data between neighbours by more than these leave it free. `folded_parameters`: points of a
     /// surface with nearly the same parameters are far from each other, so that no surface is near both. `spikes`: a few
-    /// points of a curve that least squares fits are far from where their neighbours lead. There may be others in later versions.
+    /// points of a curve that least squares fits are far from where their neighbours lead. `rounded_corners`: the points
+    /// of a curve that chooses its knots turn as at corners, which `corners` would keep. There may be others in later versions.
     #[schemars(extend("examples" = fit::Warning::CODES))]
     code: &'static str,
     /// A JSON pointer into the input of the job.
