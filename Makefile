@@ -64,6 +64,8 @@ files: $(VENV)/installed
 	$(PYTHON) tests/python/offsets.py target/debug/piad
 	$(PYTHON) tests/python/joins.py target/debug/piad
 	$(PYTHON) tests/python/trims.py target/debug/piad
+	$(PYTHON) tests/python/outlines.py target/debug/piad
+	$(PYTHON) tests/python/scans.py target/debug/piad
 
 # A gRPC client in another language, from the contract alone.
 interop: $(VENV)/installed
