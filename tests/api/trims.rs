@@ -262,7 +262,7 @@ async fn messages_have_the_outline() {
             .header("prefer", "wait=10");
         request.body(input.encode_to_vec()).send().await.unwrap()
     };
-    let done: Value = post(Some(0.15)).await.json().await.unwrap();
+    let done: Value = post(Some(0.1)).await.json().await.unwrap();
     let request = server.get(&format!("{}/result", base(&done)));
     let request = request.header("accept", "application/x-protobuf");
     let bytes = request.send().await.unwrap().bytes().await.unwrap();
@@ -270,7 +270,7 @@ async fn messages_have_the_outline() {
     let trim = result.trim.unwrap();
     assert_eq!(
         (trim.distance, trim.loops.len(), trim.faces.len()),
-        (0.15, 2, 1)
+        (0.1, 2, 1)
     );
     assert_eq!((trim.faces[0].outer, &trim.faces[0].holes), (0, &vec![1]));
     assert!(trim.area.unwrap() > 1.5);

@@ -23,7 +23,7 @@ pub use crate::warning::Warning;
 
 /// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
 /// after which any level of any problem has other bits.
-pub const KERNEL: u32 = 5;
+pub const KERNEL: u32 = 6;
 
 /// Lengths of curves.
 pub mod arc_length {

@@ -1,6 +1,6 @@
 //! What is reported of parameters that the fit has chosen.
 
-use piad_fit::parameters::{Cylinder, FoldedTriangles, Scattered, Sphere};
+use piad_fit::parameters::{CoordinatePlane, Cylinder, FoldedTriangles, Scattered, Sphere};
 
 /// What is said of parameters that the fit has chosen, and of triangles of a mesh that these turn over.
 pub(crate) fn notices(chosen: &Scattered, folded: Option<FoldedTriangles>) -> Vec<String> {
@@ -24,7 +24,7 @@ fn notice(chosen: &Scattered) -> Option<String> {
         format!("({x:.6}, {y:.6}, {z:.6})")
     };
     let surface = match chosen {
-        Scattered::Given(_) | Scattered::Auto | Scattered::Coordinates(_) => return None,
+        Scattered::Given(_) | Scattered::Auto => return None,
         Scattered::Sections(sections) => {
             let (count, kind) = match sections.closed {
                 Some(true) => (sections.counts.len(), "closed"),
@@ -38,6 +38,14 @@ fn notice(chosen: &Scattered) -> Option<String> {
             return Some(notice.to_owned());
         }
         Scattered::Plane => "the plane nearest to them".to_owned(),
+        Scattered::Coordinates(plane) => {
+            let axes = match plane {
+                CoordinatePlane::Xy => "x and y",
+                CoordinatePlane::Xz => "x and z",
+                CoordinatePlane::Yz => "y and z",
+            };
+            format!("the plane of {axes}")
+        }
         Scattered::Cylinder(Cylinder { axis, center }) => {
             format!(
                 "a cylinder along {} through {}",

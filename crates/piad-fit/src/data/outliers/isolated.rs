@@ -20,7 +20,7 @@ const SPARSE: f64 = 4.0;
 /// The least extent of points that lie on no surface, as a part of their largest: random points have .4 to .6.
 const FLAT: f64 = 0.2;
 
-/// Whether each point is one; none is of points that are not in space.
+/// True for each point that is by itself; false for all points that do not have three coordinates.
 pub(crate) fn isolated(points: &Points) -> Vec<bool> {
     let [x, y, z] = points.lanes() else {
         return vec![false; points.len()];

@@ -31,6 +31,7 @@ pub use sphere::Sphere;
 
 use mesh::{Choice, Solved};
 use plane::{Plane, no_plane, no_third_coordinate};
+use unfolding::Neighbourhoods;
 
 /// How scattered points get their parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,8 +133,9 @@ impl Scattered {
         Ok(pairs)
     }
 
-    /// The rule that is taken for points: itself, or of `Auto` the one that unfolds them best. A plane is taken if it keeps
-    /// nearly as many neighbours together as another one, then a cylinder.
+    /// The rule that is taken for points: itself, or of `Auto` the one that unfolds them best. Of the rules on which points
+    /// do not fold the first one is taken that keeps nearly as many neighbours together as the best: the plane nearest to
+    /// the points, those of two coordinates, a cylinder, a sphere.
     ///
     /// # Errors
     ///
@@ -149,20 +151,30 @@ impl Scattered {
             }
             other => return Ok(other.clone()),
         }
+        Self::Plane.parameters(points, [false; 2])?;
+        let planes = [
+            CoordinatePlane::Xy,
+            CoordinatePlane::Xz,
+            CoordinatePlane::Yz,
+        ];
+        let planes = std::iter::once(Self::Plane).chain(planes.map(Self::Coordinates));
         let cylinder = Cylinder::default().known(points).map(Self::Cylinder);
         let sphere = Sphere::default().known(points).map(Self::Sphere);
-        let round = cylinder.into_iter().chain(sphere);
-        let plane = Self::Plane.parameters(points, [false; 2])?;
-        let mut kept = vec![(unfolding::share_kept(points, &plane), Self::Plane)];
-        for rule in round {
-            // Points of a plane have one height on a cylinder far away.
-            let Ok(pairs) = rule.parameters(points, [false; 2]) else {
-                continue;
-            };
-            kept.push((unfolding::share_kept(points, &pairs), rule));
+        let in_space = Neighbourhoods::new(points);
+        let unfold = |rule: Self| {
+            // Points of a plane have no range in another one, and one height on a cylinder far away.
+            let pairs = rule.parameters(points, [false; 2]).ok()?;
+            Some((in_space.unfolded(&pairs), rule))
+        };
+        let rules = planes.chain(cylinder).chain(sphere);
+        let mut rules: Vec<_> = rules.filter_map(unfold).collect();
+        if rules.iter().any(|(unfolding, _)| !unfolding.folds) {
+            rules.retain(|(unfolding, _)| !unfolding.folds);
         }
-        let most = kept.iter().map(|(share, _)| *share).fold(0.0, f64::max);
-        let simplest = kept.into_iter().find(|(share, _)| *share >= most - SIMPLER);
+        let most = rules.iter().map(|(unfolding, _)| unfolding.kept);
+        let most = most.fold(0.0, f64::max);
+        let mut rules = rules.into_iter();
+        let simplest = rules.find(|(unfolding, _)| unfolding.kept >= most - SIMPLER);
         Ok(simplest.map_or(Self::Plane, |(_, rule)| rule))
     }
 

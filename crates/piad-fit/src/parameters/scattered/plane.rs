@@ -1,7 +1,7 @@
 //! The plane nearest to points, and their coordinates in it.
 //!
-//! u and v run along the sides of the least rectangle around the points, so that scans of rectangles fill it; u along the
-//! longer one. The sense of each axis is that in which its largest component (the first of several) is positive.
+//! u and v run along the sides of the least rectangle around the points, so that scans of rectangles fill it, or of one along
+//! the coordinate axes if it is hardly larger; u along the longer one. The sense of each axis is that in which its largest component (the first of several) is positive.
 
 use nalgebra::DMatrix;
 
@@ -13,6 +13,9 @@ use crate::linear::triangular::Triangular;
 
 /// Points that spread less than this part across a line lie on it.
 const LINE: f64 = 1e-12;
+
+/// Coordinate axes whose projection has this length lie nearly in a plane.
+const IN_PLANE: f64 = 0.7;
 
 /// How many planes are looked at for one that outliers do not turn.
 const PLANES: usize = 4;
@@ -70,7 +73,12 @@ impl<'a> Plane<'a> {
             let pairs = first.iter().zip(second);
             towards_largest(pairs.map(|(a, b)| x * a + y * b).collect())
         };
-        if let Some(side) = rectangle::longer_side(&places) {
+        // Along the coordinate axes a surface stays in their box where its corners have no data.
+        let coordinates = first.iter().zip(second).map(|(&x, &y)| [x, y]);
+        let coordinates: Vec<_> = coordinates
+            .filter(|[x, y]| x.hypot(*y) > IN_PLANE)
+            .collect();
+        if let Some(side) = rectangle::longer_side(&places, &coordinates) {
             self.axes = [along(side), along([-side[1], side[0]])];
         }
     }

@@ -5,22 +5,43 @@
 /// Edges of a hull that are looked at.
 const EDGES: usize = 1024;
 
+/// A rectangle along a preferred direction may be larger than the least one by this part of it.
+const PREFERRED: f64 = 0.1;
+
 /// The direction of the longer side of the rectangle with the least area around points; `None` of points on a line. Areas
-/// that are equal to rounding are one, and then it is the direction nearest to the first axis.
-pub(super) fn longer_side(points: &[[f64; 2]]) -> Option<[f64; 2]> {
+/// that are equal to rounding are one, and then it is the direction nearest to the first axis. Rectangles along preferred
+/// directions are taken if they are hardly larger.
+pub(super) fn longer_side(points: &[[f64; 2]], preferred: &[[f64; 2]]) -> Option<[f64; 2]> {
     let hull = hull(points);
     let step = hull.len().div_ceil(EDGES).max(1);
-    let mut best: Option<(f64, [f64; 2])> = None;
-    for k in (0..hull.len()).step_by(step) {
+    let edges = (0..hull.len()).step_by(step).map(|k| {
         let [from, to] = [hull[k], hull[(k + 1) % hull.len()]];
-        let (x, y) = (to[0] - from[0], to[1] - from[1]);
+        [to[0] - from[0], to[1] - from[1]]
+    });
+    let smallest = least(&hull, edges)?;
+    let along = least(&hull, preferred.iter().copied());
+    let along = along.filter(|along| along.area <= (1.0 + PREFERRED) * smallest.area);
+    Some(along.unwrap_or(smallest).side)
+}
+
+/// A rectangle around points.
+struct Rectangle {
+    area: f64,
+    /// The direction of its longer side.
+    side: [f64; 2],
+}
+
+/// The least rectangle around a hull with a side along one of some vectors.
+fn least(hull: &[[f64; 2]], vectors: impl Iterator<Item = [f64; 2]>) -> Option<Rectangle> {
+    let mut best: Option<Rectangle> = None;
+    for [x, y] in vectors {
         let length = x.hypot(y);
         if length <= 0.0 || !length.is_finite() {
             continue;
         }
         let along = [x / length, y / length];
         let across = [-along[1], along[0]];
-        let [width, height] = [along, across].map(|axis| extent(&hull, axis));
+        let [width, height] = [along, across].map(|axis| extent(hull, axis));
         let side = if width >= height { along } else { across };
         let side = if side[0] < 0.0 {
             side.map(|x| -x)
@@ -28,14 +49,15 @@ pub(super) fn longer_side(points: &[[f64; 2]]) -> Option<[f64; 2]> {
             side
         };
         let area = width * height;
-        let is_better = best.is_none_or(|(least, before)| {
-            area < (1.0 - EQUAL) * least || area <= (1.0 + EQUAL) * least && side[0] > before[0]
+        let is_better = best.as_ref().is_none_or(|best| {
+            area < (1.0 - EQUAL) * best.area
+                || area <= (1.0 + EQUAL) * best.area && side[0] > best.side[0]
         });
         if is_better && area > 0.0 {
-            best = Some((area, side));
+            best = Some(Rectangle { area, side });
         }
     }
-    best.map(|(_, side)| side)
+    best
 }
 
 /// Areas that differ by this part of them are one.
@@ -88,9 +110,21 @@ mod tests {
             .map(|k| [f64::from(k % 20), 0.7 * f64::from(k / 20)])
             .map(|[x, y]| [cos * x - sin * y, sin * x + cos * y])
             .collect();
-        let side = longer_side(&points).unwrap();
+        let side = longer_side(&points, &[[1.0, 0.0]]).unwrap();
         assert!((side[0] - cos).abs() < 1e-12 && (side[1] - sin).abs() < 1e-12);
         let line: Vec<[f64; 2]> = (0..5).map(|k| [f64::from(k), f64::from(k)]).collect();
-        assert_eq!(longer_side(&line), None);
+        assert_eq!(longer_side(&line, &[]), None);
+    }
+
+    /// All rectangles around a disc are hardly larger than others, and the least one lies anywhere.
+    #[test]
+    fn discs_have_preferred_sides() {
+        let points: Vec<[f64; 2]> = (0..7)
+            .map(|k| f64::from(k) * std::f64::consts::TAU / 7.0)
+            .map(|angle| [angle.cos(), angle.sin()])
+            .collect();
+        let preferred = [0.8, 0.6];
+        assert_eq!(longer_side(&points, &[preferred]), Some(preferred));
+        assert_ne!(longer_side(&points, &[]), Some(preferred));
     }
 }

@@ -172,6 +172,30 @@ fn points_without_a_surface_are_refused() {
     assert!(sphere.unwrap_err().to_string().contains("plane"));
 }
 
+/// Steep heights have one place each over x and y, and fold on the plane nearest to them (Franke's function).
+#[test]
+fn heights_that_fold_on_the_nearest_plane_have_those_of_x_and_y() {
+    let franke = |x: f64, y: f64| {
+        let hill = |a: f64, b: f64| (-(9.0 * x - a).powi(2) - (9.0 * y - b).powi(2)) / 4.0;
+        0.75 * hill(2.0, 2.0).exp()
+            + 0.75 * (-(9.0 * x + 1.0).powi(2) / 49.0 - (9.0 * y + 1.0) / 10.0).exp()
+            + 0.5 * hill(7.0, 3.0).exp()
+            - 0.2 * (4.0 * hill(4.0, 7.0)).exp()
+    };
+    for (height, is_steep) in [(0.2, false), (0.8, true), (1.0, true), (1.5, true)] {
+        let points = scan(5_000, 0.0, |x, y| [x, y, height * franke(x, y)]);
+        let rule = Scattered::Auto.chosen(&points).unwrap();
+        let expected = match is_steep {
+            true => Scattered::Coordinates(CoordinatePlane::Xy),
+            false => Scattered::Plane,
+        };
+        assert_eq!(rule, expected, "{height}");
+    }
+    let points = scan(1_500, 0.0, |x, y| [x, y, franke(x, y)]);
+    let surface = fitted(&points, 0.01);
+    assert!(surface.error().max <= 0.01);
+}
+
 /// Hills are unfolded by a plane, tubes and pipes by a cylinder, balls by a sphere.
 #[test]
 fn what_unfolds_best_is_chosen() {

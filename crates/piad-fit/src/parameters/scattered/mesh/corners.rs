@@ -99,7 +99,7 @@ fn of_rectangle(line: &Boundary) -> Option<[usize; 4]> {
     let [first, second] = across(sum.try_normalize(1e-12)?);
     let flat = line.places.iter();
     let places: Vec<[f64; 2]> = flat.map(|it| [it.dot(&first), it.dot(&second)]).collect();
-    let [x, y] = rectangle::longer_side(&places)?;
+    let [x, y] = rectangle::longer_side(&places, &[])?;
     let turned = |&[a, b]: &[f64; 2]| [a * x + b * y, b * x - a * y];
     let places: Vec<[f64; 2]> = places.iter().map(turned).collect();
     let range = |axis: usize| {
