@@ -261,6 +261,19 @@ struct Iteration : Geometry {
     Samples samples;                         // with view "samples"
 };
 
+// What is left of a trimmed surface: where its parameters are on the left of all loops.
+struct Trim {
+    struct Face {
+        std::size_t outer = 0;           // the loop around the piece
+        std::vector<std::size_t> holes;  // the loops around its holes
+    };
+
+    double distance = 0;         // how far the outline can be from the data, in their units
+    std::optional<double> area;  // of surfaces in the plane and in space
+    std::vector<Geometry> loops;  // closed curves in (u, v); none if all of the surface is left
+    std::vector<Face> faces;
+};
+
 // The last iteration of a fit that has ended. It is within its tolerance if `state` is "converged".
 struct Result : Geometry {
     std::string id;
@@ -268,6 +281,7 @@ struct Result : Geometry {
     std::string state;
     std::uint64_t iteration = 0;
     Distances error;
+    std::optional<Trim> trim;
 };
 
 // What came of an item of a batch.
@@ -744,6 +758,27 @@ inline std::vector<double> read_fixed_weights(const Json& value, const std::vect
     return product;
 }
 
+inline Trim read_trim(const Json& value) {
+    Trim trim;
+    trim.distance = value.at("distance").get<double>();
+    trim.area = field<double>(value, "area");
+    for (const Json& it : value.at("loops")) {
+        Direction direction;
+        direction.basis = "bspline";
+        direction.degree = it.at("degree").get<int>();
+        direction.closed = true;
+        direction.knots = it.at("knots").get<std::vector<double>>();
+        Geometry loop;
+        loop.directions.push_back(std::move(direction));
+        read_points(it, "control_points", loop.control_points, loop.shape);
+        trim.loops.push_back(std::move(loop));
+    }
+    for (const Json& it : value.at("faces")) {
+        trim.faces.push_back({it.at("outer").get<std::size_t>(), it.at("holes").get<std::vector<std::size_t>>()});
+    }
+    return trim;
+}
+
 inline Result read_result(const Json& value) {
     return reading([&] {
         Result result;
@@ -758,6 +793,7 @@ inline Result read_result(const Json& value) {
         const auto rational = text(value, "rational");
         if (rational == "fixed") result.weights = read_fixed_weights(value, result.shape);
         if (rational == "homogeneous") read_numbers(value.at("weights"), is_single(value), result.weights);
+        if (value.contains("trim")) result.trim = read_trim(value.at("trim"));
         return result;
     });
 }

@@ -423,7 +423,7 @@ namespace Piad
         /// <summary>"bspline", "bernstein", "said_ball", "wang_ball", or an object.</summary>
         public JToken Basis { get; set; }
 
-        /// <summary>"chord_length", "centripetal", "uniform", or numbers; of scattered points "project" and others.</summary>
+        /// <summary>"chord_length", "centripetal", "uniform", or numbers; of scattered points "project" and others, such as {"triangles": [[0, 1, 2], …]} of a mesh.</summary>
         public JToken Parameters { get; set; }
 
         /// <summary>"estimated", "repeated", "natural", or an object with derivatives.</summary>
@@ -569,6 +569,9 @@ namespace Piad
         /// <summary>Rows of weights, one for each data point.</summary>
         public double[][] Weights { get; set; }
 
+        /// <summary>Whether the surface is trimmed to the outline of its data: true, or {"distance": 0.5}.</summary>
+        public JToken Trim { get; set; }
+
         internal override string Kind { get { return "surface"; } }
 
         internal override void Describe(JObject shape)
@@ -577,6 +580,7 @@ namespace Piad
             Json.Put(shape, "scattered", Json.Of(Scattered));
             Json.Put(shape, "sections", Json.Of(Sections));
             Json.Put(shape, "weights", Json.Of(Weights));
+            Json.Put(shape, "trim", Json.Copy(Trim));
             if (DegreeU == null && DegreeV == null) Json.Put(shape, "degree", Json.Of(Degree));
             else Json.Put(shape, "degree", Json.Pair(Json.Of(DegreeU ?? Degree), Json.Of(DegreeV ?? Degree)));
             if (ClosedU || ClosedV) Json.Put(shape, "closed", Json.Pair(Json.Of(ClosedU), Json.Of(ClosedV)));
@@ -927,6 +931,8 @@ namespace Piad
             geometry = new Geometry(json, shape);
             // They have 64 bits in any encoding.
             Parameters = Numbers.Pair(json["parameters"], shape.Ways, "base64");
+            JObject trim = Json.Object(json, "trim");
+            if (trim != null) Trim = new Trim(trim);
         }
 
         /// <summary>The id of the job.</summary>
@@ -949,6 +955,39 @@ namespace Piad
 
         /// <summary>The surface; null of curves.</summary>
         public FittedSurface Surface { get { return geometry.Surface(shape); } }
+
+        /// <summary>What is left of a trimmed surface, else null.</summary>
+        public Trim Trim { get; private set; }
+    }
+
+    /// <summary>What is left of a trimmed surface: where its parameters are on the left of all loops.</summary>
+    public sealed class Trim
+    {
+        internal Trim(JObject json)
+        {
+            Distance = Json.Double(json["distance"]);
+            Area = Json.Number(json, "area");
+            Loops = Json.List(json, "loops").Select(loop => new FittedCurve
+            {
+                Basis = "bspline", Degree = (int)Json.Double(loop["degree"]), Closed = true,
+                Knots = Numbers.Line(loop["knots"], null), ControlPoints = Numbers.Rows(loop["control_points"], null, null),
+            }).ToArray();
+            Faces = Json.List(json, "faces")
+                .Select(face => new[] { (int)Json.Double(face["outer"]) }.Concat(Json.Integers(face["holes"])).ToArray())
+                .ToArray();
+        }
+
+        /// <summary>How far the outline can be from the data, in their units.</summary>
+        public double Distance { get; private set; }
+
+        /// <summary>The area of what is left, of surfaces in the plane and in space.</summary>
+        public double? Area { get; private set; }
+
+        /// <summary>Closed curves in u and v; none if all of the surface is left.</summary>
+        public FittedCurve[] Loops { get; private set; }
+
+        /// <summary>The pieces, by indices of loops: the one around it, and those of its holes.</summary>
+        public int[][] Faces { get; private set; }
     }
 
     /// <summary>What came of an item of a batch.</summary>

@@ -81,6 +81,25 @@ async fn points_without_order_are_no_curve() {
     let shown = send(&server, "/v1/points?curve.order=given", "text/csv", &cloud).await;
     let shown: Value = shown.json().await.unwrap();
     assert_eq!(shown["curve"]["points"].as_array().unwrap().len(), 151);
+    for parameters in ["auto", "project"] {
+        let path = format!("/v1/points?surface.parameters={parameters}");
+        let shown: Value = send(&server, &path, "text/csv", &cloud)
+            .await
+            .json()
+            .await
+            .unwrap();
+        assert_eq!(shown["surface"]["scattered"].as_array().unwrap().len(), 151);
+    }
+    let wrong = send(
+        &server,
+        "/v1/points?surface.parameters=sphere",
+        "text/csv",
+        &cloud,
+    )
+    .await;
+    let (status, answer) = problem(wrong).await;
+    let parameter = &answer["errors"][0]["parameter"];
+    assert_eq!((status, parameter), (400, &json!("surface.parameters")));
     let query = "?surface=%7B%7D&method.kind=least_squares&method.control_points=4";
     let response = send(&server, &format!("/v1/jobs{query}"), "text/csv", &cloud).await;
     let job: Value = response.json().await.unwrap();

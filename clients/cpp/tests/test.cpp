@@ -56,6 +56,32 @@ TEST(a_surface) {
     CHECK_EQUAL(result.error.at.size(), 2u);
 }
 
+// A ring of points over the unit square.
+TEST(a_trimmed_surface_has_the_outline_of_its_data) {
+    Json points = Json::array();
+    for (int i = 0; i <= 30; ++i) {
+        for (int j = 0; j <= 30; ++j) {
+            const double x = i / 15.0 - 1, y = j / 15.0 - 1, radius = std::hypot(x, y);
+            if (radius > 0.4 && radius < 1) points.push_back({x, y, x * y});
+        }
+    }
+    const auto result = client().fit({
+        {"surface", {{"scattered", points}, {"parameters", {{"project", "xy"}}}, {"trim", true}}},
+        {"method", {{"kind", "least_squares"}, {"control_points", 6}}},
+    });
+    CHECK(result.trim.has_value());
+    CHECK_EQUAL(result.trim->faces.size(), 1u);
+    CHECK(result.trim->faces[0].holes == std::vector<std::size_t>({1}));
+    CHECK_EQUAL(result.trim->loops.size(), 2u);
+    CHECK(*result.trim->area > 2 && *result.trim->area < 4);
+    for (const auto& loop : result.trim->loops) {
+        CHECK(loop.directions[0].closed);
+        CHECK_EQUAL(loop.shape[1], 2u);
+        CHECK_EQUAL(loop.knots().size(), loop.shape[0] + loop.degree() + 1);
+    }
+    CHECK(!client().fit(testing::surface()).trim.has_value());
+}
+
 TEST(a_closed_curve_repeats_its_first_control_points) {
     const auto result = client().fit({{"curve", {{"points", {{1, 0}, {0, 1}, {-1, 0}, {0, -1}}}, {"closed", true}}}});
     CHECK(result.directions[0].closed);

@@ -218,6 +218,27 @@ public static class FitTests
         }
     }
 
+    public static async Task TrimmedSurfacesHaveTheOutlineOfTheirData(Server server)
+    {
+        using (var client = new PiadClient(server.Url))
+        {
+            double[][] ring = Enumerable.Range(0, 961)
+                .Select(i => new[] { i % 31 / 15.0 - 1, i / 31 / 15.0 - 1 })
+                .Where(p => p[0] * p[0] + p[1] * p[1] > 0.16 && p[0] * p[0] + p[1] * p[1] < 1)
+                .Select(p => new[] { p[0], p[1], p[0] * p[1] })
+                .ToArray();
+            var method = new JObject { { "kind", "least_squares" }, { "control_points", 6 } };
+            var request = new SurfaceRequest(ring) { Method = method, Parameters = new JObject { { "project", "xy" } }, Trim = true };
+            Trim trim = (await client.FitAsync(request)).Trim;
+            Check.Equal(2, trim.Loops.Length, "loops");
+            Check.Equal(1, trim.Faces.Length, "pieces");
+            Check.Equal(1, trim.Faces[0][1], "the hole");
+            Check.That(trim.Area > 2 && trim.Area < 4, "the area is that of the ring");
+            Check.Equal(trim.Loops[0].ControlPoints.Length + 4, trim.Loops[0].Knots.Length, "knots of a loop");
+            Check.That((await client.FitAsync(new SurfaceRequest(Tests.Hill(5, 4)))).Trim == null, "other surfaces have none");
+        }
+    }
+
     public static async Task BallBasesHaveNoKnots(Server server)
     {
         using (var client = new PiadClient(server.Url))

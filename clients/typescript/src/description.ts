@@ -5672,6 +5672,11 @@ export interface components {
          */
         "curve.parameters": "time";
         /**
+         * @description The points of the file are scattered points of a surface, whose parameters are those that a job would have.
+         * @example auto
+         */
+        "surface.parameters": "auto" | "project";
+        /**
          * @description How many rows and columns of a surface the points of the file are.
          * @example 40x60
          */
@@ -6070,6 +6075,7 @@ export type ParameterAsset = components['parameters']['asset'];
 export type ParameterPart = components['parameters']['part'];
 export type ParameterColumns = components['parameters']['columns'];
 export type ParameterCurveParameters = components['parameters']['curve.parameters'];
+export type ParameterSurfaceParameters = components['parameters']['surface.parameters'];
 export type ParameterSurfaceSize = components['parameters']['surface.size'];
 export type ParameterSurfaceSections = components['parameters']['surface.sections'];
 export type ParameterPiece = components['parameters']['piece'];
@@ -6509,6 +6515,11 @@ export interface operations {
                  * @example time
                  */
                 "curve.parameters"?: components["parameters"]["curve.parameters"];
+                /**
+                 * @description The points of the file are scattered points of a surface, whose parameters are those that a job would have.
+                 * @example auto
+                 */
+                "surface.parameters"?: components["parameters"]["surface.parameters"];
             };
             header?: never;
             path?: never;

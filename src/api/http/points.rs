@@ -34,9 +34,7 @@ use crate::job::memory::Permit;
 use crate::job::peer::Peer;
 use piad_files::import::{self, Hints, Imported};
 use piad_files::short::quoted;
-
-/// The parameters of a curve.
-const PARAMETERS: &str = "curve.parameters";
+use piad_fit::parameters::Scattered;
 
 /// The JSON of points takes at most so many times the memory of their file, also while it grows: 1e15 has sixteen
 /// digits there.
@@ -44,6 +42,10 @@ const JSON_OF_POINTS: usize = 12;
 
 /// The fewest bytes of a point: two digits, a blank and the end of a line.
 const SHORTEST: usize = 4;
+
+/// The parameters of scattered points that a file can be read with.
+const AUTO: &str = "auto";
+const PROJECT: &str = "project";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -55,7 +57,9 @@ struct PointsQuery {
     #[serde(rename = "curve.order")]
     order: Option<String>,
     #[serde(rename = "curve.parameters")]
-    parameters: Option<String>,
+    curve: Option<String>,
+    #[serde(rename = "surface.parameters")]
+    surface: Option<String>,
     columns: Option<String>,
     part: Option<String>,
     piece: Option<String>,
@@ -78,13 +82,17 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
             take(&mut reading, name, &text)?;
         }
     }
-    let fields = of_curve(query.parameters.as_deref())?;
+    let fields = job_fields(query.curve.as_deref(), query.surface.as_deref())?;
+    let scattered = query.surface.map(|text| match text.as_str() {
+        PROJECT => Scattered::Plane,
+        _ => Scattered::Auto,
+    });
     let body = body::read_points(&app, request, JSON_OF_POINTS).await?;
     let (length, most) = (body.bytes.len(), app.config.limits().points);
     let work = move || {
         let hints = file::hints(&fields, reading, most);
         let points = imported(&body.bytes, &hints)?;
-        let json = to_bytes(&PointsView::new(points));
+        let json = to_bytes(&PointsView::new(points, scattered));
         // Held until now: the file and its points take memory.
         drop(body);
         Ok(json)
@@ -103,18 +111,20 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     Ok(whole(in_parts(json, room), JSON))
 }
 
-/// The fields of a curve whose parameters are to be the times of its file.
-fn of_curve(parameters: Option<&str>) -> Result<Map<String, Value>, Problem> {
+/// The fields of a job that say how its file is read: the parameters of a curve, or those of a surface.
+fn job_fields(curve: Option<&str>, surface: Option<&str>) -> Result<Map<String, Value>, Problem> {
     let mut fields = Map::new();
-    match parameters {
-        None => {}
-        Some(file::TIME) => {
-            fields.insert("curve".to_owned(), json!({"parameters": file::TIME}));
+    for (name, text, known) in [
+        ("curve", curve, &[file::TIME][..]),
+        ("surface", surface, &[AUTO, PROJECT]),
+    ] {
+        let Some(text) = text else { continue };
+        if !known.contains(&text) {
+            let known = known.join(" or ");
+            let detail = format!("{} is not read from files; {known} is", quoted(text));
+            return Err(Problem::at_parameter(format!("{name}.parameters"), detail));
         }
-        Some(other) => {
-            let detail = format!("{} is not read from files; time is", quoted(other));
-            return Err(Problem::at_parameter(PARAMETERS, detail));
-        }
+        fields.insert(name.to_owned(), json!({"parameters": text}));
     }
     Ok(fields)
 }

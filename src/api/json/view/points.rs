@@ -77,8 +77,8 @@ impl SurfacePoints {
 }
 
 impl PointsView {
-    /// The points of a file.
-    pub(crate) fn new(file: Imported) -> Self {
+    /// The points of a file; those without rows are scattered ones if a rule for their parameters is given.
+    pub(crate) fn new(file: Imported, scattered: Option<Scattered>) -> Self {
         let Imported {
             points,
             grid,
@@ -111,14 +111,18 @@ impl PointsView {
                     Scattered::Sections(Sections::new(sections)),
                 )),
             ),
-            None => (
-                Some(CurvePoints {
-                    points: PointList(points),
-                    closed,
-                    parameters,
-                }),
-                None,
-            ),
+            None => match scattered {
+                Some(rule) => (None, Some(SurfacePoints::scattered(points, rule))),
+                None => {
+                    let points = PointList(points);
+                    let curve = CurvePoints {
+                        points,
+                        closed,
+                        parameters,
+                    };
+                    (Some(curve), None)
+                }
+            },
             Some(grid) => (
                 None,
                 Some(SurfacePoints {
