@@ -228,8 +228,11 @@ fn files_that_are_cut_off_are_refused() {
     );
 }
 
-/// Blocks with their entities, and the entities of the drawing.
-fn with_blocks(blocks: &[(&str, &str)], entities: &str) -> Result<Vec<Imported>, FileErrors> {
+/// The names of blocks, and their entities.
+type Blocks<'a> = &'a [(&'a str, &'a str)];
+
+/// The parts of a drawing with these blocks and entities.
+fn with_blocks(blocks: Blocks<'_>, entities: &str) -> Result<Vec<Imported>, FileErrors> {
     let block =
         |(name, inner): &(&str, &str)| format!("0 BLOCK\n2 {name}\n10 1\n20 1\n{inner}0 ENDBLK\n");
     let blocks: String = blocks.iter().map(block).collect();
@@ -322,7 +325,7 @@ fn blocks_in_blocks_are_read() {
 fn blocks_have_limits() {
     let line = "0 LINE\n10 1\n20 1\n11 2\n21 1\n";
     let twice = |name: &str| insert(name, "").repeat(2);
-    let cases: [(&[(&str, &str)], String, &str); 5] = [
+    let cases: [(Blocks<'_>, String, &str); 5] = [
         (
             &[("a", &twice("a"))],
             insert("a", ""),

@@ -147,10 +147,11 @@ impl Reader {
         curve.name.clone_from(&self.name);
         curve.closed = closed;
         let times: Option<Vec<Timestamp>> = self.times.drain(..).collect();
-        let times = times.filter(|it| !it.is_empty() && it.len() == curve.points.len());
-        curve.times = times.map(|times| {
-            let seconds = |time: &Timestamp| time.duration_since(times[0]).as_secs_f64();
-            times.iter().map(seconds).collect()
+        let times = times.filter(|it| it.len() == curve.points.len());
+        curve.times = times.and_then(|times| {
+            let first = *times.first()?;
+            let seconds = |time: &Timestamp| time.duration_since(first).as_secs_f64();
+            Some(times.iter().map(seconds).collect())
         });
         self.curves.push(curve)
     }

@@ -14,7 +14,7 @@ use super::part::Parts;
 use super::xml::{self, Element, Node, Nodes};
 use crate::short::quoted;
 use pen::{ArcShape, Pen};
-use references::References;
+use references::{References, Referred, in_window};
 use scan::{Scanner, Transform, length};
 
 /// The elements that hold others.
@@ -59,12 +59,6 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
         }
     }
     reader.finish()
-}
-
-/// What a reference says of what it names.
-struct Referred {
-    /// The width and the height; 0 where it does not say them, none if they are not known.
-    size: Option<[f64; 2]>,
 }
 
 struct Reader<'a> {
@@ -251,27 +245,6 @@ fn own_transform(element: &Element<'_>) -> Result<Transform, FileError> {
         let detail = format!("{} is no transform", quoted(&text));
         FileError::at(element.line as usize, detail)
     })
-}
-
-/// How a symbol is fitted into a window of this size, centred; `None` if that cannot be known.
-fn in_window(symbol: &Element<'_>, size: Option<[f64; 2]>) -> Result<Option<Transform>, FileError> {
-    let Some(window) = symbol.attribute("viewBox")? else {
-        return Ok(Some(Transform::IDENTITY));
-    };
-    let (Some([x, y, width, height]), Some(size)) = (Scanner::new(&window).numbers(), size) else {
-        return Ok(None);
-    };
-    let scale = (size[0] / width).min(size[1] / height);
-    let other = symbol.attribute("preserveAspectRatio")?.is_some();
-    if other || !scale.is_finite() || scale <= 0.0 {
-        return Ok(None);
-    }
-    let centre = [size[0] / 2.0, size[1] / 2.0];
-    let [x, y] = [
-        centre[0] - scale * (x + width / 2.0),
-        centre[1] - scale * (y + height / 2.0),
-    ];
-    Ok(Some(Transform::scaled(scale, x, y)))
 }
 
 /// Returns true if an element is not displayed.

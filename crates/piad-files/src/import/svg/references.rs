@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
+use super::scan::{Scanner, Transform};
 use crate::import::error::FileError;
 use crate::import::xml::{Element, Node, Nodes, Place};
 use crate::short::quoted;
@@ -12,6 +13,12 @@ const MOST_NESTED: usize = 16;
 
 /// The most bytes that are read again for all references: few of them can draw very much.
 const MOST_BYTES: u64 = 16 << 20;
+
+/// What a reference says of what it names.
+pub(super) struct Referred {
+    /// The width and the height; 0 where it does not say them, none if they are not known.
+    pub(super) size: Option<[f64; 2]>,
+}
 
 /// Where the elements with an id begin, and how much was read of them again.
 pub(super) struct References<'a> {
@@ -103,4 +110,28 @@ fn places(text: &str) -> Result<HashMap<String, Place>, FileError> {
         }
     }
     Ok(places)
+}
+
+/// How a symbol is fitted into a window of this size, centred; `None` if that cannot be known.
+pub(super) fn in_window(
+    symbol: &Element<'_>,
+    size: Option<[f64; 2]>,
+) -> Result<Option<Transform>, FileError> {
+    let Some(window) = symbol.attribute("viewBox")? else {
+        return Ok(Some(Transform::IDENTITY));
+    };
+    let (Some([x, y, width, height]), Some(size)) = (Scanner::new(&window).numbers(), size) else {
+        return Ok(None);
+    };
+    let scale = (size[0] / width).min(size[1] / height);
+    let other = symbol.attribute("preserveAspectRatio")?.is_some();
+    if other || !scale.is_finite() || scale <= 0.0 {
+        return Ok(None);
+    }
+    let centre = [size[0] / 2.0, size[1] / 2.0];
+    let [x, y] = [
+        centre[0] - scale * (x + width / 2.0),
+        centre[1] - scale * (y + height / 2.0),
+    ];
+    Ok(Some(Transform::scaled(scale, x, y)))
 }
