@@ -11,8 +11,8 @@ use crate::import::sampled::along;
 /// The most references inside each other.
 pub(super) const MOST_NESTED: usize = 16;
 
-/// The most entities of all references: few of them can place very many.
-pub(super) const MOST_PLACED: usize = 100_000;
+/// The most groups of the entities of all references: few of them can place very many.
+pub(super) const MOST_PLACED: usize = 1_000_000;
 
 /// An entity, and the vertices of a `POLYLINE`.
 pub(super) type Whole<'a> = (Entity<'a>, Vec<Entity<'a>>);
@@ -23,6 +23,8 @@ pub(super) struct Block<'a> {
     /// The point that references place.
     pub(super) base: Point,
     pub(super) entities: Vec<Whole<'a>>,
+    /// The number of groups of all of them.
+    pub(super) groups: usize,
 }
 
 /// The blocks of a file by their names.
@@ -48,14 +50,26 @@ impl<'a> Blocks<'a> {
             ("BLOCK", _) => {
                 let base = [entity.number(10)?, entity.number(20)?, entity.number(30)?];
                 let entities = Vec::new();
-                self.open = Some((entity.text(2), Block { base, entities }));
+                self.open = Some((
+                    entity.text(2),
+                    Block {
+                        base,
+                        entities,
+                        groups: 0,
+                    },
+                ));
             }
             ("ENDBLK", _) => {
                 let ended = self.open.take();
                 self.ended
                     .extend(ended.map(|(name, block)| (name, Rc::new(block))));
             }
-            (_, Some((_, block))) => block.entities.push((entity, vertices)),
+            (_, Some((_, block))) => {
+                let all = vertices.iter().chain([&entity]);
+                let groups: usize = all.map(|entity| entity.groups.len() + 1).sum();
+                block.groups += groups;
+                block.entities.push((entity, vertices));
+            }
             (_, None) => {}
         }
         Ok(())
@@ -98,12 +112,15 @@ impl Placement {
 ///
 /// # Errors
 ///
-/// If a number is none, or there are more than the most entities.
-pub(super) fn placements(insert: &Entity<'_>, base: Point) -> Result<Vec<Placement>, FileError> {
+/// If a number is none.
+pub(super) fn placements(
+    insert: &Entity<'_>,
+    base: Point,
+) -> Result<impl Iterator<Item = Placement>, FileError> {
     let system = insert.system()?;
     let place = insert.point(10)?;
     let (sine, cosine) = insert.number(50)?.to_radians().sin_cos();
-    let turned = |[x, y, z]: Point| [cosine * x - sine * y, sine * x + cosine * y, z];
+    let turned = move |[x, y, z]: Point| [cosine * x - sine * y, sine * x + cosine * y, z];
     let mut scales = [1.0; 3];
     for (scale, code) in scales.iter_mut().zip(41..) {
         *scale = insert.optional(code)?.unwrap_or(1.0);
@@ -112,26 +129,21 @@ pub(super) fn placements(insert: &Entity<'_>, base: Point) -> Result<Vec<Placeme
     let axes = [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, z]];
     let axes = axes.map(|axis| system.in_world(turned(axis)));
     let [columns, rows] = [insert.flags(70)?.max(1), insert.flags(71)?.max(1)];
-    if u64::from(columns) * u64::from(rows) > MOST_PLACED as u64 {
-        return Err(too_many(insert));
-    }
-    let step = [insert.number(44)?, insert.number(45)?];
-    let of = |row: u32, column: u32| {
-        let step = turned([f64::from(column) * step[0], f64::from(row) * step[1], 0.0]);
+    let [dx, dy] = [insert.number(44)?, insert.number(45)?];
+    let all = (0..rows).flat_map(move |row| (0..columns).map(move |column| (row, column)));
+    Ok(all.map(move |(row, column)| {
+        let step = turned([f64::from(column) * dx, f64::from(row) * dy, 0.0]);
         let origin = system.in_world(along(place, step, 1.0));
-        let axes_of_base = axes.iter().zip(base);
-        let origin = axes_of_base.fold(origin, |sum, (axis, x)| along(sum, *axis, -x));
+        let with_base = axes.iter().zip(base);
+        let origin = with_base.fold(origin, |sum, (axis, x)| along(sum, *axis, -x));
         Placement { axes, origin }
-    };
-    let of_row = |row| (0..columns).map(move |column| (row, column));
-    let places = (0..rows).flat_map(of_row);
-    Ok(places.map(|(row, column)| of(row, column)).collect())
+    }))
 }
 
 /// The error of references that place too many entities.
 pub(super) fn too_many(insert: &Entity<'_>) -> FileError {
     let detail = format!(
-        "the INSERTs of blocks up to this one place more than {MOST_PLACED} entities, the limit"
+        "the INSERTs of blocks up to this one place more than {MOST_PLACED} groups of DXF, the limit"
     );
     FileError::at(insert.line as usize, detail)
 }

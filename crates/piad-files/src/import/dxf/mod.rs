@@ -83,7 +83,7 @@ struct Drawing<'a> {
     entities: usize,
     count: usize,
     blocks: Blocks<'a>,
-    /// How many references were read, and how many entities all of them have placed.
+    /// How many references were read, and how many groups all of them have placed.
     references: usize,
     placed: usize,
     /// How many entities of a kind are not read.
@@ -181,6 +181,7 @@ impl<'a> Drawing<'a> {
             Shape::Whole(curve) => self.curves.push((index, named(curve))),
             Shape::Piece(curve) => self.pieces.entry(layer).or_default().push((index, curve)),
             Shape::Point(point, line) => {
+                self.count += 1;
                 let cloud = || (index, named(Curve::cloud(None)));
                 let (_, cloud) = self.points.entry(layer).or_insert_with(cloud);
                 cloud.push(placed(point), line);
@@ -214,7 +215,7 @@ impl<'a> Drawing<'a> {
         };
         self.references += usize::from(around.is_none());
         for own in placements(insert, block.base)? {
-            self.placed += block.entities.len();
+            self.placed += block.groups;
             if self.placed > MOST_PLACED {
                 return Err(too_many(insert));
             }

@@ -339,7 +339,7 @@ fn blocks_have_limits() {
         (
             &[("a", line)],
             insert("a", "70 30000\n71 30000\n"),
-            "more than 100000 entities",
+            "more than 2000 points",
         ),
         (
             &[("a", line)],
@@ -371,7 +371,7 @@ fn blocks_have_limits() {
         .collect();
     let error = with_blocks(&blocks, &insert("b0", "")).unwrap_err();
     assert!(
-        error.to_string().contains("more than 100000 entities"),
+        error.to_string().contains("more than 1000000 groups"),
         "{error}"
     );
     let error =
