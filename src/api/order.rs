@@ -96,12 +96,7 @@ impl Order {
         let is_short = is_small && !base.is_given();
         let validate = move || base.validate(request, limits, &words);
         let valid = compute(app, is_short, validate).await?;
-        let chosen = valid.problem.chosen_parameters();
-        notices.extend(
-            chosen
-                .into_iter()
-                .flat_map(|chosen| scattered::notices(chosen, valid.problem.folded_triangles())),
-        );
+        notices.extend(scattered::notices(&valid.problem));
         Ok(Self {
             label: Label {
                 name: valid.name,

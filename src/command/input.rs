@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use bytes::Bytes;
+use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 
@@ -19,6 +20,14 @@ pub(super) enum Content {
     Points,
     /// A whole job in JSON.
     Job,
+    /// Several jobs in JSON, and what they have in common.
+    Batch,
+}
+
+/// The field that a batch has, and no job.
+#[derive(Deserialize)]
+struct Jobs {
+    items: Option<IgnoredAny>,
 }
 
 /// What is fitted.
@@ -43,15 +52,17 @@ impl Input {
             _ => (path.display().to_string(), files::read(path, max_bytes)),
         };
         let bytes = bytes.map_err(|reason| not_read(&name, &reason))?;
-        let content = content(&bytes);
-        let input = Self {
+        let mut input = Self {
             name,
+            content: content(&bytes),
             bytes: bytes.into(),
-            content,
         };
-        if content == Content::Job {
-            let checked = serde_json::from_slice::<IgnoredAny>(input.json());
-            checked.map_err(|error| input.not_json(&error))?;
+        if input.content == Content::Job {
+            let checked = serde_json::from_slice(input.json());
+            let jobs: Jobs = checked.map_err(|error| input.not_json(&error))?;
+            if jobs.items.is_some() {
+                input.content = Content::Batch;
+            }
         }
         Ok(input)
     }

@@ -192,11 +192,31 @@ impl Asked {
             return Ok(());
         }
         let is = |name| self.fields.contains_key(name) || from_file.contains_key(name);
-        let shape = match (is("curve"), is("surface")) {
-            (_, true) => "surface",
-            (true, false) => "curve",
-            (false, false) => shape(input)?,
+        let shapes = match (is("curve"), is("surface")) {
+            _ if input.content == Content::Batch => &["curve", "surface"][..],
+            (_, true) => &["surface"],
+            (true, false) => &["curve"],
+            (false, false) => &[shape(input)?],
         };
+        for shape in shapes {
+            self.take_basis_and_ends(arguments, shape)?;
+        }
+        Ok(())
+    }
+
+    /// Takes the flags that are about a curve or a surface, as the one or the other.
+    fn take_basis_and_ends(
+        &mut self,
+        arguments: &FitArguments,
+        shape: &str,
+    ) -> Result<(), Failure> {
+        let FitArguments {
+            degree,
+            basis,
+            ends,
+            closed,
+            ..
+        } = arguments;
         let degree = degree.as_deref().map(|text| pair(text, ','));
         match (basis, degree) {
             (None, None) => {}
@@ -272,6 +292,20 @@ fn is_other_kind(before: &Map<String, Value>, after: &Map<String, Value>) -> boo
     kind.is_some() && kind != before.get("kind")
 }
 
+/// Puts fields over those of each item of a batch, whether it is a curve or a surface.
+pub(super) fn merge_into_items(batch: &mut Value, over: &Map<String, Value>) {
+    let items = batch.get_mut("items").and_then(Value::as_array_mut);
+    for item in items.into_iter().flatten().filter_map(Value::as_object_mut) {
+        let mut over = over.clone();
+        for (shape, other) in [("curve", "surface"), ("surface", "curve")] {
+            if item.contains_key(shape) && !item.contains_key(other) {
+                over.remove(other);
+            }
+        }
+        merge(item, over);
+    }
+}
+
 /// Whether the points of an input are of a curve or of a surface.
 fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
@@ -279,7 +313,7 @@ fn shape(input: &Input) -> Result<&'static str, Failure> {
         Content::Points => {
             PointKind::of(input, &Asked::default().hints()).is_some_and(|points| points.surface)
         }
-        Content::Job => input.value()?.get("surface").is_some(),
+        Content::Job | Content::Batch => input.value()?.get("surface").is_some(),
     };
     Ok(match surface {
         true => "surface",

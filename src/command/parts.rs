@@ -7,7 +7,7 @@ use axum::body::Body;
 use super::client::Client;
 use super::failure::Failure;
 use super::file_query::FileQuery;
-use super::input::Input;
+use super::input::{Content, Input};
 use super::options::Asked;
 use super::outputs::{self, Output, OutputFormat, Place};
 use super::progress::Progress;
@@ -19,7 +19,6 @@ use crate::api::batch::part_file::{BatchLine, PartFile};
 use crate::config::fit_arguments::FitArguments;
 use crate::lines::Lines;
 use crate::terminal::say;
-use piad_files::import::read_parts;
 
 /// What has come of all parts.
 #[derive(Debug, Default)]
@@ -27,6 +26,9 @@ struct Fits {
     /// The lines of the answer, as JSON.
     lines: Vec<Box<str>>,
     rows: Vec<Row>,
+    /// What was understood of the file. Most is about all of it, and stands in each line.
+    notices: Vec<String>,
+    known: HashSet<String>,
     /// The parts that have a result.
     file: PartFile,
 }
@@ -41,25 +43,32 @@ pub(super) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Fits and writes all parts of an input.
+    /// Fits and writes all parts of an input, which this request has.
     pub(super) async fn fit(
         self,
         client: &Client,
         input: &Input,
         asked: &Asked,
+        request: Request,
     ) -> Result<Vec<Row>, Failure> {
-        check(self.arguments)?;
+        check(self.arguments, input)?;
         let Request {
             path,
             media_type,
             body,
-        } = Request::of_parts(input, asked)?;
+        } = request;
         let answer = client.post(&path, media_type, body).await?;
         let answer = answer.map_err(|refusal| refusal.of_fit(input, asked))?;
         let progress = Progress::of_parts(self.is_quiet());
         let fits = follow(Lines::new(answer), &input.name, progress).await?;
+        if fits.rows.is_empty() {
+            return Err(Failure::usage(format!(
+                "{}: there is nothing to fit",
+                input.name
+            )));
+        }
         if !self.is_one_of_many {
-            self.report(input, asked, &fits.rows);
+            self.report(input, &fits);
         }
         for output in self.outputs {
             let bytes = fits.write(output, self.query)?;
@@ -76,32 +85,31 @@ impl Parts<'_> {
     }
 
     /// Reports what was found out about the file, and what came of its parts.
-    fn report(&self, input: &Input, asked: &Asked, rows: &[Row]) {
+    fn report(&self, input: &Input, fits: &Fits) {
         if !self.arguments.quiet {
-            let parts = read_parts(&input.bytes, &asked.hints()).unwrap_or_default();
-            let notices = parts.into_iter().flat_map(|part| part.notices);
-            // Most are about the whole file.
-            let mut reported = HashSet::new();
-            for notice in notices {
-                if reported.insert(notice.clone()) {
-                    say(format_args!("{}: {notice}", input.name));
-                }
+            for notice in &fits.notices {
+                say(format_args!("{}: {notice}", input.name));
             }
         }
-        let what = format!("{}: {} parts", input.name, rows.len());
-        table::report(&what, rows, self.arguments.quiet);
+        let what = format!("{}: {} parts", input.name, fits.rows.len());
+        table::report(&what, &fits.rows, self.arguments.quiet);
     }
 }
 
 /// Refuses what is about one curve.
-fn check(arguments: &FitArguments) -> Result<(), Failure> {
+fn check(arguments: &FitArguments, input: &Input) -> Result<(), Failure> {
+    let detail = match input.content {
+        Content::Batch => {
+            "the batch has several fits, and this is about one: make it a file of its own"
+        }
+        _ => "the file has several parts, and this is about one: say which (--part 1)",
+    };
     for (flag, is_given) in [
         ("--plot", arguments.plot.is_some()),
         ("--shape", arguments.shape.is_some()),
         ("--iterations", arguments.iterations.is_some()),
     ] {
         if is_given {
-            let detail = "the file has several parts, and this is about one: say which (--part 1)";
             return Err(Failure::usage(format!("{flag}: {detail}")));
         }
     }
@@ -139,6 +147,11 @@ async fn follow(mut lines: Lines, name: &str, mut progress: Progress) -> Result<
 impl Fits {
     fn add(&mut self, line: BatchLine<'_>, part: String) -> serde_json::Result<()> {
         let geometry = line.geometry()?;
+        for notice in line.notices {
+            if self.known.insert(notice.clone()) {
+                self.notices.push(notice);
+            }
+        }
         self.rows.push(Row {
             name: part.clone(),
             state: line.state,

@@ -39,7 +39,13 @@ impl PointKind {
                     origin: read.origin,
                 })
             }
-            Content::Job => Self::of_job(input.json()),
+            Content::Job => Self::of_job(input.json(), ""),
+            // Of several items the first one, likewise.
+            Content::Batch => {
+                let first = Self::of_job(input.json(), "/items/0")?;
+                let spacing = pointer::value(input.json(), "/defaults/surface/spacing");
+                Some(first.placed(spacing.is_some()))
+            }
         }
     }
 
@@ -54,8 +60,9 @@ impl PointKind {
         }
     }
 
-    /// That of a job in JSON.
-    fn of_job(json: &[u8]) -> Option<Self> {
+    /// That of the job at this place of a JSON text.
+    fn of_job(json: &[u8], place: &str) -> Option<Self> {
+        let value = |pointer: &str| pointer::value(json, &format!("{place}{pointer}"));
         let lists = [
             ("/curve/points/0", false),
             ("/surface/points/0/0", true),
@@ -63,7 +70,7 @@ impl PointKind {
             ("/surface/sections/0/0", true),
         ];
         lists.into_iter().find_map(|(first, surface)| {
-            let dimension = match pointer::value(json, first)? {
+            let dimension = match value(first)? {
                 Value::Array(coordinates) => coordinates.len(),
                 Value::Number(_) => 1,
                 _ => return None,
@@ -73,7 +80,7 @@ impl PointKind {
                 dimension,
                 origin: None,
             };
-            Some(points.placed(pointer::value(json, "/surface/spacing").is_some()))
+            Some(points.placed(value("/surface/spacing").is_some()))
         })
     }
 }

@@ -87,7 +87,7 @@ impl Mistake {
         }
         match input.content {
             Content::Points => format!("{name}: {detail}"),
-            Content::Job => {
+            Content::Job | Content::Batch => {
                 let line = pointer::line(&input.bytes, pointer);
                 format!("{name}:{line}: {pointer}: {detail}")
             }

@@ -6,10 +6,13 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::{Asked, merge};
+use super::options::{Asked, merge, merge_into_items};
 
 /// Streams of progress: no geometry, and no iteration that is out of date.
 pub(super) const PROGRESS: &str = "view=errors&pace=latest";
+
+/// The request for many fits, with their results.
+const BATCH: &str = "/v1/batch?view=control_points";
 
 /// The longest address: URIs are shorter than 64 KiB.
 const LONGEST: usize = 60_000;
@@ -32,35 +35,29 @@ impl Request {
             (Content::Points, _) => {
                 Self::of_points(input, asked, format!("/v1/jobs/stream?{PROGRESS}"))
             }
-            (Content::Job, Some((parameter, _))) => Err(Failure::usage(format!(
-                "{}: {} is a whole job, and no file of points",
+            (content, Some((parameter, _))) => Err(Failure::usage(format!(
+                "{}: {} is a whole {}, and no file of points",
                 asked.flag(parameter).unwrap_or(parameter),
-                input.name
-            ))),
-            (Content::Job, None) if asked.fields.is_empty() => {
-                Ok(Self::of_json(input.bytes.slice_ref(input.json())))
-            }
-            (Content::Job, None) => {
-                let mut job = input.value()?;
-                if let Some(fields) = job.as_object_mut() {
-                    merge(fields, asked.fields.clone());
+                input.name,
+                match content {
+                    Content::Batch => "batch",
+                    _ => "job",
                 }
-                Ok(Self::of_json(job.to_string().into()))
-            }
-        }
-    }
-
-    fn of_json(body: Bytes) -> Self {
-        Self {
-            path: format!("/v1/jobs/stream?{PROGRESS}"),
-            media_type: "application/json",
-            body,
+            ))),
+            (content, None) => Ok(Self {
+                path: match content {
+                    Content::Batch => BATCH.to_owned(),
+                    _ => format!("/v1/jobs/stream?{PROGRESS}"),
+                },
+                media_type: "application/json",
+                body: json(input, asked)?,
+            }),
         }
     }
 
     /// The request for a fit of each part of a file.
     pub(super) fn of_parts(input: &Input, asked: &Asked) -> Result<Self, Failure> {
-        Self::of_points(input, asked, "/v1/batch?view=control_points".to_owned())
+        Self::of_points(input, asked, BATCH.to_owned())
     }
 
     /// Points go as they are, and the other fields in the query.
@@ -88,4 +85,18 @@ impl Request {
             body: input.bytes.clone(),
         })
     }
+}
+
+/// A job or a batch with the fields that the flags put over it.
+fn json(input: &Input, asked: &Asked) -> Result<Bytes, Failure> {
+    if asked.fields.is_empty() {
+        return Ok(input.bytes.slice_ref(input.json()));
+    }
+    let mut json = input.value()?;
+    match (input.content, json.as_object_mut()) {
+        (Content::Batch, _) => merge_into_items(&mut json, &asked.fields),
+        (_, Some(fields)) => merge(fields, asked.fields.clone()),
+        (_, None) => {}
+    }
+    Ok(json.to_string().into())
 }

@@ -11,7 +11,7 @@ use super::client::{Client, Current};
 use super::events::{EndEvent, Event, Events, JobEvent};
 use super::failure::Failure;
 use super::file_query::FileQuery;
-use super::input::Input;
+use super::input::{Content, Input};
 use super::iterations;
 use super::options::Asked;
 use super::outputs::{self, Output, Place};
@@ -20,7 +20,7 @@ use super::point_kind::PointKind;
 use super::progress::Progress;
 use super::request::Request;
 use super::summary::{self, Shape};
-use super::table::Row;
+use super::table::{self, Row};
 use crate::access::tokens::BOOTSTRAP;
 use crate::config::fit_arguments::FitArguments;
 use crate::files;
@@ -49,6 +49,15 @@ pub(super) async fn fit(
         request,
         query,
     } = prepared;
+    let of_parts = Parts {
+        arguments,
+        outputs,
+        query: &query,
+        is_one_of_many,
+    };
+    if input.content == Content::Batch {
+        return of_parts.fit(&client, &input, &asked, request).await;
+    }
     let Request {
         path,
         media_type,
@@ -57,13 +66,8 @@ pub(super) async fn fit(
     let events = match client.post(&path, media_type, body).await? {
         Ok(events) => events,
         Err(refusal) if refusal.wants_part() && arguments.part.is_none() => {
-            let of_parts = Parts {
-                arguments,
-                outputs,
-                query: &query,
-                is_one_of_many,
-            };
-            return of_parts.fit(&client, &input, &asked).await;
+            let request = Request::of_parts(&input, &asked)?;
+            return of_parts.fit(&client, &input, &asked, request).await;
         }
         Err(refusal) => return Err(refusal.of_fit(&input, &asked)),
     };
@@ -83,9 +87,13 @@ pub(super) async fn fit(
             say(format_args!("job {}", client.shown(path)));
         }
     }
+    let rows = vec![summary::row(&input.name, &job, &end, shape.as_ref())];
+    if arguments.quiet && !is_one_of_many {
+        table::report_bad(&rows);
+    }
     match written.failure {
         Some(failure) => Err(failure),
-        None => Ok(vec![summary::row(&input.name, &job, &end, shape.as_ref())]),
+        None => Ok(rows),
     }
 }
 

@@ -75,13 +75,15 @@ pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Sh
 /// The same in a line of a table.
 pub(super) fn row(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) -> Row {
     let why = end.problem.as_ref().map(|it| &it.detail);
-    let detail = why.or(end.detail.as_ref());
+    let tolerance = || format!("the tolerance was {:.3e}", job.stop.tolerance);
+    let detail = why.or(end.detail.as_ref()).cloned();
+    let detail = detail.unwrap_or_else(tolerance);
     Row {
         name: name.to_owned(),
         state: end.state.clone(),
         error: end.error.clone(),
         control_points: end.error.as_ref().map(|_| control_points(job, shape)),
-        detail: detail.filter(|_| end.state != "converged").cloned(),
+        detail: (end.state != "converged").then_some(detail),
     }
 }
 

@@ -104,12 +104,15 @@ fn report_all(what: &str, rows: &[Row]) {
 }
 
 /// Reports the fits that did not converge.
-fn report_bad(rows: &[Row]) {
+pub(super) fn report_bad(rows: &[Row]) {
     for row in rows.iter().filter(|row| !row.is_good()) {
         let why = row
             .detail
             .as_deref()
             .unwrap_or("the tolerance is not reached");
-        say(format_args!("{}: {}: {why}", row.name, row.state));
+        let error = row.error.as_ref();
+        let error = error.map(|_| format!(", error at most {}", row.error()));
+        let error = error.unwrap_or_default();
+        say(format_args!("{}: {}{error}: {why}", row.name, row.state));
     }
 }

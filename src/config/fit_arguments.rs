@@ -12,7 +12,7 @@ use piad_files::export::{Style, Unit, Version};
 
 /// What is told below the flags.
 const MORE: &str = "\
-Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job as POST /v1/jobs takes it. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then. Meshes with faces are surfaces to the vertices of their largest piece.
+Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, KML, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job or batch as POST /v1/jobs and /v1/batch take them. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then. Meshes with faces are surfaces to the vertices of their largest piece.
 
 Output is written as the ending of its name says: .json, .step (.stp), .iges (.igs), .obj, .gltf (.glb), .stl, .ply, .dxf, .svg, .geojson, .gpx, .csv. Without -o the result goes to the standard output. Files appear when they are complete; those that are there are overwritten.
 

@@ -51,6 +51,30 @@ async fn notices_stand_in_all_answers() {
     assert_eq!(plain.get("notices"), None);
 }
 
+/// Items of a batch say what fits of their own say.
+#[tokio::test]
+async fn items_of_batches_have_the_notices_of_fits() {
+    let server = Server::start().await;
+    let point = |i: u32| {
+        let (x, y) = (f64::from(i * 37 % 97), f64::from(i * 53 % 89));
+        json!([x, y, (0.05 * x).sin() + 0.01 * y])
+    };
+    let points: Vec<Value> = (0..200).map(point).collect();
+    let method = json!({"kind": "least_squares", "variant": "direct", "control_points": 5});
+    let scattered = json!({"surface": {"scattered": points}, "method": method});
+    let response = server.post("/v1/fit").json(&scattered).send().await;
+    let fit: Value = response.unwrap().json().await.unwrap();
+    let notice = fit["notices"][0].as_str().unwrap();
+    assert!(notice.contains("plane"), "{notice}");
+    let batch = json!({"items": [scattered, crate::data::small_job()]});
+    let response = server.post("/v1/batch").json(&batch).send().await;
+    let text = response.unwrap().text().await.unwrap();
+    let lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
+    let lines: Vec<Value> = lines.collect();
+    assert_eq!(lines[0]["notices"], fit["notices"], "{text}");
+    assert_eq!(lines[1].get("notices"), None);
+}
+
 /// Points without an order are no curve; they are scattered points of a surface, or meant as they are.
 #[tokio::test]
 async fn points_without_order_are_no_curve() {

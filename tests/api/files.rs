@@ -408,23 +408,40 @@ async fn one_part_of_a_file_is_fitted() {
     assert!(shown["notices"][0].as_str().unwrap().contains("2 parts"));
 }
 
+/// The lines of an answer to a batch.
+async fn lines_of(response: Response) -> Vec<Value> {
+    let text = response.text().await.unwrap();
+    let line = |line| serde_json::from_str(line).unwrap();
+    text.lines().map(line).collect()
+}
+
 #[tokio::test]
 async fn the_parts_of_a_file_are_a_batch() {
     let server = Server::start().await;
     let path = "/v1/batch?curve.degree=2&stop.tolerance=1e-9";
     let response = send(&server, path, "application/octet-stream", TWO).await;
     assert_eq!(response.status(), 200);
-    let text = response.text().await.unwrap();
-    let lines: Vec<Value> = text
-        .lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
+    let lines = lines_of(response).await;
     assert_eq!(lines.len(), 3);
-    assert_eq!(lines[2]["totals"]["converged"], 2, "{text}");
+    assert_eq!(lines[2]["totals"]["converged"], 2, "{lines:#?}");
     for (line, points) in lines.iter().zip([3, 4]) {
         assert_eq!(line["curve"]["degree"], 2);
         let parameters = line["curve"]["parameters"].as_array().unwrap();
         assert_eq!(parameters.len(), points);
+    }
+    // What was understood stands in the line of each part, also of one that fails.
+    let ids = "id,x,y\n7,0,0\n8,1,2\n8,1,2\n9,2,1\n\n4,0,0\n6,1e17,0\n5,1e17,1\n";
+    let items = lines_of(send(&server, "/v1/batch", "text/csv", ids).await).await;
+    let notices = |item: &Value| item["notices"].as_array().unwrap().len();
+    assert_eq!(items[1]["state"], "failed");
+    assert_eq!(
+        (notices(&items[0]), notices(&items[1])),
+        (3, 2),
+        "{items:#?}"
+    );
+    let column = "(id) is not read";
+    for item in &items[..2] {
+        assert!(item["notices"].to_string().contains(column), "{item}");
     }
     // What is wrong with a part is told in its line.
     let near = TWO.replace("2,1\n", "1e17,0\n1e17,1\n");

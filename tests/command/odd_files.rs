@@ -262,11 +262,76 @@ fn clouds() -> Vec<Case> {
     cases
 }
 
+/// Other formats with all line ends and in UTF-16, and claims of sizes that no file has.
+fn more() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (name, text, told) in [
+        (
+            "grid",
+            "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 7\n",
+            "2 rows of 3",
+        ),
+        (
+            "OBJ with a line",
+            "v 0 0 0\nv 1 0 1\nv 0 1 2\nl 1 2 3\n",
+            "3 points",
+        ),
+        (
+            "JSON array",
+            "[[0, 0],\n[1, 2],\n[3, 1],\n[4, 4]]",
+            "4 points",
+        ),
+        (
+            "airfoil",
+            "A wing\n1 0\n0.5 0.1\n0 0\n0.5 -0.1\n0.9 -0.02\n",
+            "5 points",
+        ),
+        (
+            "KML",
+            "<kml><Document><Placemark><LineString><coordinates>\n11,48\n11.1,48\n11.1,48.1\n11.2,48.3\n</coordinates></LineString></Placemark></Document></kml>",
+            "metres east and north",
+        ),
+        (
+            "drawing with a block",
+            "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n0\nLWPOLYLINE\n10\n0\n20\n0\n10\n1\n20\n2\n10\n3\n20\n1\n0\nENDBLK\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nA\n10\n5\n20\n5\n0\nENDSEC\n0\nEOF\n",
+            "1 INSERTs are read",
+        ),
+    ] {
+        cases.extend(written_otherwise(name, text, told));
+    }
+    let rows: String = (0..20_000_u64)
+        .map(|i| format!("{i},{}\r\n", i * i % 1009))
+        .collect();
+    cases.push(text("large table", &rows, 0, "20000 points"));
+    let huge = "999999999";
+    for (name, claim) in [
+        ("grid with a claim", format!("ncols {huge}\nnrows {huge}\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n")),
+        ("OFF with a claim", format!("OFF\n{huge} {huge} 0\n0 0 0\n1 0 0\n")),
+        ("PTS with a claim", format!("{huge}\n0 0 0\n1 0 0\n")),
+        ("PCD with a claim", format!("# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {huge}\nHEIGHT {huge}\nPOINTS {huge}{huge}\nDATA binary\nab")),
+        ("PLY with faces of a claim", "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uint int vertex_indices\nend_header\n\u{7f}\u{7f}\u{7f}\u{7f}".to_owned()),
+        ("drawing with rows of a claim", format!("0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n0\nPOINT\n10\n0\n20\n0\n0\nENDBLK\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n0\nINSERT\n2\nA\n10\n5\n20\n5\n70\n{huge}\n71\n{huge}\n0\nENDSEC\n0\nEOF\n")),
+        ("outline of itself", "<svg><g id='a'><use href='#a'/></g></svg>".to_owned()),
+        ("array in arrays", "[".repeat(100_000)),
+        ("map in maps", "{\"type\": \"GeometryCollection\", \"geometries\": [".repeat(10_000)),
+    ] {
+        cases.push(text(name, &claim, 2, ""));
+    }
+    let mut las = vec![0; 375];
+    las[..4].copy_from_slice(b"LASF");
+    (las[24], las[25], las[94]) = (1, 4, 0x77);
+    las[96..100].copy_from_slice(&375_u32.to_le_bytes());
+    las[105..107].copy_from_slice(&20_u16.to_le_bytes());
+    las[247..255].fill(0xff);
+    cases.push(("LAS with a claim", las, 2, ""));
+    cases
+}
+
 #[test]
 fn odd_files_of_all_formats_are_read_or_refused() {
     let folder = Folder::new();
-    let cases = [tables(), drawings(), clouds()].concat();
-    assert!(cases.len() >= 60, "{}", cases.len());
+    let cases = [tables(), drawings(), clouds(), more()].concat();
+    assert!(cases.len() >= 100, "{}", cases.len());
     let wrong = cases.into_iter().filter_map(|(name, bytes, status, told)| {
         fs::write(folder.path("odd"), &bytes).unwrap();
         let answer = folder.fit(&["odd", "-o", "odd.json"]);

@@ -104,6 +104,116 @@ fn what_is_about_one_curve_is_refused_for_several() {
     }
 }
 
+/// A batch of a curve and a surface, with defaults of both.
+const BATCH: &str = r#"{
+  "defaults": {"stop": {"tolerance": 1e-9}, "curve": {"degree": 2}},
+  "items": [
+    {"name": "arch", "curve": {"points": [[0, 0, 0], [1, 2, 0], [2, 1, 1], [3, 0, 1]]}},
+    {"name": "patch", "surface": {"points": [[[0, 0, 0], [0, 1, 0], [0, 2, 0], [0, 3, 1]], [[1, 0, 0], [1, 1, 1], [1, 2, 0], [1, 3, 0]],
+      [[2, 0, 1], [2, 1, 0], [2, 2, 0], [2, 3, 0]], [[3, 0, 0], [3, 1, 0], [3, 2, 1], [3, 3, 0]]]}}
+  ]
+}"#;
+
+#[test]
+fn the_items_of_a_batch_are_parts() {
+    let folder = Folder::new();
+    folder.write("batch.json", BATCH);
+    let told = folder.fit(&["batch.json", "-o", "out.step"]);
+    assert_eq!(told.status, 0, "{}", told.err);
+    assert!(told.err.contains("2 converged, 0 did not"), "{}", told.err);
+    let step = String::from_utf8_lossy(&folder.read("out.step")).into_owned();
+    for part in ["'arch'", "'patch'"] {
+        assert!(step.contains(part), "{part}");
+    }
+    // Defaults hold, and flags go over them and over the items.
+    let items = |arguments: &[&str]| folder.fit(arguments).json()["items"].clone();
+    let plain = items(&["batch.json"]);
+    assert_eq!(plain[0]["curve"]["degree"], 2);
+    assert_eq!(plain[1]["surface"]["degree"]["u"], 3);
+    let flags = items(&["batch.json", "--degree", "1", "--set", "method.kind=direct"]);
+    assert_eq!(flags[0]["curve"]["degree"], 1);
+    assert_eq!(flags[1]["surface"]["degree"]["u"], 1);
+    // Beside other files, each goes to a file of a directory.
+    folder.write("curve.csv", &curve(10));
+    let told = folder.fit(&["batch.json", "curve.csv", "-o", "out/", "--format", "step"]);
+    assert_eq!(told.status, 0, "{}", told.err);
+    assert!(told.err.contains("batch.json: arch"), "{}", told.err);
+    assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 2);
+}
+
+#[test]
+fn what_is_wrong_with_a_batch_is_said_where_it_stands() {
+    let folder = Folder::new();
+    let with = |old: &str, new: &str| BATCH.replacen(old, new, 1);
+    for (text, arguments, status, detail) in [
+        // An item that fails keeps no other back.
+        (
+            with("[1, 2, 0]", "[0, 0, 0]"),
+            &["-o", "out.step"][..],
+            1,
+            "arch  ",
+        ),
+        (
+            with("1e-9", "-1"),
+            &["-o", "out.step"],
+            1,
+            "/defaults/stop/tolerance",
+        ),
+        (
+            with("\"stop\"", "\"stopp\""),
+            &[],
+            2,
+            "batch.json:2: /defaults",
+        ),
+        (with("\"arch\",", "\"arch\""), &[], 2, "batch.json:4: "),
+        (
+            "{\"items\": []}".to_owned(),
+            &[],
+            2,
+            "there is nothing to fit",
+        ),
+        ("{\"items\": 7}".to_owned(), &[], 2, "batch.json:1: /items"),
+        ("{\"items\": [7]}".to_owned(), &[], 1, "part 1"),
+        (
+            "{\"items\": [], \"curve\": {}}".to_owned(),
+            &[],
+            2,
+            "unknown field \"curve\"",
+        ),
+        (BATCH.to_owned(), &["--part", "1"], 2, "is a whole batch"),
+        (
+            BATCH.to_owned(),
+            &["-o", "a.svg", "--plot", "p.svg"],
+            2,
+            "--plot: the batch has several fits",
+        ),
+        (BATCH.to_owned(), &["-o", "out.stl"], 2, "out.stl"),
+    ] {
+        folder.write("batch.json", &text);
+        let told = folder.fit(&[&["batch.json"], arguments].concat());
+        assert_eq!(told.status, status, "{text}: {}", told.err);
+        assert!(told.err.contains(detail), "{text}: {}", told.err);
+    }
+}
+
+#[test]
+fn fits_that_did_not_converge_are_named_with_quiet() {
+    let folder = Folder::new();
+    folder.write("curve.csv", &curve(30));
+    let few = ["curve.csv", "-o", "a.step", "-q", "--max-iterations", "1"];
+    let told = folder.fit(&[&few[..], &["--method", "global"]].concat());
+    assert_eq!(told.status, 1, "{}", told.err);
+    assert_eq!(told.err.lines().count(), 1, "{}", told.err);
+    assert!(
+        told.err.starts_with("curve.csv: exhausted, error at most "),
+        "{}",
+        told.err
+    );
+    assert!(told.err.contains("tolerance"), "{}", told.err);
+    let told = folder.fit(&["curve.csv", "-o", "a.step", "-q"]);
+    assert_eq!((told.status, &*told.err), (0, ""));
+}
+
 #[test]
 fn many_files_go_to_a_directory() {
     let folder = Folder::new();

@@ -153,3 +153,12 @@ def test_event_loops(server: Server) -> None:
             assert states == ["converged"] * 300
 
     asyncio.run(main())
+
+
+def test_items_say_what_was_chosen(client: piad.Client) -> None:
+    x, y = np.meshgrid(np.linspace(0, 3, 12), np.linspace(0, 2, 11))
+    points = np.column_stack([x.ravel(), y.ravel(), np.sin(x.ravel())])
+    method = {"kind": "least_squares", "variant": "direct", "control_points": 5}
+    first, second = client.batch([{"surface": {"scattered": points}, "method": method}, wave(1)])
+    assert len(first.notices) == 1 and first.notices[0].startswith("the parameters of the points are")
+    assert second.notices == ()

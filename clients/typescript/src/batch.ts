@@ -38,6 +38,8 @@ export interface BatchItem {
   readonly result: Result | null;
   /** Why it has not converged; its pointers begin with `/items/3` or `/defaults`. */
   readonly problem: Problem | null;
+  /** What was understood of its points, in sentences, such as the parameters that were chosen. */
+  readonly notices: readonly string[];
 }
 
 /** How many items of a batch have ended so far. */
@@ -134,14 +136,14 @@ export class Batch implements AsyncIterable<BatchItem> {
 
 /** An item of a batch, of which it is at this place. */
 function itemOf(line: api.BatchItem, index: number): BatchItem {
-  const { name = null, state, iteration = null, error = null, problem } = line;
+  const { name = null, state, iteration = null, error = null, problem, notices = [] } = line;
   const fitted = (kind: "curve" | "surface", geometry: api.FitGeometry | undefined): Result | null => {
     if (geometry === undefined || iteration === null || error === null) return null;
     return resultOf({ ...geometry, id: "", kind, name, state, iteration, error });
   };
   const result = fitted("curve", line.curve) ?? fitted("surface", line.surface);
   const moved = problem === undefined ? null : movedTo(problem, line.index, index);
-  return { index, name, state, iteration, error, result, problem: moved };
+  return { index, name, state, iteration, error, result, problem: moved, notices };
 }
 
 /** A problem with an item of a request, by the index of the item in the batch. */

@@ -255,7 +255,7 @@ export interface paths {
         put?: never;
         /**
          * Read a file of points
-         * @description The points of a file as a job has them, and what was found out about it: tables (CSV, XYZ, airfoils), JSON arrays of points, of rows of points or of rows of heights, GPX, GeoJSON, DXF, SVG, G-code, PLY, STL, OBJ, OFF, PCD, LAS and ESRI grids. Of a file with several curves `part` chooses one. Sections and the vertices of a mesh are scattered points, with the parameters that a job has. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
+         * @description The points of a file as a job has them, and what was found out about it: tables (CSV, XYZ, airfoils), JSON arrays of points, of rows of points or of rows of heights, GPX, KML, GeoJSON, DXF, SVG, G-code, PLY, STL, OBJ, OFF, PCD, LAS and ESRI grids. Of a file with several curves `part` chooses one. Sections and the vertices of a mesh are scattered points, with the parameters that a job has. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
          */
         post: operations["readPoints"];
         delete?: never;
@@ -3699,6 +3699,8 @@ export interface components {
             name?: string;
             /** @description The final state; `failed` also if the item is no fit that can be computed. */
             state: components["schemas"]["JobState"];
+            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            notices?: string[];
             /**
              * Format: int64
              * @description The number of the last iteration. Absent if there was none.
@@ -6545,6 +6547,7 @@ export interface operations {
                 "application/octet-stream": string;
                 "application/geo+json": Record<string, never>;
                 "application/gpx+xml": string;
+                "application/vnd.google-earth.kml+xml": string;
                 "image/svg+xml": string;
                 "image/vnd.dxf": string;
                 "model/obj": string;

@@ -154,11 +154,19 @@ pub(super) fn last(settings: &Settings, end: &Result<BatchTotals, Problem>) -> B
     text.freeze()
 }
 
+/// The item that a line is about.
+pub(super) struct LineHead<'a> {
+    /// Its place among the items.
+    pub(super) index: usize,
+    pub(super) name: Option<&'a str>,
+    /// What was understood of its points.
+    pub(super) notices: &'a [String],
+}
+
 /// The line of a fit that has ended.
 pub(super) fn fitted(
     settings: &Settings,
-    index: usize,
-    name: Option<&str>,
+    head: &LineHead<'_>,
     ended: &EndedFit,
     form: &Form,
     problem: Option<&Problem>,
@@ -166,16 +174,18 @@ pub(super) fn fitted(
     let frame = ended.frame.as_ref();
     if settings.framing == Framing::Protobuf {
         let end = proto::batch::ItemEnd {
-            index,
-            name,
+            index: head.index,
+            name: head.name,
+            notices: head.notices,
             state: ended.status.state,
             problem,
         };
         return proto::batch::item(&end, frame.map(|frame| (frame, form)));
     }
     let end = ItemEnd {
-        index,
-        name,
+        index: head.index,
+        name: head.name,
+        notices: head.notices,
         status: &ended.status,
         frame,
         problem: problem.map(|problem| settings.body_of(problem)),
@@ -184,20 +194,17 @@ pub(super) fn fitted(
 }
 
 /// The line of an item that is no fit that can be computed.
-pub(super) fn failed(
-    settings: &Settings,
-    index: usize,
-    name: Option<&str>,
-    problem: &Problem,
-) -> Content {
+pub(super) fn failed(settings: &Settings, head: &LineHead<'_>, problem: &Problem) -> Content {
     if settings.framing == Framing::Protobuf {
         let end = proto::batch::ItemEnd {
-            index,
-            name,
+            index: head.index,
+            name: head.name,
+            notices: head.notices,
             state: State::Failed,
             problem: Some(problem),
         };
         return proto::batch::item(&end, None);
     }
-    view::failed(index, name, settings.body_of(problem)).into()
+    let problem = settings.body_of(problem);
+    view::failed(head.index, head.name, head.notices, problem).into()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use std::vec;
 
-use super::answer::{self, Lines};
+use super::answer::{self, LineHead, Lines};
 use super::defaults::Defaults;
 use super::item::{Item, ItemWords, ReadItem};
 use super::settings::Settings;
@@ -23,7 +23,7 @@ use crate::job::probation::LargeBody;
 use crate::job::scheduler::WorkLane;
 use crate::job::state::{Failure, State};
 use crate::model::job::JobRequest;
-use crate::model::scattered::FootPoints;
+use crate::model::scattered::{self, FootPoints};
 use crate::model::stream::form::Form;
 use crate::proto::messages as pb;
 
@@ -67,6 +67,8 @@ enum Stage {
 
 struct Fitting {
     name: Option<String>,
+    /// What was understood of the file of its points, and what the fit has chosen.
+    notices: Vec<String>,
     form: Form,
     fit: DirectFit,
 }
@@ -224,12 +226,18 @@ impl Group {
             item.bytes.clear();
             item.memory = None;
         }
+        let mut notices = match &self.current {
+            Some(item) => self.settings.notices_of(item.index).to_vec(),
+            None => Vec::new(),
+        };
+        notices.extend(scattered::notices(&valid.problem));
         let bytes = valid.problem.memory().max(SMALL_FIT);
         let step_cost = valid.problem.step_cost();
         let has = self.memory.as_ref().map_or(0, |(_, bytes)| *bytes);
         self.want = (bytes > has).then_some(Want::Memory { step_cost, bytes });
         self.stage = Stage::Fitting(Fitting {
             name: valid.name,
+            notices,
             form,
             fit: DirectFit::new(valid.problem),
         });
@@ -257,10 +265,14 @@ impl Group {
             let outline = Outline::new(Label::default(), fitting.fit.problem(), None);
             Problem::not_converged(&outline, &ended.status)
         });
+        let head = LineHead {
+            index: item.index,
+            name: fitting.name.as_deref(),
+            notices: &fitting.notices,
+        };
         let content = answer::fitted(
             &self.settings,
-            item.index,
-            fitting.name.as_deref(),
+            &head,
             ended,
             &fitting.form,
             problem.as_ref(),
@@ -286,7 +298,12 @@ impl Group {
             self.lines.fatal = Some(problem);
             return;
         }
-        let content = answer::failed(&self.settings, item.index, name.as_deref(), &problem);
+        let head = LineHead {
+            index: item.index,
+            name: name.as_deref(),
+            notices: self.settings.notices_of(item.index),
+        };
+        let content = answer::failed(&self.settings, &head, &problem);
         self.lines.failed += 1;
         self.lines.push(item.index, content);
         self.item_has_ended();

@@ -18,6 +18,9 @@ pub(crate) struct BatchLine<'a> {
     /// How its fit has ended.
     #[serde(default)]
     pub state: String,
+    /// What was understood of its points.
+    #[serde(default)]
+    pub notices: Vec<String>,
     /// The distances from the data.
     pub error: Option<Distances>,
     #[serde(borrow)]

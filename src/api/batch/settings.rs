@@ -106,6 +106,8 @@ pub(in crate::api) struct Settings {
     pub(super) limits: Limits,
     forms: Forms,
     common: OnceLock<Common>,
+    /// What was understood of each part, if the items are the parts of a file.
+    notices: OnceLock<Vec<Arc<[String]>>>,
     /// The id of the request, which problems have.
     request_id: Option<String>,
     trace_id: Option<String>,
@@ -133,6 +135,7 @@ impl Settings {
             limits: order::limits(app),
             forms,
             common: OnceLock::new(),
+            notices: OnceLock::new(),
             request_id,
             trace_id: RequestTrace::current().map(|trace| trace.trace_id()),
             cancelled: Arc::default(),
@@ -152,6 +155,19 @@ impl Settings {
         };
         let _ = self.common.set(common);
         Ok(())
+    }
+
+    /// Takes what was understood of each part of the file whose parts are the items.
+    pub(in crate::api) fn set_notices(&self, notices: Vec<Arc<[String]>>) {
+        let _ = self.notices.set(notices);
+    }
+
+    /// What was understood of the part that this item is.
+    pub(super) fn notices_of(&self, index: usize) -> &[String] {
+        let notices = self.notices.get();
+        notices
+            .and_then(|notices| notices.get(index))
+            .map_or(&[], |notices| notices)
     }
 
     /// What the items have in common, if that was given.

@@ -57,7 +57,8 @@ pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Re
             Batch::begin(settings, request.into_body(), coding).await?
         }
         Some(fields) => {
-            let jobs = PartJobs::read(&app, request, fields).await?;
+            let mut jobs = PartJobs::read(&app, request, fields).await?;
+            settings.set_notices(jobs.take_notices());
             Batch::begin(settings, jobs.into_body(), None).await?
         }
     };

@@ -13,12 +13,13 @@ use crate::api::proto::bounds::{self, Bounded};
 use piad_files::short::quoted;
 
 /// The media types of files of points. What is in a file says what it is; these say that it is one.
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "text/csv",
     "text/plain",
     "application/octet-stream",
     "application/geo+json",
     "application/gpx+xml",
+    "application/vnd.google-earth.kml+xml",
     "image/svg+xml",
     "image/vnd.dxf",
     "model/obj",

@@ -4,6 +4,7 @@
 //! `{"curve": {"degree": 3}}`. It becomes that JSON, which is read as any other.
 
 use std::convert::Infallible;
+use std::sync::Arc;
 
 use axum::body::Body;
 use axum::extract::{Request, State};
@@ -207,6 +208,8 @@ pub(super) struct PartJobs {
     /// The memory that the file and its lines take.
     body: ReceivedBody,
     lines: std::vec::IntoIter<Bytes>,
+    /// What was understood of each part.
+    notices: Vec<Arc<[String]>>,
 }
 
 impl PartJobs {
@@ -220,20 +223,24 @@ impl PartJobs {
             let most = most.max(body.bytes.len() / SHORTEST);
             let hints = file::hints(&fields.json, fields.reading, most);
             let parts = import::read_parts(&body.bytes, &hints)?;
-            let line = |part| {
+            let (mut lines, mut notices) = (Vec::with_capacity(parts.len()), Vec::new());
+            for mut part in parts {
+                add_notices(&mut notices, std::mem::take(&mut part.notices));
                 let json = file::json(fields.json.clone(), part, &hints)?;
-                Ok([json, Bytes::from_static(b"\n")].concat().into())
-            };
-            let lines: Vec<Bytes> = parts
-                .into_iter()
-                .map(line)
-                .collect::<Result<_, Problem>>()?;
+                lines.push([json, Bytes::from_static(b"\n")].concat().into());
+            }
             Ok(Self {
                 body,
                 lines: lines.into_iter(),
+                notices,
             })
         };
         order::read(app, 0, work).await
+    }
+
+    /// What was understood of each part, which is taken out.
+    pub(super) fn take_notices(&mut self) -> Vec<Arc<[String]>> {
+        std::mem::take(&mut self.notices)
     }
 
     /// The lines as the body of a batch.
@@ -245,6 +252,12 @@ impl PartJobs {
         });
         Body::from_stream(lines)
     }
+}
+
+/// Adds the notices of a part. Most are about the whole file: parts with the same ones share them.
+fn add_notices(all: &mut Vec<Arc<[String]>>, notices: Vec<String>) {
+    let same = all.last().filter(|last| ***last == *notices).cloned();
+    all.push(same.unwrap_or_else(|| notices.into()));
 }
 
 /// The address with some of its parameters.

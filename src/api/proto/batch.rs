@@ -22,6 +22,8 @@ const RESULT: u32 = 2;
 pub(crate) struct ItemEnd<'a> {
     pub index: usize,
     pub name: Option<&'a str>,
+    /// What was understood of its points.
+    pub notices: &'a [String],
     pub state: State,
     /// Why it has not converged.
     pub problem: Option<&'a Problem>,
@@ -40,7 +42,7 @@ pub(crate) fn item(item: &ItemEnd<'_>, shown: Option<(&Frame, &Form)>) -> Conten
         let head = ResultHead {
             id: None,
             name: item.name,
-            notices: &[],
+            notices: item.notices,
             state: item.state,
         };
         with_length(geometry::result(&head, frame, form.view))

@@ -1,10 +1,14 @@
 //! What is reported of parameters that the fit has chosen.
 
+use piad_fit::engine::Problem;
 use piad_fit::parameters::{CoordinatePlane, Cylinder, FoldedTriangles, Scattered, Sphere};
 
-/// What is said of parameters that the fit has chosen, and of triangles of a mesh that these turn over.
-pub(crate) fn notices(chosen: &Scattered, folded: Option<FoldedTriangles>) -> Vec<String> {
-    let folded = folded.map(|folded| {
+/// What is said of parameters that a fit has chosen, and of triangles of a mesh that these turn over.
+pub(crate) fn notices(problem: &Problem) -> Vec<String> {
+    let Some(chosen) = problem.chosen_parameters() else {
+        return Vec::new();
+    };
+    let folded = problem.folded_triangles().map(|folded| {
         let FoldedTriangles {
             count,
             triangle,

@@ -95,7 +95,7 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
     }
   }
 
-  const input = el("input", { type: "file", id: "file", class: "aside", tabindex: -1, "aria-label": "A file of points", accept: ".csv,.dat,.txt,.xyz,.json,.tsv,.gpx,.geojson,.dxf,.svg,.nc,.gcode,.asc,.pts,.pcd,.las,.ply,.stl,.obj,.off,text/*,application/json" });
+  const input = el("input", { type: "file", id: "file", class: "aside", tabindex: -1, "aria-label": "A file of points", accept: ".csv,.dat,.txt,.xyz,.json,.tsv,.gpx,.kml,.geojson,.dxf,.svg,.nc,.gcode,.asc,.pts,.pcd,.las,.ply,.stl,.obj,.off,text/*,application/json" });
   input.addEventListener("change", () => {
     const [file] = input.files ?? [];
     input.value = "";

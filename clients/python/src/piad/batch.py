@@ -48,6 +48,8 @@ class BatchItem:
     """The geometry of the last iteration, also if it has not converged; its id is empty."""
     problem: Optional[Problem]
     """Why it has not converged; its pointers begin with `/items/3` or `/defaults`."""
+    notices: tuple[str, ...] = ()
+    """What was understood of its points, in sentences, such as the parameters that were chosen."""
 
     def __repr__(self) -> str:
         error = "" if self.error is None else f", {self.error.brief}"
@@ -93,6 +95,7 @@ class BatchItem:
             None if error is None else Distances.from_json(error),
             result,
             problem,
+            tuple(value.get("notices", ())),
         )
 
 

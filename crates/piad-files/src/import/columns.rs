@@ -12,8 +12,7 @@ pub(super) const MOST_COLUMNS: usize = 1000;
 pub(super) use resolve::Names;
 
 /// Why weights are refused.
-const NO_WEIGHTS: &str =
-    "weights of points are not read from tables: a request in JSON has them (w=)";
+const NO_WEIGHTS: &str = "weights of points are not read from tables (w=), as they may be those of a rational fit or of a least-squares one: give them in JSON, as curve.weights or method.data_weights";
 
 /// The columns of coordinates, and that of times.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -40,6 +40,8 @@ pub(super) enum Format {
     GeoJson,
     /// Tracks, routes and waypoints.
     Gpx,
+    /// Lines, rings and tracks of maps.
+    Kml,
     /// The vertices of a mesh in OFF.
     Off,
     /// A mesh in STL.
@@ -64,6 +66,7 @@ impl Format {
             () if super::dxf::is_dxf(text) => Self::Dxf,
             () if super::geojson::is_geojson(text.as_bytes()) => Self::GeoJson,
             () if super::gpx::is_gpx(text) => Self::Gpx,
+            () if super::kml::is_kml(text) => Self::Kml,
             () if super::svg::is_svg(text) => Self::Svg,
             () if super::gcode::is_gcode(text) => Self::GCode,
             () if super::off::is_off(text) => Self::Off,

@@ -22,7 +22,7 @@
 //! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
 //! - `esri_grid`: heights at equal steps;
 //! - `curves`: the curves of a file with several, until each is a part;
-//! - `geojson`: lines, polygons and points; `xml`, `gpx`: tracks and routes; `degrees`: longitude and latitude as metres in a plane;
+//! - `geojson`: lines, polygons and points; `xml`, `gpx`, `kml`: tracks, routes and lines, by `tracks`; `degrees`: longitude and latitude as metres in a plane;
 //! - `dxf`, `svg`: drawings; `gcode`: paths of tools; `sampled`: points on their arcs and other curves;
 //! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
 //!   MSES has above the points is known;
@@ -54,6 +54,7 @@ mod gpx;
 mod grid_detection;
 mod head;
 mod imported;
+mod kml;
 mod las;
 mod layout;
 mod line;
@@ -78,6 +79,7 @@ mod table;
 mod text_column;
 mod times;
 mod timestamps;
+mod tracks;
 mod unread;
 mod xml;
 
@@ -164,6 +166,7 @@ fn parts_of_format(file: &[u8], hints: &Hints) -> Result<(Parts, bool), FileErro
         Format::GCode => gcode::read(&text, hints),
         Format::GeoJson => geojson::read(&text, hints),
         Format::Gpx => gpx::read(&text, hints),
+        Format::Kml => kml::read(&text, hints),
         Format::Off => Ok(off::read(&text, hints)?.into()),
         Format::Stl => Ok(stl::read_text(&text, hints)?.into()),
         Format::Obj => obj::read(&text, hints),

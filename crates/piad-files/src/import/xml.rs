@@ -25,12 +25,23 @@ pub(super) struct Element<'a> {
     start: BytesStart<'a>,
     /// The line that it begins in, from 1.
     pub(super) line: u32,
+    /// The byte that it begins at.
+    at: usize,
+}
+
+/// Where an element begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    at: usize,
+    line: u32,
 }
 
 /// The nodes of a text.
 pub(super) struct Nodes<'a> {
     text: &'a str,
     reader: Reader<&'a [u8]>,
+    /// Where they begin in the file.
+    start: usize,
     /// How many elements are around.
     depth: usize,
     /// How many bytes the lines were counted of.
@@ -40,15 +51,27 @@ pub(super) struct Nodes<'a> {
 
 impl<'a> Nodes<'a> {
     pub(super) fn new(text: &'a str) -> Self {
+        Self::from_place(text, Place { at: 0, line: 1 })
+    }
+
+    /// The nodes from an element on.
+    pub(super) fn from_place(text: &'a str, place: Place) -> Self {
+        let text = text.get(place.at..).unwrap_or_default();
         let mut reader = Reader::from_str(text);
         reader.config_mut().expand_empty_elements = true;
         Self {
             text,
             reader,
+            start: place.at,
             depth: 0,
             counted: 0,
-            line: 1,
+            line: place.line,
         }
+    }
+
+    /// How many bytes were read.
+    pub(super) fn position(&self) -> u64 {
+        self.reader.buffer_position()
     }
 
     /// The next node; none at the end.
@@ -68,7 +91,8 @@ impl<'a> Nodes<'a> {
                 Event::Start(start) => {
                     self.depth += 1;
                     let line = self.line_of(place);
-                    Node::Start(Element { start, line })
+                    let at = self.start + usize::try_from(place).unwrap_or(usize::MAX);
+                    Node::Start(Element { start, line, at })
                 }
                 Event::End(_) => {
                     self.depth = self.depth.saturating_sub(1);
@@ -111,6 +135,14 @@ impl<'a> Nodes<'a> {
 }
 
 impl Element<'_> {
+    /// Where it begins.
+    pub(super) fn place(&self) -> Place {
+        Place {
+            at: self.at,
+            line: self.line,
+        }
+    }
+
     /// The name without its prefix.
     pub(super) fn name(&self) -> &str {
         let name = self.full_name();

@@ -32,6 +32,9 @@ struct BatchItem<'a> {
     /// The final state; `failed` also if the item is no fit that can be computed.
     #[schemars(with = "State")]
     state: &'static str,
+    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    notices: &'a [String],
     /// The number of the last iteration. Absent if there was none.
     #[serde(skip_serializing_if = "Option::is_none")]
     iteration: Option<usize>,
@@ -65,6 +68,8 @@ pub(crate) struct ItemEnd<'a> {
     pub index: usize,
     /// The client's name for it.
     pub name: Option<&'a str>,
+    /// What was understood of its points.
+    pub notices: &'a [String],
     /// How its fit has ended.
     pub status: &'a Status,
     /// The last level.
@@ -100,6 +105,7 @@ pub(crate) fn fitted(item: ItemEnd<'_>, form: &Form) -> Content {
         index: item.index,
         name: item.name,
         state: item.status.state.name(),
+        notices: item.notices,
         iteration: level.map(|level| level.iteration),
         error: error.map(|(error, problem)| ErrorView::new(error, problem)),
         curve,
@@ -109,11 +115,17 @@ pub(crate) fn fitted(item: ItemEnd<'_>, form: &Form) -> Content {
 }
 
 /// The line of an item that is no fit that can be computed.
-pub(crate) fn failed(index: usize, name: Option<&str>, problem: ProblemBody) -> Bytes {
+pub(crate) fn failed(
+    index: usize,
+    name: Option<&str>,
+    notices: &[String],
+    problem: ProblemBody,
+) -> Bytes {
     to_bytes(&BatchItem {
         index,
         name,
         state: State::Failed.name(),
+        notices,
         iteration: None,
         error: None,
         curve: None,

@@ -33,6 +33,11 @@ impl<'a> Entity<'a> {
         self.first(8).map_or("0", |pair| pair.value)
     }
 
+    /// A text; empty if it is not there.
+    pub(super) fn text(&self, code: i32) -> &'a str {
+        self.first(code).map_or("", |pair| pair.value)
+    }
+
     /// A number; 0 if it is not there.
     ///
     /// # Errors

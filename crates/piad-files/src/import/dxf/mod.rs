@@ -1,5 +1,6 @@
-//! Drawings in DXF: the entities of the model, without those of blocks.
+//! Drawings in DXF: the entities of the model, and those of blocks where references place them.
 
+mod blocks;
 mod chains;
 mod entity;
 mod pairs;
@@ -13,6 +14,7 @@ use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::Parts;
 use crate::short::{plain, quoted};
+use blocks::{Blocks, MOST_NESTED, MOST_PLACED, Placement, placements, too_deep, too_many};
 use entity::Entity;
 use pairs::{Pair, Pairs};
 use shapes::Shape;
@@ -61,6 +63,14 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     drawing.finish()
 }
 
+/// A reference to a block, whose entities are added.
+struct Reference<'a> {
+    placement: Placement,
+    layer: &'a str,
+    /// How many references there are inside each other, with this one.
+    depth: usize,
+}
+
 struct Drawing<'a> {
     most: usize,
     /// The curves with their places in the file.
@@ -72,6 +82,10 @@ struct Drawing<'a> {
     /// How many entities there are, and how many points they have.
     entities: usize,
     count: usize,
+    blocks: Blocks<'a>,
+    /// How many references were read, and how many groups all of them have placed.
+    references: usize,
+    placed: usize,
     /// How many entities of a kind are not read.
     unread: BTreeMap<&'a str, usize>,
     paper: usize,
@@ -87,6 +101,9 @@ impl<'a> Drawing<'a> {
             points: BTreeMap::new(),
             entities: 0,
             count: 0,
+            blocks: Blocks::default(),
+            references: 0,
+            placed: 0,
             unread: BTreeMap::new(),
             paper: 0,
             units: None,
@@ -106,76 +123,68 @@ impl<'a> Drawing<'a> {
                     let known = UNITS.iter().find(|(code, _)| *code == value);
                     self.units = known.map(|(_, unit)| *unit);
                 }
-                (0, _) if name == "ENTITIES" => return self.read_entities(pair, pairs),
+                (0, _) if name == "BLOCKS" => {
+                    return read_entities(name, pair, pairs, |entity, vertices| {
+                        self.blocks.add(entity, vertices)
+                    });
+                }
+                (0, _) if name == "ENTITIES" => {
+                    return read_entities(name, pair, pairs, |entity, vertices| {
+                        self.entity(&entity, &vertices)
+                    });
+                }
                 _ => {}
             }
         }
         Err(cut_off(name))
     }
 
-    /// Reads entities up to the end of their section, from the first one on.
-    fn read_entities(&mut self, first: Pair<'a>, pairs: &mut Pairs<'a>) -> Result<(), FileError> {
-        let mut entity = Entity::new(first);
-        // The polyline whose vertices are read, and these.
-        let mut polyline: Option<(Entity<'a>, Vec<Entity<'a>>)> = None;
-        while let Some(pair) = pairs.next()? {
-            if pair.code != 0 {
-                entity.groups.push(pair);
-                continue;
-            }
-            let next = Entity::new(pair);
-            let ended = std::mem::replace(&mut entity, next);
-            polyline = match (ended.name, polyline) {
-                ("VERTEX", Some((polyline, mut vertices))) => {
-                    vertices.push(ended);
-                    Some((polyline, vertices))
-                }
-                (name, open) => {
-                    if let Some((polyline, vertices)) = open {
-                        self.entity(&polyline, &vertices)?;
-                    }
-                    match name {
-                        "POLYLINE" => Some((ended, Vec::new())),
-                        "SEQEND" => None,
-                        _ => {
-                            self.entity(&ended, &[])?;
-                            None
-                        }
-                    }
-                }
-            };
-            if pair.value == "ENDSEC" {
-                if let Some((polyline, vertices)) = polyline {
-                    self.entity(&polyline, &vertices)?;
-                }
-                return Ok(());
-            }
-        }
-        Err(cut_off("ENTITIES"))
-    }
-
     fn entity(&mut self, entity: &Entity<'a>, vertices: &[Entity<'a>]) -> Result<(), FileError> {
-        self.entities += 1;
         if entity.flags(67)? == 1 {
+            self.entities += 1;
             self.paper += 1;
             return Ok(());
         }
-        let (layer, index) = (entity.layer(), self.entities);
+        self.add(entity, vertices, None)
+    }
+
+    /// Adds an entity of the drawing, or of a block within a reference.
+    fn add(
+        &mut self,
+        entity: &Entity<'a>,
+        vertices: &[Entity<'a>],
+        around: Option<&Reference<'a>>,
+    ) -> Result<(), FileError> {
+        self.entities += 1;
+        let layer = match (entity.layer(), around) {
+            // Such entities of blocks are in the layer of the reference.
+            ("0", Some(reference)) => reference.layer,
+            (layer, _) => layer,
+        };
+        if entity.name == "INSERT" {
+            return self.insert(entity, layer, around);
+        }
+        let index = self.entities;
         let named = |curve: Curve| Curve {
             name: Some(layer.to_owned()),
             ..curve
         };
-        let shape = shapes::shape(entity, vertices, self.most)?;
-        if let Shape::Piece(curve) | Shape::Whole(curve) = &shape {
+        let placed = |point| around.map_or(point, |it| it.placement.apply(point));
+        let mut shape = shapes::shape(entity, vertices, self.most)?;
+        if let Shape::Piece(curve) | Shape::Whole(curve) = &mut shape {
             self.count += curve.points.len();
+            for point in &mut curve.points {
+                *point = placed(*point);
+            }
         }
         match shape {
             Shape::Whole(curve) => self.curves.push((index, named(curve))),
             Shape::Piece(curve) => self.pieces.entry(layer).or_default().push((index, curve)),
             Shape::Point(point, line) => {
+                self.count += 1;
                 let cloud = || (index, named(Curve::cloud(None)));
                 let (_, cloud) = self.points.entry(layer).or_insert_with(cloud);
-                cloud.push(point, line);
+                cloud.push(placed(point), line);
             }
             Shape::Mesh => *self.unread.entry("POLYLINE that is a mesh").or_default() += 1,
             Shape::Unknown => *self.unread.entry(entity.name).or_default() += 1,
@@ -184,6 +193,40 @@ impl<'a> Drawing<'a> {
         if self.count / 2 > self.most {
             let detail = format!("there are more than {} points, the limit", self.most);
             return Err(FileError::at(entity.line as usize, detail));
+        }
+        Ok(())
+    }
+
+    /// Adds the entities of a block where a reference places them.
+    fn insert(
+        &mut self,
+        insert: &Entity<'a>,
+        layer: &'a str,
+        around: Option<&Reference<'a>>,
+    ) -> Result<(), FileError> {
+        let depth = around.map_or(0, |it| it.depth) + 1;
+        if depth > MOST_NESTED {
+            return Err(too_deep(insert));
+        }
+        let Some(block) = self.blocks.get(insert.text(2)) else {
+            let name = "INSERT of a block without entities in the file";
+            *self.unread.entry(name).or_default() += 1;
+            return Ok(());
+        };
+        self.references += usize::from(around.is_none());
+        for own in placements(insert, block.base)? {
+            self.placed += block.groups;
+            if self.placed > MOST_PLACED {
+                return Err(too_many(insert));
+            }
+            let reference = Reference {
+                placement: around.map_or(own, |it| it.placement.after(&own)),
+                layer,
+                depth,
+            };
+            for (entity, vertices) in &block.entities {
+                self.add(entity, vertices, Some(&reference))?;
+            }
         }
         Ok(())
     }
@@ -215,6 +258,12 @@ impl<'a> Drawing<'a> {
         if let Some(units) = self.units {
             notices.push(format!("The drawing is in {units}."));
         }
+        if self.references > 0 {
+            notices.push(format!(
+                "{} INSERTs are read as the entities of their blocks.",
+                self.references
+            ));
+        }
         let listed = self.unread.iter().take(MOST_NAMES);
         let listed = listed.map(|(name, count)| format!("{count} {}", plain(name)));
         let listed: Vec<String> = listed.collect();
@@ -236,6 +285,51 @@ impl<'a> Drawing<'a> {
         }
         notices
     }
+}
+
+/// Reads entities up to the end of this section, from the first one on, each with its vertices.
+fn read_entities<'a>(
+    section: &str,
+    first: Pair<'a>,
+    pairs: &mut Pairs<'a>,
+    mut take: impl FnMut(Entity<'a>, Vec<Entity<'a>>) -> Result<(), FileError>,
+) -> Result<(), FileError> {
+    let mut entity = Entity::new(first);
+    // The polyline whose vertices are read, and these.
+    let mut polyline: Option<(Entity<'a>, Vec<Entity<'a>>)> = None;
+    while entity.name != "ENDSEC" {
+        let Some(pair) = pairs.next()? else {
+            return Err(cut_off(section));
+        };
+        if pair.code != 0 {
+            entity.groups.push(pair);
+            continue;
+        }
+        let ended = std::mem::replace(&mut entity, Entity::new(pair));
+        polyline = match (ended.name, polyline) {
+            ("VERTEX", Some((polyline, mut vertices))) => {
+                vertices.push(ended);
+                Some((polyline, vertices))
+            }
+            (name, open) => {
+                if let Some((polyline, vertices)) = open {
+                    take(polyline, vertices)?;
+                }
+                match name {
+                    "POLYLINE" => Some((ended, Vec::new())),
+                    "SEQEND" => None,
+                    _ => {
+                        take(ended, Vec::new())?;
+                        None
+                    }
+                }
+            }
+        };
+    }
+    if let Some((polyline, vertices)) = polyline {
+        take(polyline, vertices)?;
+    }
+    Ok(())
 }
 
 /// The error of a file that ends within a section.

@@ -222,13 +222,172 @@ fn files_that_are_cut_off_are_refused() {
     let inserts = format!("0 INSERT\n2 a\n10 0\n20 0\n{}", line("A", [0, 0, 1, 1]));
     let text = format!("{blocks}{}", file(&inserts));
     let part = read_parts(text.as_bytes(), &HINTS).unwrap().remove(0);
-    assert_eq!(part.notices[1], "Entities that are not read: 1 INSERT.");
+    assert_eq!(
+        part.notices[1],
+        "Entities that are not read: 1 INSERT of a block without entities in the file."
+    );
+}
+
+/// The names of blocks, and their entities.
+type Blocks<'a> = &'a [(&'a str, &'a str)];
+
+/// The parts of a drawing with these blocks and entities.
+fn with_blocks(blocks: Blocks<'_>, entities: &str) -> Result<Vec<Imported>, FileErrors> {
+    let block =
+        |(name, inner): &(&str, &str)| format!("0 BLOCK\n2 {name}\n10 1\n20 1\n{inner}0 ENDBLK\n");
+    let blocks: String = blocks.iter().map(block).collect();
+    let text = format!(
+        "0 ENDSEC\n0 SECTION\n2 BLOCKS\n{blocks}0 ENDSEC\n0 SECTION\n2 ENTITIES\n{entities}"
+    );
+    parts(&text)
+}
+
+fn insert(block: &str, more: &str) -> String {
+    format!("0 INSERT\n2 {block}\n8 placed\n10 10\n20 20\n{more}")
+}
+
+#[test]
+fn blocks_are_where_references_place_them() {
+    let vee = "0 LWPOLYLINE\n8 own\n10 1\n20 1\n10 2\n20 1\n10 2\n20 3\n";
+    let points_of = |entities: &str| {
+        let found = with_blocks(&[("vee", vee)], entities).unwrap();
+        found.iter().map(points).collect::<Vec<_>>()
+    };
+    let near = |found: &[Vec<f64>], expected: &[[f64; 2]]| {
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(expected) {
+            let distance = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+            assert!(distance < 1e-12, "{found:?} {expected:?}");
+        }
+    };
+    // The base of the block comes to the place of the reference.
+    let plain = points_of(&insert("vee", ""));
+    near(&plain[0], &[[10.0, 20.0], [11.0, 20.0], [11.0, 22.0]]);
+    let turned = points_of(&insert("vee", "41 2\n42 3\n50 90\n"));
+    near(&turned[0], &[[10.0, 20.0], [10.0, 22.0], [4.0, 22.0]]);
+    let mirrored = points_of(&insert("vee", "41 -1\n"));
+    near(&mirrored[0], &[[10.0, 20.0], [9.0, 20.0], [9.0, 22.0]]);
+    // Turned over, its place is in its own coordinate system.
+    let below = points_of(&insert("vee", "210 0\n220 0\n230 -1\n"));
+    near(&below[0], &[[-10.0, 20.0], [-11.0, 20.0], [-11.0, 22.0]]);
+    // Rows and columns.
+    let all = points_of(&insert("vee", "70 2\n71 3\n44 5\n45 7\n"));
+    assert_eq!(all.len(), 6);
+    assert_eq!(
+        (&all[1][0], &all[5][0]),
+        (&vec![15.0, 20.0], &vec![15.0, 34.0])
+    );
+    let found = with_blocks(&[("vee", vee)], &insert("vee", "")).unwrap();
+    assert_eq!(found[0].name.as_deref(), Some("own"));
+    assert_eq!(
+        found[0].notices[1],
+        "1 INSERTs are read as the entities of their blocks."
+    );
+}
+
+#[test]
+fn blocks_in_blocks_are_read() {
+    let line = "0 LINE\n8 0\n10 1\n20 1\n11 2\n21 1\n";
+    let arc = "0 ARC\n8 0\n10 1\n20 2\n40 1\n50 270\n51 360\n";
+    let point = "0 POINT\n8 own\n10 1\n20 1\n0 POINT\n8 own\n10 5\n20 1\n";
+    let outer = format!(
+        "{}{}{}",
+        insert("line", "8 0\n"),
+        insert("line", "50 90\n").replace("8 placed", "8 0"),
+        insert("points", "41 2\n")
+    );
+    let blocks = [
+        ("outer", &*outer),
+        ("line", line),
+        ("arc", arc),
+        ("points", point),
+    ];
+    let found = with_blocks(
+        &blocks,
+        &(insert("outer", "41 2\n42 2\n") + &insert("arc", "")),
+    )
+    .unwrap();
+    let names: Vec<_> = found.iter().map(|part| part.name.as_deref()).collect();
+    // Layer 0 of a block is that of its reference. Lines of two blocks meet.
+    assert_eq!(names, [Some("placed"), Some("own"), Some("placed 2")]);
+    assert_eq!(
+        points(&found[0]),
+        [[28.0, 60.0], [28.0, 58.0], [30.0, 58.0]].map(Vec::from)
+    );
+    assert_eq!(
+        points(&found[1]),
+        [[28.0, 58.0], [44.0, 58.0]].map(Vec::from)
+    );
+    check_radius(&found[2], [10.0, 21.0], 1.0);
+}
+
+#[test]
+fn blocks_have_limits() {
+    let line = "0 LINE\n10 1\n20 1\n11 2\n21 1\n";
+    let twice = |name: &str| insert(name, "").repeat(2);
+    let cases: [(Blocks<'_>, String, &str); 5] = [
+        (
+            &[("a", &twice("a"))],
+            insert("a", ""),
+            "nested more than 16 deep",
+        ),
+        (
+            &[("a", &twice("b")), ("b", &twice("a"))],
+            insert("a", ""),
+            "nested more than 16 deep",
+        ),
+        (
+            &[("a", line)],
+            insert("a", "70 30000\n71 30000\n"),
+            "more than 2000 points",
+        ),
+        (
+            &[("a", line)],
+            insert("a", "41 x\n"),
+            "\"x\" is no number (group 41)",
+        ),
+        (
+            &[("a", line)],
+            insert("a", "41 1e308\n").replace("10 10", "10 1e308"),
+            "too large",
+        ),
+    ];
+    for (blocks, entities, detail) in cases {
+        let error = with_blocks(blocks, &entities).unwrap_err();
+        assert!(error.to_string().contains(detail), "{error}");
+    }
+    // Few references inside each other place very many, also where there is no point in the end.
+    let inner: Vec<(String, String)> = (0..12)
+        .map(|i| {
+            (
+                format!("b{i}"),
+                insert(&format!("b{}", i + 1), "").repeat(10),
+            )
+        })
+        .collect();
+    let blocks: Vec<(&str, &str)> = inner
+        .iter()
+        .map(|(name, inner)| (&**name, &**inner))
+        .collect();
+    let error = with_blocks(&blocks, &insert("b0", "")).unwrap_err();
+    assert!(
+        error.to_string().contains("more than 1000000 groups"),
+        "{error}"
+    );
+    let error =
+        with_blocks(&[("a", line)], &insert("a", "70 300\n71 300\n44 2\n45 2\n")).unwrap_err();
+    assert!(
+        error.to_string().contains("more than 2000 points"),
+        "{error}"
+    );
+    let missing = with_blocks(&[("a", "")], &(insert("a", "") + &insert("b", "") + line)).unwrap();
+    assert!(missing[0].notices[1].contains("2 INSERT of a block without entities"));
 }
 
 proptest! {
     #[test]
     fn no_entities_panic(
-        names in prop::collection::vec("LINE|ARC|CIRCLE|ELLIPSE|LWPOLYLINE|POLYLINE|VERTEX|SEQEND|SPLINE|POINT", 1..6),
+        names in prop::collection::vec("LINE|ARC|CIRCLE|ELLIPSE|LWPOLYLINE|POLYLINE|VERTEX|SEQEND|SPLINE|POINT|INSERT|BLOCK|ENDBLK", 1..6),
         groups in prop::collection::vec(("[1-4][0-2]|7[0-4]|2[1-3]0", "-?[0-9]{1,2}|1e300|1e-300"), 0..60),
     ) {
         let mut groups = groups.into_iter();

@@ -1,14 +1,12 @@
 //! Tracks, routes and waypoints of GPX.
 
 use jiff::Timestamp;
-use jiff::civil::DateTime;
-use jiff::tz::TimeZone;
 
 use super::curves::{Curve, Curves};
-use super::degrees;
 use super::error::{FileError, FileErrors, MOST_ERRORS};
 use super::imported::Hints;
 use super::part::Parts;
+use super::tracks::{self, timestamp};
 use super::xml::{self, Element, Node, Nodes};
 use crate::short::quoted;
 
@@ -182,35 +180,11 @@ impl Reader {
         self.curves.push(curve)
     }
 
-    fn finish(mut self, hints: &Hints) -> Result<Parts, FileErrors> {
+    fn finish(self, hints: &Hints) -> Result<Parts, FileErrors> {
         if !self.errors.is_empty() {
             return Err(FileErrors(self.errors));
         }
-        let mut notices = Vec::new();
-        let waypoints = self.waypoints.points.len();
-        if self.curves.count() == 0 {
-            self.curves.push(self.waypoints)?;
-        } else if waypoints > 0 {
-            notices.push(format!("{waypoints} waypoints are not read."));
-        }
-        let heights = self.curves.points().filter(|[_, _, z]| z.is_finite());
-        let heights = heights.count();
-        let count = self.curves.count();
-        if heights > 0 && heights < count {
-            notices.push(format!(
-                "{} of {count} points have no elevation, which is left out.",
-                count - heights
-            ));
-        }
-        notices.splice(0..0, degrees::to_metres(&mut self.curves));
-        let dimension = if heights == count { 3 } else { 2 };
-        let mut parts = self.curves.finish(dimension, notices)?;
-        if parts.parts.iter().any(|part| part.times.is_some()) && !hints.times {
-            let notice =
-                "The points have times, which are not used; curve.parameters=time uses them.";
-            parts.notices.push(notice.to_owned());
-        }
-        Ok(parts)
+        tracks::finish(self.curves, self.waypoints, "waypoints", hints)
     }
 }
 
@@ -223,15 +197,6 @@ impl Times {
         let first = *self.first.get_or_insert(time);
         *seconds = time.duration_since(first).as_secs_f64();
     }
-}
-
-/// A time in ISO 8601. One without an offset from UTC, which GPX does not allow, is taken as UTC.
-fn timestamp(text: &str) -> Option<Timestamp> {
-    let with_offset = text.parse().ok();
-    with_offset.or_else(|| {
-        let local: DateTime = text.parse().ok()?;
-        TimeZone::UTC.to_timestamp(local).ok()
-    })
 }
 
 /// An attribute that is an angle from the negative of the largest one up to it.

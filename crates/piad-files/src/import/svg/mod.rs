@@ -2,6 +2,7 @@
 
 mod path;
 mod pen;
+mod references;
 mod scan;
 
 use std::collections::BTreeMap;
@@ -13,13 +14,18 @@ use super::part::Parts;
 use super::xml::{self, Element, Node, Nodes};
 use crate::short::quoted;
 use pen::{ArcShape, Pen};
+use references::{References, Referred, in_window};
 use scan::{Scanner, Transform, length};
 
 /// The elements that hold others.
 const GROUPS: [&str; 3] = ["g", "a", "switch"];
 
 /// The elements that are drawn and not read.
-const UNREAD: [&str; 5] = ["foreignObject", "image", "svg", "text", "use"];
+const UNREAD: [&str; 4] = ["foreignObject", "image", "svg", "text"];
+
+/// The element that draws another one again, and the group that is drawn only so.
+const USE: &str = "use";
+const SYMBOL: &str = "symbol";
 
 /// Returns true if a text is SVG.
 pub(super) fn is_svg(text: &str) -> bool {
@@ -32,7 +38,9 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
         curves: Curves::new(hints.most),
         most: hints.most,
         around: Vec::new(),
+        references: References::new(text),
         prefix: None,
+        referred: None,
         unread: BTreeMap::new(),
         hidden: 0,
         notices: Vec::new(),
@@ -53,20 +61,23 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     reader.finish()
 }
 
-struct Reader {
+struct Reader<'a> {
     curves: Curves,
     most: usize,
+    references: References<'a>,
     /// The transforms of the elements around; none within one that is not read.
     around: Vec<Option<Transform>>,
     /// The prefix of the names of SVG.
     prefix: Option<String>,
+    /// At the element that a reference names.
+    referred: Option<Referred>,
     /// How many elements of a name are not read.
     unread: BTreeMap<String, usize>,
     hidden: usize,
     notices: Vec<String>,
 }
 
-impl Reader {
+impl Reader<'_> {
     /// Reads an element. Returns the transform of those in it, if they are read.
     fn start(&mut self, element: &Element<'_>) -> Result<Option<Transform>, FileError> {
         let Some(around) = self.around.last() else {
@@ -80,22 +91,71 @@ impl Reader {
         }
         let name = element.name();
         if UNREAD.contains(&name) {
-            *self.unread.entry(name.to_owned()).or_default() += 1;
+            self.count_unread(name);
             return Ok(None);
         }
-        let is_group = GROUPS.contains(&name);
-        if !is_group && !is_shape(name) {
+        let referred = self.referred.take().filter(|_| name == SYMBOL);
+        let is_symbol = referred.is_some();
+        let is_group = GROUPS.contains(&name) || is_symbol;
+        if !is_group && !is_shape(name) && name != USE {
             return Ok(None);
         }
         if is_hidden(element)? {
             self.hidden += 1;
             return Ok(None);
         }
-        let transform = around.after(own_transform(element)?);
-        if !is_group {
-            self.shape(element, transform)?;
+        let window = match referred {
+            None => Transform::IDENTITY,
+            Some(Referred { size }) => match in_window(element, size)? {
+                Some(window) => window,
+                None => {
+                    self.count_unread("symbol in a window of unknown size");
+                    return Ok(None);
+                }
+            },
+        };
+        let transform = around.after(own_transform(element)?).after(window);
+        match (name, is_group) {
+            (USE, _) => self.draw_again(element, transform)?,
+            (_, false) => self.shape(element, transform)?,
+            (_, true) => {}
         }
         Ok(is_group.then_some(transform))
+    }
+
+    /// Reads the element that a `use` names where that places it.
+    fn draw_again(&mut self, element: &Element<'_>, around: Transform) -> Result<(), FileError> {
+        let Some([x, y]) = lengths(element, ["x", "y"])? else {
+            self.count_unread("use with lengths in % or of fonts");
+            return Ok(());
+        };
+        let Some(mut nodes) = self.references.enter(element)? else {
+            self.count_unread("use of what is not in the file");
+            return Ok(());
+        };
+        let inside = vec![Some(around.after(Transform::shifted(x, y)))];
+        let outside = std::mem::replace(&mut self.around, inside);
+        self.referred = Some(Referred {
+            size: lengths(element, ["width", "height"])?,
+        });
+        while let Some(node) = nodes.next()? {
+            match node {
+                Node::Start(element) => {
+                    let transform = self.start(&element)?;
+                    self.around.push(transform);
+                }
+                Node::End => {
+                    self.around.pop();
+                    if self.around.len() < 2 {
+                        break;
+                    }
+                }
+                Node::Text(_) => {}
+            }
+        }
+        self.referred = None;
+        self.around = outside;
+        self.references.leave(element, nodes.position())
     }
 
     /// Reads the first element: where its lower edge is, which y is measured from, and what its unit is.
@@ -134,8 +194,7 @@ impl Reader {
         let mut pen = Pen::new(transform, element.line);
         let room = self.most.saturating_sub(self.curves.count());
         if draw(element, &mut pen, room)?.is_none() {
-            let name = format!("{} with lengths in % or of fonts", element.name());
-            *self.unread.entry(name).or_default() += 1;
+            self.count_unread(&format!("{} with lengths in % or of fonts", element.name()));
             return Ok(());
         }
         let label = element.attribute("inkscape:label")?;
@@ -145,6 +204,10 @@ impl Reader {
             self.curves.push(curve)?;
         }
         Ok(())
+    }
+
+    fn count_unread(&mut self, name: &str) {
+        *self.unread.entry(name.to_owned()).or_default() += 1;
     }
 
     fn finish(mut self) -> Result<Parts, FileErrors> {

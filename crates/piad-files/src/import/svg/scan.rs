@@ -106,6 +106,15 @@ impl Transform {
         Self([1.0, 0.0, 0.0, -1.0, 0.0, height])
     }
 
+    pub(super) fn shifted(x: f64, y: f64) -> Self {
+        Self::scaled(1.0, x, y)
+    }
+
+    /// Scaled first, and then shifted.
+    pub(super) fn scaled(scale: f64, x: f64, y: f64) -> Self {
+        Self([scale, 0.0, 0.0, scale, x, y])
+    }
+
     pub(super) fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [a, b, c, d, e, f] = self.0;
         [a * x + c * y + e, b * x + d * y + f]
@@ -146,7 +155,7 @@ impl Transform {
     }
 
     fn of_function(name: &str, numbers: &[f64]) -> Option<Self> {
-        let shift = |x: f64, y: f64| Self([1.0, 0.0, 0.0, 1.0, x, y]);
+        let shift = Self::shifted;
         Some(match (name, numbers) {
             ("matrix", &[a, b, c, d, e, f]) => Self([a, b, c, d, e, f]),
             ("translate", &[x]) => shift(x, 0.0),

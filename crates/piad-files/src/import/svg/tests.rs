@@ -71,9 +71,77 @@ fn what_is_left_out_is_said() {
     assert_eq!(
         found[0].notices[1..],
         [
-            "Elements that are not read: 1 rect with lengths in % or of fonts, 1 svg, 1 text, 2 use.",
+            "Elements that are not read: 1 rect with lengths in % or of fonts, 1 svg, 1 text, 2 use of what is not in the file.",
             "2 elements are hidden (display: none), and are left out."
         ]
+    );
+}
+
+#[test]
+fn references_are_drawn_where_they_are() {
+    let defs = "<defs><path id='a' d='M0 0 1 0 1 1'/><g id='b' transform='scale(2)'><use href='#a' x='1'/></g></defs>\n";
+    let uses = "<use href='#a' transform='translate(10 0)' x='1' y='2'/><use xlink:href='#b' x='5'/>\n<path id='c' d='M7 7 8 8'/><use href='#c' y='1'/>";
+    let found = parts(&format!("{uses}{defs}")).unwrap();
+    let firsts: Vec<_> = found
+        .iter()
+        .map(|part| points(part)[..2].to_vec())
+        .collect();
+    let expected = [
+        [[11.0, 98.0], [12.0, 98.0]],
+        [[7.0, 100.0], [9.0, 100.0]],
+        [[7.0, 93.0], [8.0, 92.0]],
+        [[7.0, 92.0], [8.0, 91.0]],
+    ];
+    assert_eq!(
+        firsts,
+        expected.map(|two| two.map(Vec::from)).map(Vec::from)
+    );
+    let names: Vec<_> = found.iter().map(|part| part.name.as_deref()).collect();
+    assert_eq!(names, ["a", "a 2", "c", "c 2"].map(Some));
+    assert_eq!(found[0].lines[0], 5);
+    // Symbols are drawn by references only, fitted into their windows.
+    let symbol = "<symbol id='s'><path d='M0 0 1 1'/></symbol><symbol id='w' viewBox='10 10 20 10'><path d='M10 10 30 20'/></symbol>";
+    let uses =
+        "<use href='#s' x='3'/><use href='#w' x='100' width='40' height='40'/><use href='#w'/>";
+    let found = parts(&format!("{symbol}{uses}")).unwrap();
+    assert_eq!(found.len(), 2);
+    assert_eq!(
+        points(&found[0]),
+        [[3.0, 100.0], [4.0, 99.0]].map(Vec::from)
+    );
+    assert_eq!(
+        points(&found[1]),
+        [[100.0, 90.0], [140.0, 70.0]].map(Vec::from)
+    );
+    assert_eq!(
+        found[0].notices[1],
+        "Elements that are not read: 1 symbol in a window of unknown size."
+    );
+}
+
+#[test]
+fn references_have_limits() {
+    for body in [
+        "<g id='a'><use href='#a'/></g>",
+        "<g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g>",
+    ] {
+        let error = parts(body).unwrap_err().to_string();
+        assert!(error.contains("nested more than 16 deep"), "{error}");
+    }
+    let group = |i: u32| {
+        let inner = format!("<use href='#g{}'/>", i + 1).repeat(10);
+        format!("<g id='g{i}'>{inner}</g>")
+    };
+    let many: String = (0..15).map(group).collect();
+    let error = parts(&format!("{many}<g id='g15'/>"))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("more than 16 MiB"), "{error}");
+    let curves = format!("<path id='a' d='M0 0{}'/>", " 1 1".repeat(300));
+    let error = parts(&(curves + &"<use href='#a'/>".repeat(3))).unwrap_err();
+    assert!(
+        error.to_string().contains("more than 1000 points"),
+        "{error}"
     );
 }
 
