@@ -1,10 +1,11 @@
 /** The geometry of iterations, as far as it was asked for. */
 
-import type { Job, api } from "piad";
+import type { Job, SampledIteration, api } from "piad";
 
 import { type Points, type Samples, pointsOf, thinned } from "./geometry.js";
 import type { Axes } from "./axes.js";
 import { Recent } from "./lru.js";
+import { Reel } from "./reel.js";
 
 // How many bytes of geometry a job keeps.
 const MOST = 64_000_000;
@@ -12,6 +13,9 @@ const MOST = 64_000_000;
 const MOST_NET = 15_000;
 // Coordinates beyond this are read with 64 bits.
 const LARGE = 1e35;
+
+// Iterations that are looked at one after the other are no further apart.
+const STRIDE = 4;
 
 /** What is read of the fit whose geometry is kept. */
 interface Source {
@@ -26,6 +30,11 @@ export class Gallery {
   readonly #fit: Source;
   readonly #kept = new Recent<Points>(MOST);
   readonly #coming = new Map<string, Promise<Points>>();
+  /** Reads iterations that follow each other, at the samples `#reeled`. */
+  #reel: Reel | null = null;
+  #reeled: api.Samples | null = null;
+  /** The iteration that was seen in passing last. */
+  #passing = -1;
 
   constructor(fit: Source) {
     this.#fit = fit;
@@ -33,18 +42,47 @@ export class Gallery {
 
   /** The curve or surface of an iteration; `precise` with 64 bits. */
   samples(k: number, samples: api.Samples, precise: boolean, axes: Axes): Promise<Samples> {
+    const exact = this.#kept.get(keyOf(k, samples, "base64"));
+    if (exact !== undefined) return Promise.resolve(exact as Samples);
     const encoding = precise || axes.isMoved ? "base64" : "base64_f32";
-    return this.#get(`${k} ${samples} ${encoding}`, async (signal) => {
+    return this.#get(keyOf(k, samples, encoding), async (signal) => {
       const job = await this.#fit.known();
-      const level = await job.iteration(k, { view: "samples", samples, encoding: await this.#fits(encoding, k), signal });
-      return { ...pointsOf(level.samples, axes, level.parameters), parameters: level.parameters };
+      return samplesOf(await job.iteration(k, { view: "samples", samples, encoding: await this.#fits(encoding, k), signal }), axes);
     }) as Promise<Samples>;
   }
 
-  /** The same if it is here already. */
-  kept(k: number, samples: api.Samples, precise: boolean, axes: Axes): Samples | undefined {
-    const encoding = precise || axes.isMoved ? "base64" : "base64_f32";
-    return this.#kept.get(`${k} ${samples} ${encoding}`) as Samples | undefined;
+  /**
+   * The curve or surface of an iteration that is seen in passing, within a hundredth of its error: those that follow each
+   * other come as differences.
+   */
+  async passing(k: number, samples: api.Samples, axes: Axes): Promise<Samples> {
+    const follows = k > this.#passing && k <= this.#passing + STRIDE;
+    this.#passing = k;
+    if (this.#reeled === samples) this.#reel?.want(k);
+    const kept = this.passed(k, samples);
+    if (kept !== undefined) return kept;
+    await this.#reelTo(k, samples, axes, follows)?.reach(k);
+    return this.passed(k, samples) ?? this.samples(k, samples, false, axes);
+  }
+
+  /** The best that is here of an iteration. */
+  passed(k: number, samples: api.Samples): Samples | undefined {
+    for (const encoding of ["base64", "base64_f32", "delta"] as const) {
+      const kept = this.#kept.get(keyOf(k, samples, encoding));
+      if (kept !== undefined) return kept as Samples;
+    }
+    return undefined;
+  }
+
+  /** The stream that an iteration is among the next of; `begin` opens one. */
+  #reelTo(k: number, samples: api.Samples, axes: Axes, begin: boolean): Reel | null {
+    const reel = this.#reel;
+    if (reel?.isNear(k) === true && this.#reeled === samples) return reel;
+    if (!begin || reel?.isRefused === true) return null;
+    reel?.close();
+    const keep = (level: SampledIteration, isExact: boolean) => void this.#keep(keyOf(level.number, samples, isExact ? "base64" : "delta"), samplesOf(level, axes));
+    this.#reeled = samples;
+    return (this.#reel = new Reel({ job: this.#fit.known(), samples, after: k - 1, signal: this.#fit.signal, keep }));
   }
 
   /** The control polygon or net of an iteration. */
@@ -70,12 +108,22 @@ export class Gallery {
     const coming = this.#coming.get(key);
     if (coming !== undefined) return coming;
     const asked = ask(this.#fit.signal)
-      .then((points) => {
-        this.#kept.set(key, points, points.exact.byteLength + points.positions.byteLength);
-        return points;
-      })
+      .then((points) => this.#keep(key, points))
       .finally(() => this.#coming.delete(key));
     this.#coming.set(key, asked);
     return asked;
   }
+
+  #keep(key: string, points: Points): Points {
+    this.#kept.set(key, points, points.exact.byteLength + points.positions.byteLength);
+    return points;
+  }
+}
+
+function keyOf(k: number, samples: api.Samples, encoding: api.NumberEncoding): string {
+  return `${k} ${samples} ${encoding}`;
+}
+
+function samplesOf(level: SampledIteration, axes: Axes): Samples {
+  return { ...pointsOf(level.samples, axes, level.parameters), parameters: level.parameters };
 }
