@@ -56,6 +56,16 @@ describe("iterations that follow each other", () => {
     await visit.end();
   });
 
+  test("have their control polygon from another one", PATIENT, async () => {
+    const visit = await Visit.to(browser, `${server.url}#job=${id}&k=0&show=data,polygon`);
+    await plays(visit);
+    await arrives(visit);
+    assert.deepEqual(streams(visit).map(({ path }) => /view=(\w+)/.exec(path)?.[1]).sort(), ["control_points", "samples"]);
+    const nets = visit.sent.flatMap(({ path }) => /\/iterations\/(\d+)\?.*view=control_points/.exec(path)?.[1] ?? []);
+    assert.deepEqual([...new Set(nets)], ["0"]);
+    await visit.end();
+  });
+
   test("are gone on with when the connection breaks", PATIENT, async () => {
     const visit = await Visit.to(browser, `${server.url}#job=${id}&k=0`);
     // The first stream ends within an event.

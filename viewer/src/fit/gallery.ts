@@ -1,11 +1,12 @@
 /** The geometry of iterations, as far as it was asked for. */
 
-import type { Job, SampledIteration, api } from "piad";
+import type { FittedIteration, Job, SampledIteration, api } from "piad";
 
 import { type Points, type Samples, pointsOf, thinned } from "./geometry.js";
 import type { Axes } from "./axes.js";
 import { Recent } from "./lru.js";
-import { Reel } from "./reel.js";
+import { Passing } from "./passing.js";
+import { type Level, Reel, type Request } from "./reel.js";
 
 // How many bytes of geometry a job keeps.
 const MOST = 64_000_000;
@@ -13,9 +14,6 @@ const MOST = 64_000_000;
 const MOST_NET = 15_000;
 // Coordinates beyond this are read with 64 bits.
 const LARGE = 1e35;
-
-// Iterations that are looked at one after the other are no further apart.
-const STRIDE = 4;
 
 /** What is read of the fit whose geometry is kept. */
 interface Source {
@@ -30,11 +28,8 @@ export class Gallery {
   readonly #fit: Source;
   readonly #kept = new Recent<Points>(MOST);
   readonly #coming = new Map<string, Promise<Points>>();
-  /** Reads iterations that follow each other, at the samples `#reeled`. */
-  #reel: Reel | null = null;
-  #reeled: api.Samples | null = null;
-  /** The iteration that was seen in passing last. */
-  #passing = -1;
+  readonly #passing = new Passing();
+  readonly #passingControl = new Passing();
 
   constructor(fit: Source) {
     this.#fit = fit;
@@ -56,13 +51,21 @@ export class Gallery {
    * other come as differences.
    */
   async passing(k: number, samples: api.Samples, axes: Axes): Promise<Samples> {
-    const follows = k > this.#passing && k <= this.#passing + STRIDE;
-    this.#passing = k;
-    if (this.#reeled === samples) this.#reel?.want(k);
-    const kept = this.passed(k, samples);
-    if (kept !== undefined) return kept;
-    await this.#reelTo(k, samples, axes, follows)?.reach(k);
+    const keep = (level: Level, isExact: boolean) => {
+      if (level.view === "samples") this.#keep(keyOf(level.number, samples, isExact ? "base64" : "delta"), samplesOf(level, axes));
+    };
+    await this.#passing.reach(k, samples, this.passed(k, samples) !== undefined, (after) => this.#reel({ samples, after, keep }));
     return this.passed(k, samples) ?? this.samples(k, samples, false, axes);
+  }
+
+  /** The control polygon or net of an iteration that is seen in passing. */
+  async controlPassing(k: number, axes: Axes): Promise<Points> {
+    const kept = () => this.#kept.get(controlKeyOf(k, true)) ?? this.#kept.get(controlKeyOf(k, false));
+    const keep = (level: Level, isExact: boolean) => {
+      if (level.view === "control_points") this.#keep(controlKeyOf(level.number, isExact), netOf(level, axes));
+    };
+    await this.#passingControl.reach(k, null, kept() !== undefined, (after) => this.#reel({ after, keep }));
+    return kept() ?? this.control(k, axes);
   }
 
   /** The best that is here of an iteration. */
@@ -74,23 +77,15 @@ export class Gallery {
     return undefined;
   }
 
-  /** The stream that an iteration is among the next of; `begin` opens one. */
-  #reelTo(k: number, samples: api.Samples, axes: Axes, begin: boolean): Reel | null {
-    const reel = this.#reel;
-    if (reel?.isNear(k) === true && this.#reeled === samples) return reel;
-    if (!begin || reel?.isRefused === true) return null;
-    reel?.close();
-    const keep = (level: SampledIteration, isExact: boolean) => void this.#keep(keyOf(level.number, samples, isExact ? "base64" : "delta"), samplesOf(level, axes));
-    this.#reeled = samples;
-    return (this.#reel = new Reel({ job: this.#fit.known(), samples, after: k - 1, signal: this.#fit.signal, keep }));
+  #reel(request: Pick<Request, "samples" | "after" | "keep">): Reel {
+    return new Reel({ ...request, job: this.#fit.known(), signal: this.#fit.signal });
   }
 
   /** The control polygon or net of an iteration. */
   control(k: number, axes: Axes): Promise<Points> {
-    return this.#get(`${k} control`, async (signal) => {
+    return this.#get(controlKeyOf(k, true), async (signal) => {
       const job = await this.#fit.known();
-      const level = await job.iteration(k, { view: "control_points", encoding: "base64", signal });
-      return thinned(pointsOf(level.controlPoints, axes), MOST_NET);
+      return netOf(await job.iteration(k, { view: "control_points", encoding: "base64", signal }), axes);
     });
   }
 
@@ -126,4 +121,12 @@ function keyOf(k: number, samples: api.Samples, encoding: api.NumberEncoding): s
 
 function samplesOf(level: SampledIteration, axes: Axes): Samples {
   return { ...pointsOf(level.samples, axes, level.parameters), parameters: level.parameters };
+}
+
+function controlKeyOf(k: number, isExact: boolean): string {
+  return isExact ? `${k} control` : `${k} control delta`;
+}
+
+function netOf(level: FittedIteration, axes: Axes): Points {
+  return thinned(pointsOf(level.controlPoints, axes), MOST_NET);
 }

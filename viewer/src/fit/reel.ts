@@ -1,6 +1,6 @@
 /** Iterations one after the other, by the differences between them. */
 
-import type { Job, SampledIteration, api } from "piad";
+import type { FittedIteration, Job, SampledIteration, api } from "piad";
 import { ApiError } from "piad";
 
 // Further ahead than this an iteration comes sooner by itself.
@@ -8,18 +8,20 @@ const NEAR = 8;
 // A connection over which nothing more is wanted is closed after this time, in milliseconds.
 const IDLE = 2000;
 
-/** Which iterations come: those after a number, at these samples. */
+export type Level = FittedIteration | SampledIteration;
+
+/** Which iterations come: those after a number, at these samples or with their control points. */
 export interface Request {
   readonly job: Promise<Job>;
-  readonly samples: api.Samples;
+  readonly samples?: api.Samples;
   readonly after: number;
   readonly signal: AbortSignal;
   /** Called with each iteration, and once more with the last one of the job, which is exact. */
-  readonly keep: (level: SampledIteration, isExact: boolean) => void;
+  readonly keep: (level: Level, isExact: boolean) => void;
 }
 
 /**
- * A stream of samples that is read as far as iterations are wanted; the server waits meanwhile. Each iteration is within a
+ * A stream that is read as far as iterations are wanted; the server waits meanwhile. Each iteration is within a
  * hundredth of its error; the last one of the job is exact.
  */
 export class Reel {
@@ -73,7 +75,7 @@ export class Reel {
     const { job, samples, after, keep } = this.#request;
     try {
       const stream = (await job).iterations({
-        view: "samples",
+        view: samples === undefined ? "control_points" : "samples",
         samples,
         encoding: "delta",
         every: 1,
@@ -85,7 +87,7 @@ export class Reel {
         after: after < 0 ? undefined : after,
         signal: this.#closing.signal,
       });
-      let last: SampledIteration | null = null;
+      let last: Level | null = null;
       for await (const level of stream) {
         last = level;
         keep(level, false);

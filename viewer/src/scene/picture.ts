@@ -46,7 +46,7 @@ export async function pictureOf(fit: Fit, data: Data, k: number, look: Look): Pr
   const { layers } = look;
   const [samples, control, excesses] = await Promise.all([
     samplesFor(fit, data, k, look),
-    layers.polygon && data.dimension > 1 ? fit.gallery.control(k, data.axes) : null,
+    layers.polygon && data.dimension > 1 ? controlFor(fit, data, k, look) : null,
     fit.excesses(k),
   ]);
   return judged(fit, data, k, samples, control, layers, look.largest, excesses);
@@ -87,6 +87,11 @@ export function samplesFor(fit: Fit, data: Data, k: number, look: Look): Promise
   return look.passing && isGlance(layers)
     ? fit.gallery.passing(k, samples, data.axes)
     : fit.gallery.samples(k, samples, precise(data, layers), data.axes);
+}
+
+/** The control points of an iteration. Of several fits no streams of them are open: browsers have six connections to a server. */
+function controlFor(fit: Fit, data: Data, k: number, { passing, cells }: Look): Promise<Points> {
+  return passing && cells === 1 ? fit.gallery.controlPassing(k, data.axes) : fit.gallery.control(k, data.axes);
 }
 
 /** True if nothing is drawn that tells a hundredth of the error. */
