@@ -6,7 +6,7 @@ import { ApiError } from "piad";
 // Further ahead than this an iteration comes sooner by itself.
 const NEAR = 8;
 // A connection over which nothing more is wanted is closed after this time, in milliseconds.
-const IDLE = 2000;
+const IDLE = 5000;
 
 export type Level = FittedIteration | SampledIteration;
 
