@@ -181,6 +181,7 @@ bench: $(VENV)/benches
 	$(PYTHON) benches/http/compare.py target/release/piad
 	$(PYTHON) benches/http/neighbours.py target/release/piad
 	$(PYTHON) benches/http/bodies.py target/release/piad
+	$(PYTHON) benches/http/deltas.py target/release/piad
 	$(PYTHON) benches/batch/compare.py target/release/piad
 	$(PYTHON) benches/files/reading.py target/release/piad
 	$(PYTHON) benches/files/memory.py target/release/piad

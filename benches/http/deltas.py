@@ -2,15 +2,16 @@
 
     deltas.py PROGRAM [--points 1000 10000 100000 1000000]        # PROGRAM is target/release/piad
 
-Curves of as many points, and a surface of 300 x 333 of them, with 50 iterations each. The slow network is a proxy that passes
-100 or 10 Mbit/s. Ends with code 1 where differences take more than a tenth of the bytes of JSON or a fifth of those of
-64 bits in base64. Five minutes.
+Curves of as many points, and a surface of 300 x 333 of them, with 50 iterations each; `errors` is the fit without geometry.
+Seconds alone are medians of five, in turns. The slow network is a proxy that passes 100 or 10 Mbit/s. Ends with code 1 where
+differences take more than a tenth of the bytes of JSON or a fifth of those of 64 bits in base64. Six minutes, and 2 GB.
 """
 
 import argparse
 import asyncio
 import json
 import math
+import statistics
 import sys
 import threading
 import time
@@ -21,11 +22,20 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "python")
 from over_http import server
 
 ITERATIONS = 50
-ENCODINGS = ["json", "base64", "base64_f32", "delta"]
+ENCODINGS = {
+    "errors": "view=errors",
+    "json": "encoding=json",
+    "base64": "encoding=base64",
+    "base64_f32": "encoding=base64_f32",
+    "delta": "encoding=delta",
+}
+TURNS = 5
 # Mbit/s. Streams that would take longer than this many seconds there are left out.
 RATES = [100, 10]
-LONGEST = 60
+LONGEST = 30
 PART = 16_384
+# Seconds that a proxy may be behind its rate and catch up.
+BEHIND = 0.05
 
 
 def curve(count: int) -> dict:
@@ -68,18 +78,18 @@ class Proxy:
     async def copy(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, rate: float) -> None:
         free = time.perf_counter()
         while part := await reader.read(PART):
-            free = max(free, time.perf_counter()) + len(part) / rate
+            free = max(free, time.perf_counter() - BEHIND) + len(part) / rate
             await asyncio.sleep(free - time.perf_counter())
             writer.write(part)
             await writer.drain()
         writer.close()
 
 
-def read(base: str, body: bytes, encoding: str) -> tuple[int, float]:
+def read(base: str, body: bytes, query: str) -> tuple[int, float]:
     """The bytes of a stream, and the seconds until its end is there."""
     headers = {"Content-Type": "application/json", "Accept": "text/event-stream"}
     start = time.perf_counter()
-    request = urllib.request.Request(f"{base}/v1/jobs?encoding={encoding}", body, headers)
+    request = urllib.request.Request(f"{base}/v1/jobs?{query}", body, headers)
     size = 0
     with urllib.request.urlopen(request) as answer:
         while part := answer.read1(1 << 20):
@@ -93,14 +103,17 @@ def row(*cells: object) -> None:
 
 def compare(name: str, job: dict, base: str, proxies: dict[int, Proxy]) -> dict[str, int]:
     body = json.dumps(job | {"stop": {"tolerance": 0, "max_iterations": ITERATIONS}}).encode()
-    sizes = {}
-    for encoding in ENCODINGS:
-        read(base, body, encoding)
-        sizes[encoding], alone = read(base, body, encoding)
-        times = [f"{alone:.2f}"]
+    sizes: dict[str, int] = {}
+    seconds: dict[str, list[float]] = {encoding: [] for encoding in ENCODINGS}
+    for _ in range(TURNS):
+        for encoding, query in ENCODINGS.items():
+            sizes[encoding], alone = read(base, body, query)
+            seconds[encoding].append(alone)
+    for encoding, query in ENCODINGS.items():
+        times = [f"{statistics.median(seconds[encoding]):.3f}"]
         for megabits, proxy in proxies.items():
             is_short = sizes[encoding] * 8e-6 / megabits < LONGEST
-            times.append(f"{read(proxy.address, body, encoding)[1]:.2f}" if is_short else "–")
+            times.append(f"{read(proxy.address, body, query)[1]:.2f}" if is_short else "–")
         row(name, encoding, f"{sizes[encoding] / 1e6:.2f} MB", f"{sizes['json'] / sizes[encoding]:.1f}", *times)
     return sizes
 

@@ -14,6 +14,7 @@
     reason = "a bench prints, and stops where it cannot go on"
 )]
 
+mod differences;
 mod digits;
 mod problems;
 mod setup;
@@ -64,6 +65,7 @@ fn main() {
     }
     setup::report(time);
     digits::report(time);
+    differences::report(time);
 }
 
 fn sweeps(time: Duration) {

@@ -74,6 +74,15 @@ async def large(client: piad.AsyncClient, request: Json) -> Json:
     return {"numbers": found["numbers"], "count": len(found["last"]), "sum": sum(found["last"])}
 
 
+async def differences(client: piad.AsyncClient, request: Json) -> Json:
+    job = await new(client, request)
+    numbers, points = [], []
+    async for iteration in job.iterations(encoding="delta"):
+        numbers.append(iteration.number)
+        points.append(np.asarray(iteration.control_points).ravel().tolist())
+    return {"numbers": numbers, "points": points, "state": job.status.state}
+
+
 async def slow(client: piad.AsyncClient, request: Json) -> Json:
     return await levels(await new(client, request), pause=0.02)
 
@@ -86,7 +95,7 @@ async def refused(call: Awaitable[Any]) -> piad.ApiError:
     raise SystemExit("it was not refused")
 
 
-SCENARIOS = {it.__name__: it for it in (fit, watch, resume, cancel, edit, errors, tokens, large, slow)}
+SCENARIOS = {it.__name__: it for it in (fit, watch, resume, cancel, edit, errors, tokens, large, differences, slow)}
 
 
 async def main(name: str, url: str, token: str) -> None:

@@ -12,6 +12,7 @@ from grpc_status import rpc_status
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "python"))
 from messages import generate  # noqa: E402
+from packed import moved  # noqa: E402
 
 Json = dict[str, Any]
 
@@ -92,6 +93,23 @@ def levels(request: Json, pause: float = 0.0, ready: bool = False) -> Json:
     return {"numbers": numbers, "first": points[0], "last": points[-1], "state": state}
 
 
+def differences(request: Json) -> Json:
+    numbers, points, state = [], [], ""
+    watching = pb.WatchJobRequest(id=create(request), stream=pb.StreamOptions(json_encoding=pb.JSON_ENCODING_DELTA))
+    for event in stub.WatchJob(watching, metadata=metadata):
+        if event.WhichOneof("event") == "end":
+            state = name_of(event.end.state)
+        if event.WhichOneof("event") != "iteration":
+            continue
+        numbers.append(event.iteration.iteration)
+        if event.iteration.WhichOneof("geometry") == "deltas":
+            change = event.iteration.deltas
+            points.append(moved(points[-1], change.step, change.points, change.dimension))
+        else:
+            points.append(list(event.iteration.control_net.points))
+    return {"numbers": numbers, "points": points, "state": state}
+
+
 def refused(call: Any) -> Json:
     """The problem with which a call is refused, in the words of HTTP."""
     try:
@@ -144,6 +162,7 @@ SCENARIOS = {
     "errors": lambda request: refused(lambda: create(request)),
     "tokens": tokens,
     "large": large,
+    "differences": differences,
     "slow": lambda request: levels(request, pause=0.02),
 }
 

@@ -89,6 +89,13 @@ def large(client: piad.Client, request: Json) -> Json:
     return {"numbers": told["numbers"], "count": len(told["last"]), "sum": sum(told["last"])}
 
 
+def differences(client: piad.Client, request: Json) -> Json:
+    job = new(client, request)
+    all = [(it.number, np.asarray(it.control_points).ravel().tolist()) for it in job.iterations(encoding="delta")]
+    numbers, points = map(list, zip(*all))
+    return {"numbers": numbers, "points": points, "state": job.status.state}
+
+
 def slow(client: piad.Client, request: Json) -> Json:
     return levels(new(client, request), pause=0.02)
 
@@ -101,7 +108,7 @@ def refused(call: Any) -> piad.ApiError:
     raise SystemExit("it was not refused")
 
 
-SCENARIOS = [fit, watch, resume, cancel, edit, errors, tokens, large, slow]
+SCENARIOS = [fit, watch, resume, cancel, edit, errors, tokens, large, differences, slow]
 
 if __name__ == "__main__":
     _, name, url, token = sys.argv

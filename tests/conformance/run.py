@@ -7,10 +7,12 @@ scenario through its library alone, and prints what it got as JSON. What it must
 over plain HTTP. The table that comes out stands in docs/CLIENTS.md.
 """
 
+import base64
 import json
 import math
 import os
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -20,6 +22,8 @@ import urllib.error
 import urllib.request
 from collections.abc import Callable
 from typing import Any
+
+from packed import moved
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.normpath(os.path.join(HERE, "..", ".."))
@@ -119,6 +123,26 @@ def levels(server: Server, job: Json) -> Json:
     points = [flat(server.ask(f"{path}/{k}")["control_points"]) for k in (0, last["iteration"])]
     numbers = list(range(last["iteration"] + 1))
     return {"numbers": numbers, "first": points[0], "last": points[1], "state": last["state"]}
+
+
+def differences_of(server: Server, job: Json) -> Json:
+    """What a client says of the stream of differences of a job."""
+    request = urllib.request.Request(
+        f"{server.url}/v1/jobs/{job['id']}/events?encoding=delta",
+        headers={"Accept": "application/x-ndjson", "Authorization": f"Bearer {TOKEN}"},
+    )
+    points: list[list[float]] = []
+    with urllib.request.urlopen(request, timeout=PATIENCE) as stream:
+        events = [json.loads(line) for line in stream]
+    levels = [event["data"] for event in events if event["event"] == "iteration"]
+    for level in levels:
+        numbers = base64.b64decode(level["control_points"])
+        if level["encoding"] == "delta":
+            points.append(moved(points[-1], level["step"], numbers, level["shape"][-1]))
+        else:
+            points.append([x for (x,) in struct.iter_unpack("<d" if level["encoding"] == "base64" else "<f", numbers)])
+    assert sum(level["encoding"] == "delta" for level in levels) > len(levels) // 2
+    return {"numbers": [level["iteration"] for level in levels], "points": points, "state": events[-1]["data"]["state"]}
 
 
 class Run:
@@ -223,12 +247,30 @@ def large(server: Server, client: str) -> None:
     assert math.isclose(found["sum"], math.fsum(last), rel_tol=1e-9, abs_tol=1e-2), found["sum"]
 
 
+def differences(server: Server, client: str) -> None:
+    rows = [[[1000 * x, 1000 * y, (x - 7) ** 2 * (y - 9) ** 2 - 90 * x * y] for y in range(20)] for x in range(15)]
+    surface = {"surface": {"points": rows}, "stop": {"tolerance": 0, "max_iterations": 9}}
+    for request in (curve(600, tolerance=0, max_iterations=12), surface):
+        job = server.ask("/v1/jobs", request)
+        expected = differences_of(server, job)
+        found = Run(client, "differences", server, request).answer()
+        if client != "gRPC":
+            compare(found, expected)
+        # First messages have 64 bits, so that those after them are others.
+        compare(found, {"numbers": expected["numbers"], "state": expected["state"]})
+        for k, points in enumerate(found["points"]):
+            level = server.ask(f"/v1/jobs/{job['id']}/iterations/{k}")
+            far = max(abs(x - y) for x, y in zip(points, flat(level["control_points"]), strict=True))
+            near = level["error"]["max"] / 128 + 1e-9
+            assert far <= (near if k < len(found["points"]) - 1 else 0), f"iteration {k}: {far}"
+
+
 def slow(server: Server, client: str) -> None:
     request = curve(2000, tolerance=0, max_iterations=150)
     compare(Run(client, "slow", server, request).answer(), {"numbers": list(range(151)), "state": "exhausted"})
 
 
-SCENARIOS: list[Callable[[Server, str], None]] = [fit, watch, resume, cancel, edit, errors, tokens, large, slow]
+SCENARIOS: list[Callable[[Server, str], None]] = [fit, watch, resume, cancel, edit, errors, tokens, large, differences, slow]
 
 
 def outcome(scenario: Callable[[Server, str], None], server: Server, client: str) -> str:

@@ -92,6 +92,21 @@ Json large(const Scenario& scenario) {
     return {{"numbers", numbers}, {"count", last.size()}, {"sum", std::accumulate(last.begin(), last.end(), 0.0)}};
 }
 
+Json differences(const Scenario& scenario) {
+    Json numbers = Json::array();
+    Json points = Json::array();
+    piad::WatchOptions options;
+    options.encoding = "delta";
+    const auto end = scenario.client().watch(
+        scenario.input,
+        [&](const piad::Iteration& iteration) {
+            numbers.push_back(iteration.number);
+            points.push_back(iteration.control_points);
+        },
+        options);
+    return {{"numbers", numbers}, {"points", points}, {"state", end->state}};
+}
+
 Json cancel(const Scenario& scenario) {
     auto job = scenario.client().create(scenario.input);
     job.watch([](const piad::Iteration&) { return false; });
@@ -140,6 +155,7 @@ Json run(const Scenario& scenario) {
     if (scenario.name == "errors") return errors(scenario);
     if (scenario.name == "tokens") return tokens(scenario);
     if (scenario.name == "large") return large(scenario);
+    if (scenario.name == "differences") return differences(scenario);
     if (scenario.name == "slow") return slow(scenario);
     throw std::runtime_error("there is no scenario " + scenario.name);
 }

@@ -50,6 +50,7 @@ public static class Conformance
                 case "errors": return await ErrorsAsync(client, document);
                 case "tokens": return await TokensAsync(client, url, document);
                 case "large": return await LargeAsync(client, document);
+                case "differences": return await DifferencesAsync(client, document);
                 case "slow": return await SlowAsync(client, document);
                 default: throw new ArgumentException("there is no scenario " + scenario);
             }
@@ -135,6 +136,18 @@ public static class Conformance
         });
         double[] coordinates = Flat(last.Curve, last.Surface);
         return new JObject { { "numbers", numbers }, { "count", coordinates.Length }, { "sum", coordinates.Sum() } };
+    }
+
+    private static async Task<JObject> DifferencesAsync(PiadClient client, JObject request)
+    {
+        var numbers = new JArray();
+        var points = new JArray();
+        JobEnd end = await client.CreateStream(request, new WatchOptions { Encoding = "delta" }).ForEachAsync(iteration =>
+        {
+            numbers.Add(iteration.Number);
+            points.Add(List(Flat(iteration.Curve, iteration.Surface)));
+        });
+        return new JObject { { "numbers", numbers }, { "points", points }, { "state", end.State } };
     }
 
     private static async Task<JObject> SlowAsync(PiadClient client, JObject request)

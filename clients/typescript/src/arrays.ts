@@ -79,7 +79,9 @@ export function moved({ data, shape }: Tensor, step: number, text: string, dimen
   const padded = new Uint8Array(bytes.length + 8);
   padded.set(bytes);
   const view = new DataView(padded.buffer);
-  const to = new Float64Array(data);
+  const to = new Float64Array(data.length);
+  // Six times as fast as by the constructor.
+  to.set(data);
   let at = 0;
   for (let coordinate = 0; coordinate < dimension; coordinate++) {
     for (let start = coordinate; start < to.length; start += BLOCK * dimension) {
@@ -98,8 +100,22 @@ export function moved({ data, shape }: Tensor, step: number, text: string, dimen
   return { data: to, shape };
 }
 
+// Numbers of so many bits are within four bytes, wherever in a byte they begin.
+const NARROW = 25;
+
 /** Moves the numbers of a block. */
 function move(to: Float64Array, start: number, end: number, dimension: number, step: number, view: DataView, at: number, width: number) {
+  if (width > NARROW) return moveWide(to, start, end, dimension, step, view, at, width);
+  const mask = (1 << width) - 1;
+  let bit = 0;
+  for (let i = start; i < end; i += dimension) {
+    const bits = (view.getInt32(at + (bit >>> 3), true) >>> (bit & 7)) & mask;
+    to[i]! += step * ((bits >>> 1) ^ -(bits & 1));
+    bit += width;
+  }
+}
+
+function moveWide(to: Float64Array, start: number, end: number, dimension: number, step: number, view: DataView, at: number, width: number) {
   const mask = width === 32 ? -1 : (1 << width) - 1;
   let bit = 0;
   for (let i = start; i < end; i += dimension) {

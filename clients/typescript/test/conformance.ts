@@ -48,6 +48,13 @@ const scenarios: Readonly<Record<string, (request: never) => Promise<Told>>> = {
     return { numbers, count: last.length, sum: last.reduce((sum, x) => sum + x, 0) };
   },
 
+  differences: async (request: api.JobRequest) => {
+    const stream = client.createStream(request, { view: "control_points", encoding: "delta" });
+    const levels: [number, number[]][] = [];
+    for await (const { number, controlPoints } of stream) levels.push([number, numbers(controlPoints)]);
+    return { numbers: levels.map(([number]) => number), points: levels.map(([, points]) => points), state: stream.end?.state };
+  },
+
   cancel: async (request: api.JobRequest) => {
     const job: Job = await client.create(request);
     for await (const _ of job.iterations({ view: "errors" })) break;

@@ -170,22 +170,19 @@ impl Lanes {
             return None;
         }
         let mut packed = vec![Vec::new(); target.dimension];
-        let mut block = [0; BLOCK];
         let (mut reaches, mut half) = (true, 0);
         let arch = Arch::new();
         target.each(|coordinate, start, lane| {
             let has = &mut self.values[coordinate * places + start..][..lane.len()];
-            let numbers = &mut block[..lane.len()];
             let moving = Moving {
                 has,
                 to: lane,
                 step,
-                numbers,
+                packed: &mut packed[coordinate],
             };
             let (is_reached, most) = arch.dispatch(moving);
             reaches &= is_reached;
             half = half.max(most);
-            pack(&block[..lane.len()], &mut packed[coordinate]);
         });
         self.largest = of_upper_half(half);
         reaches.then(|| Change {
@@ -224,8 +221,8 @@ struct Moving<'a> {
     has: &'a mut [f64],
     to: &'a [f64],
     step: f64,
-    /// How many steps.
-    numbers: &'a mut [u32],
+    /// Where the numbers of steps are appended.
+    packed: &'a mut Vec<u8>,
 }
 
 impl NullaryFnOnce for Moving<'_> {
@@ -237,7 +234,9 @@ impl NullaryFnOnce for Moving<'_> {
     fn call(self) -> (bool, i32) {
         let (step, inverse) = (self.step, 1.0 / self.step);
         let (mut reaches, mut most) = (true, 0);
-        let places = self.has.iter_mut().zip(self.to).zip(self.numbers);
+        let mut block = [0; BLOCK];
+        let numbers = &mut block[..self.to.len()];
+        let places = self.has.iter_mut().zip(self.to).zip(&mut *numbers);
         for ((has, to), number) in places {
             let steps = (to - *has) * inverse;
             let rounded = steps + ROUNDER;
@@ -246,6 +245,7 @@ impl NullaryFnOnce for Moving<'_> {
             reaches &= steps.abs() <= MOST;
             most = most.max(upper_half(*has));
         }
+        pack(numbers, self.packed);
         (reaches, most)
     }
 }

@@ -1,10 +1,12 @@
 /** The geometry of iterations, as far as it was asked for. */
 
-import type { Job, api } from "piad";
+import type { FittedIteration, Job, SampledIteration, api } from "piad";
 
 import { type Points, type Samples, pointsOf, thinned } from "./geometry.js";
 import type { Axes } from "./axes.js";
 import { Recent } from "./lru.js";
+import { Passing } from "./passing.js";
+import { type Level, Reel, type Request } from "./reel.js";
 
 // How many bytes of geometry a job keeps.
 const MOST = 64_000_000;
@@ -26,6 +28,8 @@ export class Gallery {
   readonly #fit: Source;
   readonly #kept = new Recent<Points>(MOST);
   readonly #coming = new Map<string, Promise<Points>>();
+  readonly #passing = new Passing();
+  readonly #passingControl = new Passing();
 
   constructor(fit: Source) {
     this.#fit = fit;
@@ -33,26 +37,55 @@ export class Gallery {
 
   /** The curve or surface of an iteration; `precise` with 64 bits. */
   samples(k: number, samples: api.Samples, precise: boolean, axes: Axes): Promise<Samples> {
+    const exact = this.#kept.get(keyOf(k, samples, "base64"));
+    if (exact !== undefined) return Promise.resolve(exact as Samples);
     const encoding = precise || axes.isMoved ? "base64" : "base64_f32";
-    return this.#get(`${k} ${samples} ${encoding}`, async (signal) => {
+    return this.#get(keyOf(k, samples, encoding), async (signal) => {
       const job = await this.#fit.known();
-      const level = await job.iteration(k, { view: "samples", samples, encoding: await this.#fits(encoding, k), signal });
-      return { ...pointsOf(level.samples, axes, level.parameters), parameters: level.parameters };
+      return samplesOf(await job.iteration(k, { view: "samples", samples, encoding: await this.#fits(encoding, k), signal }), axes);
     }) as Promise<Samples>;
   }
 
-  /** The same if it is here already. */
-  kept(k: number, samples: api.Samples, precise: boolean, axes: Axes): Samples | undefined {
-    const encoding = precise || axes.isMoved ? "base64" : "base64_f32";
-    return this.#kept.get(`${k} ${samples} ${encoding}`) as Samples | undefined;
+  /**
+   * The curve or surface of an iteration that is seen in passing, within a hundredth of its error: those that follow each
+   * other come as differences.
+   */
+  async passing(k: number, samples: api.Samples, axes: Axes): Promise<Samples> {
+    const keep = (level: Level, isExact: boolean) => {
+      if (level.view === "samples") this.#keep(keyOf(level.number, samples, isExact ? "base64" : "delta"), samplesOf(level, axes));
+    };
+    await this.#passing.reach(k, samples, this.passed(k, samples) !== undefined, (after) => this.#reel({ samples, after, keep }));
+    return this.passed(k, samples) ?? this.samples(k, samples, false, axes);
+  }
+
+  /** The control polygon or net of an iteration that is seen in passing. */
+  async controlPassing(k: number, axes: Axes): Promise<Points> {
+    const kept = () => this.#kept.get(controlKeyOf(k, true)) ?? this.#kept.get(controlKeyOf(k, false));
+    const keep = (level: Level, isExact: boolean) => {
+      if (level.view === "control_points") this.#keep(controlKeyOf(level.number, isExact), netOf(level, axes));
+    };
+    await this.#passingControl.reach(k, null, kept() !== undefined, (after) => this.#reel({ after, keep }));
+    return kept() ?? this.control(k, axes);
+  }
+
+  /** The best that is here of an iteration. */
+  passed(k: number, samples: api.Samples): Samples | undefined {
+    for (const encoding of ["base64", "base64_f32", "delta"] as const) {
+      const kept = this.#kept.get(keyOf(k, samples, encoding));
+      if (kept !== undefined) return kept as Samples;
+    }
+    return undefined;
+  }
+
+  #reel(request: Pick<Request, "samples" | "after" | "keep">): Reel {
+    return new Reel({ ...request, job: this.#fit.known(), signal: this.#fit.signal });
   }
 
   /** The control polygon or net of an iteration. */
   control(k: number, axes: Axes): Promise<Points> {
-    return this.#get(`${k} control`, async (signal) => {
+    return this.#get(controlKeyOf(k, true), async (signal) => {
       const job = await this.#fit.known();
-      const level = await job.iteration(k, { view: "control_points", encoding: "base64", signal });
-      return thinned(pointsOf(level.controlPoints, axes), MOST_NET);
+      return netOf(await job.iteration(k, { view: "control_points", encoding: "base64", signal }), axes);
     });
   }
 
@@ -70,12 +103,30 @@ export class Gallery {
     const coming = this.#coming.get(key);
     if (coming !== undefined) return coming;
     const asked = ask(this.#fit.signal)
-      .then((points) => {
-        this.#kept.set(key, points, points.exact.byteLength + points.positions.byteLength);
-        return points;
-      })
+      .then((points) => this.#keep(key, points))
       .finally(() => this.#coming.delete(key));
     this.#coming.set(key, asked);
     return asked;
   }
+
+  #keep(key: string, points: Points): Points {
+    this.#kept.set(key, points, points.exact.byteLength + points.positions.byteLength);
+    return points;
+  }
+}
+
+function keyOf(k: number, samples: api.Samples, encoding: api.NumberEncoding): string {
+  return `${k} ${samples} ${encoding}`;
+}
+
+function samplesOf(level: SampledIteration, axes: Axes): Samples {
+  return { ...pointsOf(level.samples, axes, level.parameters), parameters: level.parameters };
+}
+
+function controlKeyOf(k: number, isExact: boolean): string {
+  return isExact ? `${k} control` : `${k} control delta`;
+}
+
+function netOf(level: FittedIteration, axes: Axes): Points {
+  return thinned(pointsOf(level.controlPoints, axes), MOST_NET);
 }

@@ -15,6 +15,8 @@ export interface Look {
   readonly cells: number;
   /** The largest distance of all fits that are drawn; 0 with one of them, and where there are no spikes. */
   readonly largest: number;
+  /** True while iterations follow each other, and each is seen for a moment. */
+  readonly passing: boolean;
 }
 
 /** A picture, and the numbers behind it. */
@@ -43,8 +45,8 @@ const TEETH = 1500;
 export async function pictureOf(fit: Fit, data: Data, k: number, look: Look): Promise<Judged> {
   const { layers } = look;
   const [samples, control, excesses] = await Promise.all([
-    fit.gallery.samples(k, samplesOf(data, look), precise(data, layers), data.axes),
-    layers.polygon && data.dimension > 1 ? fit.gallery.control(k, data.axes) : null,
+    samplesFor(fit, data, k, look),
+    layers.polygon && data.dimension > 1 ? controlFor(fit, data, k, look) : null,
     fit.excesses(k),
   ]);
   return judged(fit, data, k, samples, control, layers, look.largest, excesses);
@@ -76,6 +78,25 @@ export function judged(fit: Fit, data: Data, k: number, samples: Samples, contro
     combScale: comb?.scale ?? 0,
     heat,
   };
+}
+
+/** The samples of an iteration, as exact as it has to be seen. */
+export function samplesFor(fit: Fit, data: Data, k: number, look: Look): Promise<Samples> {
+  const samples = samplesOf(data, look);
+  const { layers } = look;
+  return look.passing && isGlance(layers)
+    ? fit.gallery.passing(k, samples, data.axes)
+    : fit.gallery.samples(k, samples, precise(data, layers), data.axes);
+}
+
+/** The control points of an iteration. Of several fits no streams of them are open: browsers have six connections to a server. */
+function controlFor(fit: Fit, data: Data, k: number, { passing, cells }: Look): Promise<Points> {
+  return passing && cells === 1 ? fit.gallery.controlPassing(k, data.axes) : fit.gallery.control(k, data.axes);
+}
+
+/** True if nothing is drawn that tells a hundredth of the error. */
+export function isGlance({ heat, spikes, comb }: Layers): boolean {
+  return !heat && !spikes && !comb;
 }
 
 /** How finely an iteration is sampled. */

@@ -97,7 +97,7 @@ class Follower:
             self.forget()
             return
         last: Any = None
-        for last in job.iterations(pace="latest"):
+        for last in job.iterations(pace="latest", encoding="delta"):
             if self.cancelled:
                 return
             # Before the points lie on it, distances from the rough surface would be of little use.
@@ -107,6 +107,8 @@ class Follower:
             yield self._end(job, last)
 
     def _end(self, job: Any, last: Any) -> Update:
+        if job.status.state == "cancelled":
+            last = job.iteration(last.number)  # Of a stream that is cut off the last one is not exact.
         return replace(_ended(job, last), version=self._client.capabilities()["version"])
 
     def _distances(self, job: Any, iteration: int) -> tuple[float, ...]:
