@@ -128,7 +128,7 @@ pub(super) fn first_gain(rows: &Rows, diagonal: &[f64], residual: &[f64]) -> f64
     }
 }
 
-fn sum_of_squares(x: &[f64]) -> f64 {
+pub(super) fn sum_of_squares(x: &[f64]) -> f64 {
     x.iter().map(|x| x * x).sum()
 }
 

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use super::correction;
-use super::gradients::{Effort, descend, first_gain};
+use super::gradients::{Effort, descend, first_gain, sum_of_squares};
 use super::normal::{Normal, inverses};
 use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
@@ -21,6 +21,9 @@ use crate::linear::stencil::Stencil;
 
 /// A root of the mean square below this part of the tolerance does not have to fall any more.
 const ENOUGH: f64 = 1e-3;
+
+/// Where neither direction lowers the sum of squares by this part, both are tried with twice the knots.
+const GAIN: f64 = 0.05;
 
 /// Data points of all fits with fewer knot lines, and the most of these fits.
 const WORK: usize = 4_000_000;
@@ -249,15 +252,24 @@ impl Data for ScatteredData {
                 residual
             })
             .collect();
-        let gain = |axis: usize| {
+        let gain = |axis: usize, line: &Breaks| {
             let mut lines = level.lines.clone();
-            lines[axis] = finer[axis].clone();
+            lines[axis] = line.clone();
             let rows = Rows::new(&self.sites, &lines);
             let diagonal = inverses(rows.sums());
             let gains = residuals.iter().map(|it| first_gain(&rows, &diagonal, it));
-            gains.sum::<f64>() / (rows.control_points() - level.count()) as f64
+            let added = rows.control_points() - level.count();
+            (gains.sum::<f64>(), added as f64)
         };
-        usize::from(gain(1) > gain(0))
+        let mut gains = [0, 1].map(|axis| gain(axis, &finer[axis]));
+        let left: f64 = residuals.iter().map(|it| sum_of_squares(it)).sum();
+        if gains.iter().all(|(gain, _)| *gain < GAIN * left) {
+            // Knots in the middle of spans do nothing for residuals that are odd about it.
+            let twice = [0, 1].map(|axis| finer[axis].halved().unwrap_or(finer[axis].clone()));
+            gains = [0, 1].map(|axis| gain(axis, &twice[axis]));
+        }
+        let [u, v] = gains.map(|(gain, added)| gain / added);
+        usize::from(v > u)
     }
 }
 
