@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 DOCUMENTS = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "docs/*.md", "clients/*/README.md")
 LIMITS = {"sentence": 35, "cell": 20, "paragraph": 90}  # words
 RULES = (*LIMITS, "heading", "link", "json", "word")
-QUESTION = r"(how|what|why|when|where|which|who|whom|whose|whether)\b|.*\?$"
+QUESTION = r"(how(?!-)|what|why|when|where|which|who|whom|whose|whether)\b|.*\?$"
 PRIVATE = (
     r"\b(told|tells|foretells?|foresees?|foreseen|so many|as many as it takes|whom|whoever|nobody|patience|patiently"
     r"|suspects?|blamed?|crowds?|comes? again|goes on|go on|(?:breaks?|broke) off|mistakes?|made-up|stands? still|exhibits?"
