@@ -82,5 +82,6 @@ if "--counts" in sys.argv:
     print(f"{'':30}", *(f"{rule:>9}" for rule in RULES))
     for name in sorted({name for name, _ in count}):
         print(f"{name:30}", *(f"{count[name, rule]:>9}" for rule in RULES))
-print("\n".join(f"{name}:{line}: {rule}: {text[:160]}" for name, line, rule, text in found))
+for name, line, rule, text in found:
+    print(f"{name}:{line}: {rule}: {text[:160]}")
 sys.exit(bool(found))
