@@ -234,8 +234,11 @@ fuzz-files:
 	    -max_len=4096 -timeout=5 -rss_limit_mb=1024 -malloc_limit_mb=64 -print_final_stats=1 || exit 1; \
 	done
 
-# Also that the documentation of the crates has no broken links, and that they can be packaged.
+# Also that the documentation of the crates has no broken links, that they can be packaged, and that the documents are
+# readable.
 lint: tools
+	@command -v python3 >/dev/null || $(INSTALL) python3
+	python3 tests/python/prose.py
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --lib --no-deps

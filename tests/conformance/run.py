@@ -285,7 +285,7 @@ def outcome(scenario: Callable[[Server, str], None], server: Server, client: str
 def main(program: str, *names: str) -> int:
     clients = list(names) or list(CLIENTS)
     titles = [scenario.__name__ for scenario in SCENARIOS]
-    print(f"| | {' | '.join(titles)} |\n|---|{'---|' * len(titles)}")
+    print(f"| client | {' | '.join(titles)} |\n|---|{'---|' * len(titles)}")
     failed = False
     with tempfile.TemporaryDirectory() as store:
         server = Server(program, store)

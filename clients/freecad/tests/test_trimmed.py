@@ -1,4 +1,4 @@
-"""From a scanned mesh to a trimmed face: the tutorial "A mesh in, a trimmed face out" of docs/FITTING.md."""
+"""From a scanned mesh to a trimmed face: the tutorial "Fit a trimmed face to a mesh" of docs/FITTING.md."""
 
 import math
 import os

@@ -74,3 +74,13 @@ def test_examples_are_typed(section: str, tmp_path: Path) -> None:
     told = subprocess.run(mypy, capture_output=True, text=True, env=environment, cwd=tmp_path, check=False)
     wrong = [line for line in told.stdout.splitlines() if line.startswith(str(example))]
     assert not wrong and told.returncode in (0, 1), told.stdout + told.stderr
+
+
+@pytest.mark.parametrize("page", ["docs/FITTING.md", "docs/JOBS.md", "docs/STREAMS.md"])
+def test_jobs_in_json_converge(page: str, server: Server) -> None:
+    blocks = re.findall(r"```json\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
+    jobs = [job for job in map(json.loads, blocks) if "curve" in job or "surface" in job]
+    assert jobs
+    for job in jobs:
+        answer = httpx.post(f"{server.url}/v1/jobs", json=job, headers={"Prefer": "wait=60"}, timeout=90)
+        assert answer.status_code == 201 and answer.json()["state"] == "converged", answer.text
