@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -83,3 +84,23 @@ def test_sections_and_meshes_are_fitted_as_they_are_read(client: piad.Client) ->
     assert client.fit(mesh.points, scattered=True, parameters=mesh.parameters, tolerance=0.01).state == "converged"
     with pytest.raises(piad.ApiError, match="piece"):
         client.read_points("\n".join(lines) + "\n", piece=2)
+
+
+def test_files_of_surfaces_are_fitted(client: piad.Client) -> None:
+    """Clouds on request, sections and meshes by themselves."""
+    cloud = "\n".join(f"{37 * i % 20 / 7:.4f} {53 * i % 17 / 5:.4f} {0.1 * (37 * i % 20) * (i % 17):.4f}" for i in range(200))
+    with pytest.raises(piad.ApiError, match="order"):
+        client.fit_file(cloud, tolerance=10.0)
+    method = {"kind": "least_squares", "control_points": 4}
+    result = client.fit_file(cloud, scattered=True, method=method)
+    assert result.surface.control_points.shape == (4, 4, 3)
+    counts = [24, 30, 27, 33, 25]
+    around = [[2 * math.pi * i / count for i in range(count)] for count in counts]
+    rings = [[(5 * math.cos(a), 3 * math.sin(a), 2.0 * k) for a in angles] for k, angles in enumerate(around)]
+    sections = "\n\n".join("\n".join("%.6f,%.6f,%.6f" % point for point in ring) for ring in rings)
+    read = client.read_points(sections)
+    assert read.scattered and read.parameters == {"sections": counts}
+    assert client.fit_file(sections, tolerance=1e-3).error.max <= 1e-3
+    mesh = "".join(f"v {i % 6} {i // 6} {(i % 6) * (i // 6) / 9}\n" for i in range(36))
+    mesh += "".join(f"f {i + 1} {i + 2} {i + 8} {i + 7}\n" for i in range(29) if i % 6 < 5)
+    assert client.fit_file(mesh, tolerance=1e-3).surface is not None

@@ -253,6 +253,7 @@ class Service:
         piece: Optional[int] = None,
         order: Optional[str] = None,
         times: bool = False,
+        scattered: bool = False,
     ) -> FilePoints:
         """The points of a file, as `create` and `fit` take them, and what was found out about it.
 
@@ -260,8 +261,8 @@ class Service:
         by its number from 1 or its name; `columns`, such as `"x=2,y=3"`, says what the columns of a table are; `size`,
         such as `"40x60"`, is the number of rows and columns of a surface; with `sections` its parts are sections of one surface;
         of a mesh with several pieces `piece` chooses one, 1 being the largest; with `order="given"` the order of points
-        is not looked at; with `times` the times of the points are their parameters. Nothing is fitted. Errors in a
-        file name their lines (`ApiError`).
+        is not looked at; with `times` the times of the points are their parameters; with `scattered` points without rows are
+        those of a surface. Nothing is fitted. Errors in a file name their lines (`ApiError`).
         """
         parameters = _request.given(
             {
@@ -272,6 +273,7 @@ class Service:
                 "piece": None if piece is None else str(piece),
                 "curve.order": order,
                 "curve.parameters": "time" if times else None,
+                "surface.parameters": "auto" if scattered else None,
             }
         )
         text = Path(file).read_bytes() if isinstance(file, PathLike) else file
@@ -286,16 +288,23 @@ class Service:
         part: Union[int, str, None] = None,
         columns: Optional[str] = None,
         size: Optional[str] = None,
+        piece: Optional[int] = None,
         times: bool = False,
+        scattered: bool = False,
         **settings: Any,
     ) -> Result:
         """The result of a fit of a file. `read_points` says how it is read, `fit` what the `settings` mean."""
-        read = await self.read_points(file, part=part, columns=columns, size=size, times=times)
+        order = settings.get("order")
+        read = await self.read_points(
+            file, part=part, columns=columns, size=size, piece=piece, order=order, times=times, scattered=scattered
+        )
         settings.setdefault("name", read.name)
         if read.closed:
             settings.setdefault("closed", True)
         if read.parameters is not None:
-            settings.setdefault("parameters", list(read.parameters))
+            settings.setdefault("parameters", read.parameters)
+        if read.scattered:
+            settings["scattered"] = True
         return await self.fit(read.points, **settings)
 
     async def capabilities(self) -> dict[str, Any]:
