@@ -53,7 +53,7 @@ pub(crate) struct Token {
 }
 
 impl Token {
-    /// Whether its time is over.
+    /// Returns true if its time is over.
     pub(crate) fn has_expired(&self) -> bool {
         self.expires.is_some_and(|at| at <= Timestamp::now())
     }

@@ -50,7 +50,7 @@ impl Hash {
         Self(Sha256::digest(token).into())
     }
 
-    /// Whether they are the same, in the same time wherever they differ.
+    /// Returns true if they are the same, in the same time wherever they differ.
     pub(crate) fn is(&self, other: &Self) -> bool {
         self.0.ct_eq(&other.0).into()
     }

@@ -21,7 +21,7 @@ pub(crate) enum Framing {
 }
 
 impl Framing {
-    /// Whether events are protobuf messages.
+    /// Returns true if events are protobuf messages.
     pub(crate) fn is_protobuf(self) -> bool {
         self == Self::Protobuf
     }

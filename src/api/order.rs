@@ -109,7 +109,7 @@ impl Order {
         })
     }
 
-    /// Whether it is about a surface.
+    /// Returns true if it is about a surface.
     pub(super) fn is_surface(&self) -> bool {
         self.problem.v().is_some()
     }

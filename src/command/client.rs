@@ -124,7 +124,7 @@ impl Client {
         }
     }
 
-    /// Whether it is another process.
+    /// Returns true if it is another process.
     pub(super) fn is_remote(&self) -> bool {
         matches!(self.door, Door::There { .. })
     }

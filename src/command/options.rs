@@ -306,7 +306,7 @@ pub(super) fn merge_into_items(batch: &mut Value, over: &Map<String, Value>) {
     }
 }
 
-/// Whether the points of an input are of a curve or of a surface.
+/// Returns true if the points of an input are of a curve or of a surface.
 fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
         // Those who read it report what is wrong with it.

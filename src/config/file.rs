@@ -50,7 +50,7 @@ impl SettingsFile {
         Ok(Self { path, values })
     }
 
-    /// Whether the file has a setting.
+    /// Returns true if the file has a setting.
     pub(super) fn sets(&self, name: &str) -> bool {
         self.values.contains_key(name)
     }

@@ -302,7 +302,7 @@ impl Config {
         self.memory.map_or_else(half, |size| size.as_u64())
     }
 
-    /// Whether the memory is set, or that of the machine is known.
+    /// Returns true if the memory is set, or that of the machine is known.
     pub fn knows_memory(&self) -> bool {
         self.memory.is_some() || machine::memory().is_some()
     }

@@ -81,7 +81,7 @@ impl Checkpoints {
         NEAR - level % NEAR
     }
 
-    /// Whether it is quicker to begin at a checkpoint than to go on from this level, to get to another one.
+    /// Returns true if it is quicker to begin at a checkpoint than to go on from this level, to get to another one.
     pub(super) fn shorten(&self, from: usize, to: usize) -> bool {
         let kept = self.0.lock();
         let last = kept.levels.range(..=to).next_back();

@@ -138,7 +138,7 @@ impl Pieces {
         Self { are_quick, ..self }
     }
 
-    /// Whether they are quick to make.
+    /// Returns true if they are quick to make.
     pub(crate) fn are_quick(&self) -> bool {
         self.are_quick
     }

@@ -101,12 +101,12 @@ impl Cache {
         }
     }
 
-    /// Whether nothing more should be kept.
+    /// Returns true if nothing more should be kept.
     pub(crate) fn is_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit
     }
 
-    /// Whether nothing more should be kept that nobody has read yet.
+    /// Returns true if nothing more should be kept that nobody has read yet.
     pub(super) fn is_half_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit / 2
     }
@@ -120,7 +120,7 @@ pub(crate) struct Charge {
 }
 
 impl Charge {
-    /// Whether more may be kept beside it.
+    /// Returns true if more may be kept beside it.
     pub(super) fn has_room(&self) -> bool {
         !self.cache.is_full()
     }

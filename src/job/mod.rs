@@ -158,7 +158,7 @@ impl Job {
         self.outline.id
     }
 
-    /// Whether it is in the store. An ephemeral edit is nowhere but in its stream.
+    /// Returns true if it is in the store. An ephemeral edit is nowhere but in its stream.
     pub(crate) fn is_kept(&self) -> bool {
         self.store.is_some()
     }
@@ -212,7 +212,7 @@ impl Job {
         status
     }
 
-    /// Whether the job has ended at this level.
+    /// Returns true if the job has ended at this level.
     pub(crate) fn has_ended_at(&self, iteration: usize) -> bool {
         let status = self.status.borrow();
         let last = status.levels.map(|levels| levels.last.iteration);
@@ -256,12 +256,12 @@ impl Job {
         }
     }
 
-    /// Whether another replica runs the job, or may.
+    /// Returns true if another replica runs the job, or may.
     fn is_elsewhere(&self) -> bool {
         self.elsewhere.load(Ordering::Acquire)
     }
 
-    /// Whether the run of this replica, if it was stopped, does not tell how the job goes on or has ended.
+    /// Returns true if the run of this replica, if it was stopped, does not tell how the job goes on or has ended.
     pub(crate) fn goes_on_without_its_run(&self) -> bool {
         self.is_elsewhere() || self.status().state.is_final()
     }

@@ -26,7 +26,7 @@ pub(crate) struct Outline {
     pub(crate) label: Label,
     /// When it was accepted.
     pub(crate) created: Timestamp,
-    /// Whether it is a surface.
+    /// True if it is a surface.
     pub(crate) surface: bool,
     /// The arrangement of the data points.
     pub(crate) grid: Grid,

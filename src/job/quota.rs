@@ -60,12 +60,12 @@ pub struct Exceeded {
 }
 
 impl Quota {
-    /// Whether it limits what is counted where jobs are kept.
+    /// Returns true if it limits what is counted where jobs are kept.
     pub(crate) fn limits_jobs(&self) -> bool {
         self.jobs.is_some() || self.points.is_some() || self.bytes.is_some()
     }
 
-    /// Whether a tenant who has so much may have a new job.
+    /// Returns true if a tenant who has so much may have a new job.
     pub(crate) fn admit(&self, tenant: Tenant, has: Amount, new: Amount) -> Result<(), Exceeded> {
         let with = has + new;
         let bytes = self.bytes.map(|it| it.as_u64());

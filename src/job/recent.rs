@@ -65,7 +65,7 @@ impl Recent {
         self.push(entry);
     }
 
-    /// Whether the points of a job are kept.
+    /// Returns true if the points of a job are kept.
     pub(super) fn has_points(&self, id: Uuid) -> bool {
         let kept = self.kept.lock();
         let has = |entry: &KeptJob| entry.run.is_some() || entry.shared.is_some();

@@ -289,7 +289,7 @@ impl Usage {
         self.peers.get(&peer).copied().unwrap_or(0)
     }
 
-    /// Whether a peer does not have more than its part with this piece.
+    /// Returns true if a peer does not have more than its part with this piece.
     fn is_due(&self, piece: Piece) -> bool {
         let has = self.of(piece.peer);
         let left_by_others = self.pages.saturating_sub(self.used - has);
@@ -297,7 +297,7 @@ impl Usage {
         has == piece.held || 2 * with_it <= u64::from(left_by_others)
     }
 
-    /// Whether a peer can have this piece now.
+    /// Returns true if a peer can have this piece now.
     fn admits(&self, piece: Piece, overdue: Option<Overdue>) -> bool {
         let passes = overdue.is_none_or(|overdue| {
             overdue.peer == piece.peer || self.of(piece.peer) + piece.pages <= overdue.others

@@ -53,7 +53,7 @@ impl State {
         }
     }
 
-    /// Whether the job has ended.
+    /// Returns true if the job has ended.
     pub(crate) fn is_final(self) -> bool {
         !matches!(self, Self::Queued | Self::Running)
     }

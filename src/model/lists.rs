@@ -301,8 +301,8 @@ impl PointNumbers {
         }
     }
 
-    /// The numbers of points in a grid, row by row. Whether there are as many in a list as points is
-    /// checked with the problem.
+    /// The numbers of points in a grid, row by row. Returns true if there are as many in a list as points is checked
+    /// with the problem.
     pub(super) fn of_points(
         self,
         grid: Grid,

@@ -124,12 +124,12 @@ impl Mistakes {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are none.
     pub fn none(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether there are as many as are told.
+    /// Returns true if there are as many as are told.
     pub fn full(&self) -> bool {
         self.0.len() >= MOST_MISTAKES
     }

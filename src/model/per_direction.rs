@@ -65,7 +65,7 @@ impl<T> PerDirection<T> {
         }
     }
 
-    /// Whether each direction has a value of its own.
+    /// Returns true if each direction has a value of its own.
     pub(crate) fn is_each(&self) -> bool {
         matches!(self, Self::Each { .. })
     }

@@ -97,8 +97,8 @@ impl Index {
         Self::Pair(clamped(row), behind)
     }
 
-    /// The index in the list of all points, row by row. Whether a point of a curve exists is
-    /// checked with the problem.
+    /// The index in the list of all points, row by row. Returns true if a point of a curve exists is checked with the
+    /// problem.
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
         let Grid { rows, columns } = grid;
         match (self, surface && grid.is_rows()) {

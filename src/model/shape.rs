@@ -48,8 +48,8 @@ pub(crate) struct CurveInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveWeights>")]
     pub weights: Option<PointNumbers>,
-    /// Whether the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the first
-    /// of them.
+    /// True if the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the
+    /// first of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<bool>,
@@ -60,8 +60,8 @@ pub(crate) struct CurveInput {
     /// Where it may turn; without them nowhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<CornersInput>,
-    /// Whether the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and turns
-    /// at all points at which the edges do by more than 30 degrees, unless `corners` are given.
+    /// True if the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and
+    /// turns at all points at which the edges do by more than 30 degrees, unless `corners` are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub polyline: Option<bool>,

@@ -67,7 +67,7 @@ pub(crate) struct SurfaceInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<SurfaceWeights>")]
     pub weights: Option<PerDirection<PointNumbers>>,
-    /// Whether the directions are periodic.
+    /// True if the directions are periodic.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<PerDirection<bool>>,

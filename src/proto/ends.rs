@@ -124,7 +124,7 @@ pub(crate) fn rule(end: &End) -> pb::EndRule {
 /// Where the vectors of ends stand in a message.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EndsLayout {
-    /// Whether the ends of u and v have tangents, at the start and at the end.
+    /// True if the ends of u and v have tangents, at the start and at the end.
     tangents: [[bool; 2]; 2],
     /// The numbers of data points on the boundaries of u and v.
     boundaries: [usize; 2],

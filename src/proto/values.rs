@@ -10,7 +10,7 @@ use piad_fit::data::Grid;
 pub(crate) struct MethodTarget {
     /// How the data points are arranged.
     pub grid: Grid,
-    /// Whether they are those of a surface.
+    /// True if they are those of a surface.
     pub surface: bool,
     /// The most indices of points.
     pub most: usize,

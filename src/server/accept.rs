@@ -173,7 +173,7 @@ async fn next(listeners: &mut [Listener]) -> io::Result<Incoming> {
     accepted
 }
 
-/// Whether the client has disconnected before it was accepted, which is no fault of the server.
+/// Returns true if the client has disconnected before it was accepted, which is no fault of the server.
 fn is_of_the_connection(reason: &io::Error) -> bool {
     use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
     matches!(

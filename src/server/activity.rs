@@ -102,7 +102,7 @@ impl Activity {
         self.0.lock().cut_short = true;
     }
 
-    /// Whether the rest of a request may still come.
+    /// Returns true if the rest of a request may still come.
     pub(super) fn is_cut_short(&self) -> bool {
         self.0.lock().cut_short
     }

@@ -33,7 +33,7 @@ pub(super) struct Incoming {
     pub(super) stream: Stream,
     /// The other end. Clients of a Unix domain socket are on this machine.
     pub(super) address: IpAddr,
-    /// Whether others could listen in: it takes part in TLS, if there is any.
+    /// True if others could listen in: it takes part in TLS, if there is any.
     pub(super) is_network: bool,
 }
 
@@ -44,7 +44,7 @@ impl From<TcpListener> for Listener {
 }
 
 impl Listener {
-    /// Whether only programs of this machine reach it.
+    /// Returns true if only programs of this machine reach it.
     pub(super) fn is_local(&self) -> io::Result<bool> {
         match self {
             Self::Tcp(listener) => Ok(listener.local_addr()?.ip().to_canonical().is_loopback()),
@@ -53,7 +53,7 @@ impl Listener {
         }
     }
 
-    /// Whether connections with it take part in TLS.
+    /// Returns true if connections with it take part in TLS.
     pub(super) fn is_network(&self) -> bool {
         matches!(self, Self::Tcp(_))
     }
@@ -147,7 +147,7 @@ mod unix_socket {
         }
     }
 
-    /// Whether this is a socket at which nobody listens.
+    /// Returns true if this is a socket at which nobody listens.
     fn is_left(path: &Path) -> bool {
         let is_socket = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_socket());
         is_socket

@@ -176,7 +176,7 @@ async fn access(tokens: Option<Arc<Tokens>>, store: &Store) -> io::Result<Option
     Ok(Some(Access { tokens, tickets }))
 }
 
-/// Whether only programs of this machine reach the server.
+/// Returns true if only programs of this machine reach the server.
 fn are_local(listeners: &[Listener]) -> io::Result<bool> {
     for listener in listeners {
         if !listener.is_local()? {

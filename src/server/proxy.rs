@@ -23,7 +23,7 @@ const VERSION_2: &[u8] = b"\r\n\r\n\0\r\nQUIT\n";
 /// The longest header in version 1, with its end of line.
 const LONGEST_LINE: usize = 107;
 
-/// Whether the proxy at an address is trusted.
+/// Returns true if the proxy at an address is trusted.
 pub(super) fn is_trusted(networks: &[IpNet], address: IpAddr) -> bool {
     let address = address.to_canonical();
     networks.iter().any(|network| network.contains(&address))

@@ -49,8 +49,8 @@ impl<S> TimedStream<S> {
         self.unread = bytes;
     }
 
-    /// Whether these are the first bytes of what comes, as soon as there is an answer to that; `None` if nothing
-    /// more comes. What is looked at is read again. A future that is dropped loses nothing.
+    /// Returns true if these are the first bytes of what comes, as soon as there is an answer to that; `None` if
+    /// nothing more comes. What is looked at is read again. A future that is dropped loses nothing.
     pub(super) async fn begins_with(&mut self, bytes: &[u8]) -> Option<bool>
     where
         S: AsyncRead + Unpin,

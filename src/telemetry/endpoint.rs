@@ -70,13 +70,13 @@ impl Endpoint {
         self.0.to_string()
     }
 
-    /// Whether the connection is encrypted.
+    /// Returns true if the connection is encrypted.
     pub(super) fn is_secure(&self) -> bool {
         self.0.scheme_str() == Some("https")
     }
 }
 
-/// Whether OpenTelemetry is switched off for programs that read its variables.
+/// Returns true if OpenTelemetry is switched off for programs that read its variables.
 fn is_disabled() -> bool {
     env::var("OTEL_SDK_DISABLED").is_ok_and(|value| value.eq_ignore_ascii_case("true"))
 }

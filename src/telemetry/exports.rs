@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Whether spans are exported.
+/// True if spans are exported.
 pub(super) static IS_ON: AtomicBool = AtomicBool::new(false);
 
 /// Spans that the collector has taken, and spans that it has not. Those that the queue has no room for, when many
@@ -17,7 +17,7 @@ pub(super) static IS_ON: AtomicBool = AtomicBool::new(false);
 static EXPORTED: LazyLock<Counter> = LazyLock::new(Counter::default);
 static FAILED: LazyLock<Counter> = LazyLock::new(Counter::default);
 
-/// Whether spans are exported.
+/// Returns true if spans are exported.
 pub(crate) fn is_on() -> bool {
     IS_ON.load(Ordering::Relaxed)
 }

@@ -131,7 +131,7 @@ fn parent(headers: &HeaderMap) -> Context {
     TraceContextPropagator::new().extract_with_context(&Context::new(), &headers)
 }
 
-/// Whether a status of gRPC is an error of the server: unknown, deadline exceeded, unimplemented, internal,
+/// Returns true if a status of gRPC is an error of the server: unknown, deadline exceeded, unimplemented, internal,
 /// unavailable, data loss.
 fn is_fault(code: i64) -> bool {
     matches!(code, 2 | 4 | 12 | 13 | 14 | 15)

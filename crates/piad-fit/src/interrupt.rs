@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::panic::resume_unwind;
 use std::sync::Arc;
 
-/// Whether the computation is not wanted any more.
+/// True if the computation is not wanted any more.
 pub(crate) type IsOver = Arc<dyn Fn() -> bool + Send + Sync>;
 
 thread_local! {

@@ -60,7 +60,7 @@ pub struct Setup {
     pub(super) max_iterations: usize,
     /// The diagonal of the bounding box of the data, in data units.
     pub(super) diagonal: f64,
-    /// Whether eigenvalues of the collocation matrix may nearly coincide.
+    /// True if eigenvalues of the collocation matrix may nearly coincide.
     pub(super) clustered: bool,
 }
 
@@ -100,7 +100,7 @@ impl Setup {
         &self.extents
     }
 
-    /// Whether the last coordinate of data and control points is a weight.
+    /// Returns true if the last coordinate of data and control points is a weight.
     pub fn is_homogeneous(&self) -> bool {
         self.lifted.is_some()
     }
@@ -110,8 +110,8 @@ impl Setup {
         self.missing.as_ref()
     }
 
-    /// Whether the points of the surface are scattered: then the grid has one column, and directions
-    /// have a parameter for each point, in any order.
+    /// Returns true if the points of the surface are scattered: then the grid has one column, and directions have a
+    /// parameter for each point, in any order.
     pub fn is_scattered(&self) -> bool {
         self.scattered.is_some()
     }
@@ -224,9 +224,8 @@ impl Setup {
         points::magnitude(&self.extents) * points::ROUNDING * dimension.sqrt()
     }
 
-    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
-    /// are nearly parallel: those of polynomial bases, and of open B-splines of even degree unless
-    /// their knots are averaged.
+    /// Returns true if eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors are nearly
+    /// parallel: those of polynomial bases, and of open B-splines of even degree unless their knots are averaged.
     pub(super) fn is_clustered(&self) -> bool {
         self.clustered
     }

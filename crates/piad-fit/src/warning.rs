@@ -159,7 +159,7 @@ impl Warning {
         copies.into_iter().chain(even).collect()
     }
 
-    /// Whether the tolerance is a part of a bounding box that a few points determine.
+    /// Returns true if the tolerance is a part of a bounding box that a few points determine.
     pub(super) fn of_points(points: &Points, (diagonal, tolerance): (f64, f64)) -> Option<Self> {
         let inner = points.inner_diagonal();
         (inner > 0.0 && diagonal > WIDE * inner).then_some(Self::Outliers {
@@ -169,7 +169,7 @@ impl Warning {
         })
     }
 
-    /// Whether the points of a curve have an order.
+    /// Returns true if the points of a curve have an order.
     pub(super) fn of_curve(points: &Points) -> Option<Self> {
         is_unordered(points).then_some(Self::Unordered)
     }
@@ -189,13 +189,13 @@ impl Warning {
         Some(Self::RoundedCorners { count, index })
     }
 
-    /// Whether the values of a grid have one that stands for missing data.
+    /// Returns true if the values of a grid have one that stands for missing data.
     pub(super) fn of_grid(points: &Points, missing: &[usize]) -> Option<Self> {
         no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
     }
 
-    /// Whether the slowest part of the error will hardly have changed at level `iterations`, the
-    /// last one, although the fit does not end before, at level `predicted`.
+    /// Returns true if the slowest part of the error will hardly have changed at level `iterations`, the last one,
+    /// although the fit does not end before, at level `predicted`.
     pub(super) fn of_rate(
         forecast: &Forecast,
         predicted: Option<usize>,

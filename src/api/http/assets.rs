@@ -147,7 +147,7 @@ fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> io::Resul
     Ok(response)
 }
 
-/// Whether the client has the representation with this tag (`If-None-Match`, RFC 9110, 13.1.2).
+/// Returns true if the client has the representation with this tag (`If-None-Match`, RFC 9110, 13.1.2).
 fn is_known(headers: &HeaderMap, tag: &str) -> bool {
     let given = headers.get_all(header::IF_NONE_MATCH).iter();
     let mut tags = given.flat_map(|value| value.to_str().unwrap_or("").split(','));

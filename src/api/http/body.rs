@@ -85,15 +85,15 @@ pub(super) fn of_batch(headers: &HeaderMap) -> Result<BodyForm, Problem> {
     Err(Problem::new(Kind::UnsupportedMediaType, detail))
 }
 
-/// Whether a body is a file of points by its media type.
+/// Returns true if a body is a file of points by its media type.
 pub(super) fn is_points(headers: &HeaderMap) -> bool {
     let (essence, utf8) = media_type(content_type(headers));
     let is = |name: &str| essence.eq_ignore_ascii_case(name);
     utf8 && FILES.into_iter().any(is)
 }
 
-/// Whether a page of another origin has sent a text, which browsers let every page do without asking:
-/// so such a request makes no job.
+/// Returns true if a page of another origin has sent a text, which browsers let every page do
+/// without asking: so such a request makes no job.
 pub(super) fn is_unasked(headers: &HeaderMap) -> bool {
     let (essence, _) = media_type(content_type(headers));
     let text = |name| {

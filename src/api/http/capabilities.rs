@@ -73,7 +73,7 @@ struct BasisCapability {
     /// How knots are chosen, with a control point for each data point.
     #[serde(skip_serializing_if = "<[&str]>::is_empty")]
     knots: Names,
-    /// Whether it can be periodic.
+    /// True if it can be periodic.
     closed: bool,
 }
 
@@ -117,9 +117,9 @@ struct MethodCapability {
     /// How knots of open B-splines are chosen, where it has rules of its own.
     #[serde(skip_serializing_if = "<[&str]>::is_empty")]
     knots: Names,
-    /// Whether it fits surfaces.
+    /// True if it fits surfaces.
     surface: bool,
-    /// Whether it fits in homogeneous coordinates.
+    /// True if it fits in homogeneous coordinates.
     homogeneous: bool,
 }
 

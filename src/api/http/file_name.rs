@@ -92,7 +92,7 @@ fn trimmed(name: &str) -> &str {
     name.trim_matches(|c: char| c == '.' || c.is_whitespace())
 }
 
-/// Whether a character is a path separator, is reserved on some system, or is an invisible control or
+/// Returns true if a character is a path separator, is reserved on some system, or is an invisible control or
 /// formatting character, such as those that change the direction of writing.
 fn is_unsafe(c: char) -> bool {
     let reserved = matches!(c, '/' | '\\' | ':' | '*' | '?' | '"' | '<' | '>' | '|');

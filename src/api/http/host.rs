@@ -23,7 +23,7 @@ const ALWAYS: [&str; 2] = ["/livez", "/readyz"];
 pub(crate) struct Hosts {
     /// Names besides those of the loopback interface, in lower case.
     names: Arc<[String]>,
-    /// Whether requests for other hosts are refused.
+    /// True if requests for other hosts are refused.
     checked: bool,
 }
 
@@ -51,7 +51,7 @@ impl Hosts {
     }
 }
 
-/// Whether a name is one more label, or several, before another one.
+/// Returns true if a name is one more label, or several, before another one.
 fn is_below(name: &str, parent: &str) -> bool {
     let labels = name.strip_suffix(parent);
     labels.is_some_and(|labels| labels.len() > 1 && labels.ends_with('.'))

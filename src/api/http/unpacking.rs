@@ -16,7 +16,7 @@ const ZSTD_WINDOW: u32 = 23;
 /// Unpacks a body.
 pub(in crate::api) struct Unpacker {
     decoder: Format,
-    /// Whether all that has come is whole.
+    /// True if all that has come is whole.
     ended: bool,
 }
 
@@ -29,7 +29,7 @@ enum Format {
 struct Moved {
     read: usize,
     written: usize,
-    /// Whether a compressed part ends there; a body may have several.
+    /// True if a compressed part ends there; a body may have several.
     ended: bool,
 }
 
@@ -57,12 +57,12 @@ impl Unpacker {
         }
     }
 
-    /// Whether the body ends where it may.
+    /// Returns true if the body ends where it may.
     pub(in crate::api) fn has_ended(&self) -> bool {
         self.ended
     }
 
-    /// Adds at most so many bytes, taking them from `packed`. Whether there may be more to add.
+    /// Adds at most so many bytes, taking them from `packed`. Returns true if there may be more to add.
     pub(in crate::api) fn add(
         &mut self,
         packed: &mut Bytes,

@@ -99,7 +99,7 @@ fn syntax(text: &str) -> String {
     known.unwrap_or_else(|| text.replace('`', "\""))
 }
 
-/// Whether what is no JSON looks like a number that is not finite.
+/// Returns true if what is no JSON looks like a number that is not finite.
 fn is_about_nan(body: &[u8], error: &Error) -> bool {
     if error.classify() != Category::Syntax {
         return false;

@@ -61,7 +61,7 @@ struct Answer {
     json: Option<String>,
     /// The name of other content.
     content: Option<String>,
-    /// Whether it has links to the operations on a job.
+    /// True if it has links to the operations on a job.
     #[serde(default)]
     links: bool,
 }

@@ -27,7 +27,7 @@ impl Milestones {
         (count > 0).then(|| self.distances[self.reached - 1])
     }
 
-    /// Whether there is nothing left to reach.
+    /// Returns true if there is nothing left to reach.
     pub(super) fn all_reached(&self) -> bool {
         self.reached == self.distances.len()
     }

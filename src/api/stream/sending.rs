@@ -53,12 +53,12 @@ impl Outgoing {
         }
     }
 
-    /// Whether there is nothing to send.
+    /// Returns true if there is nothing to send.
     pub(crate) fn is_empty(&self) -> bool {
         self.unsent.is_empty() && self.together.is_empty()
     }
 
-    /// Whether there is enough to send, so that nothing more should be gathered.
+    /// Returns true if there is enough to send, so that nothing more should be gathered.
     pub(crate) fn is_enough(&self) -> bool {
         !self.unsent.is_empty() || self.together.len() >= ENOUGH
     }

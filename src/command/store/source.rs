@@ -145,7 +145,7 @@ impl Reading {
         Err(summary)
     }
 
-    /// Whether everything could be read, and nothing is wrong beside.
+    /// Returns true if everything could be read, and nothing is wrong beside.
     pub(super) fn is_whole(&self) -> bool {
         self.endless == 0 && self.lost == 0 && self.complaint.is_none()
     }

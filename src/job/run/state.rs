@@ -198,7 +198,7 @@ impl RunState {
         }
     }
 
-    /// Whether it has come to this level.
+    /// Returns true if it has come to this level.
     pub(super) fn has_reached(&self, level: usize) -> bool {
         let reached = self.levels.map(|levels| levels.last.iteration);
         reached >= Some(level)

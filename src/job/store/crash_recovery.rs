@@ -33,7 +33,7 @@ pub(crate) fn probation(crashes: u32) -> Duration {
 }
 
 impl Record {
-    /// Whether it was on probation in the crash.
+    /// Returns true if it was on probation in the crash.
     pub(crate) fn was_on_probation(&self) -> bool {
         self.status.state == State::Running && self.on_probation
     }

@@ -137,7 +137,7 @@ pub(crate) struct Spared {
 }
 
 impl Spared {
-    /// Whether a job stays that ended at this time.
+    /// Returns true if a job stays that ended at this time.
     pub(super) fn spares(&self, at: Timestamp, id: Uuid) -> bool {
         let after = Duration::try_from(at.duration_since(self.since));
         let is_new = after.is_ok_and(|after| !after.is_zero() && after <= LOOK_LIFETIME);

@@ -69,8 +69,8 @@ pub(crate) struct ExtendedInput {
     /// What iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<StartInput>,
-    /// Whether each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a
-    /// control point moves in the next one.
+    /// True if each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a control point
+    /// moves in the next one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub transformed_error: Option<bool>,

@@ -96,7 +96,7 @@ impl<'a> Choices<'a> {
         }
     }
 
-    /// Whether the job has made a choice, and the request has chosen `other`.
+    /// Returns true if the job has made a choice, and the request has chosen `other`.
     pub(super) fn is_default_for(self, choice: Choice, other: Choice) -> bool {
         let by = |choice| self.made(choice).map(|(by, _)| by);
         by(choice) == Some(By::Job) && by(other) == Some(By::Request)

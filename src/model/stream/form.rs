@@ -58,7 +58,7 @@ pub(crate) struct Form {
     pub encoding: Encoding,
     /// How many digits coordinates have.
     pub digits: Digits,
-    /// Whether fits that choose their knots by themselves tell them.
+    /// True if fits that choose their knots by themselves tell them.
     pub knots: bool,
     key: Arc<str>,
 }
@@ -132,7 +132,7 @@ impl Form {
         Self::new(self.view, Encoding::Protobuf, Digits::Full)
     }
 
-    /// Whether it is a protobuf message.
+    /// Returns true if it is a protobuf message.
     pub(crate) fn is_protobuf(&self) -> bool {
         self.encoding == Encoding::Protobuf
     }

@@ -80,12 +80,12 @@ pub enum Dots {
 }
 
 impl Format {
-    /// Whether files of this format can show data points.
+    /// Returns true if files of this format can show data points.
     pub fn has_dots(self) -> bool {
         self == Self::Svg
     }
 
-    /// Whether files of this format consist of samples: the others hold the exact curve or surface.
+    /// Returns true if files of this format consist of samples: the others hold the exact curve or surface.
     pub fn has_samples(self) -> bool {
         !matches!(self, Self::Step | Self::Iges | Self::Obj)
     }
@@ -113,8 +113,8 @@ impl Format {
         )
     }
 
-    /// Whether files of this format declare a unit of length that can be chosen. That of glTF is always
-    /// the metre.
+    /// Returns true if files of this format declare a unit of length that can be chosen. That of glTF is always the
+    /// metre.
     pub fn has_unit(self) -> bool {
         matches!(self, Self::Step | Self::Iges)
     }

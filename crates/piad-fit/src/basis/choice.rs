@@ -175,8 +175,8 @@ impl DirectionChoice {
         }
     }
 
-    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
-    /// are nearly parallel and eigenvalues say little of single levels.
+    /// Returns true if eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors are nearly
+    /// parallel and eigenvalues say little of single levels.
     pub(crate) fn is_clustered(&self) -> bool {
         let BasisChoice::BSpline { degree, knots } = &self.basis else {
             return true;

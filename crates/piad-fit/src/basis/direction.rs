@@ -43,7 +43,7 @@ pub struct Direction {
     sharing: Sharing,
     /// A weight for each basis function of a rational basis.
     weights: Option<Vec<f64>>,
-    /// Whether a least-squares fit starts from equal shares of the data's indices.
+    /// True if a least-squares fit starts from equal shares of the data's indices.
     spread_start: bool,
 }
 
@@ -153,8 +153,8 @@ impl Direction {
         self
     }
 
-    /// Whether a least-squares fit starts from equal shares of the data's indices, which do not depend
-    /// on the direction of the data, as knots that are spread; otherwise from every so many-th point.
+    /// Returns true if a least-squares fit starts from equal shares of the data's indices, which do not depend on the
+    /// direction of the data, as knots that are spread; otherwise from every so many-th point.
     pub(crate) fn starts_spread(&self) -> bool {
         self.spread_start
     }
@@ -194,7 +194,7 @@ impl Direction {
         self.period().is_some()
     }
 
-    /// Whether the basis has weights.
+    /// Returns true if the basis has weights.
     pub fn is_rational(&self) -> bool {
         self.weights.is_some()
     }

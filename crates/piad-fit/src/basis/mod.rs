@@ -163,7 +163,7 @@ impl Basis {
         }
     }
 
-    /// Whether only a few functions differ from zero at a parameter.
+    /// Returns true if only a few functions differ from zero at a parameter.
     pub fn is_local(&self) -> bool {
         matches!(self, Self::BSpline { .. })
     }

@@ -15,7 +15,7 @@ pub(crate) struct Extent {
     pub low: f64,
     /// The largest.
     pub high: f64,
-    /// Whether all numbers are finite: none of them is infinite or NaN.
+    /// True if all numbers are finite: none of them is infinite or NaN.
     pub is_finite: bool,
 }
 

@@ -24,12 +24,12 @@ impl Missing {
         (!indices.is_empty()).then_some(Self(missing))
     }
 
-    /// Whether point `index` is missing.
+    /// Returns true if point `index` is missing.
     pub fn contains(&self, index: usize) -> bool {
         self.0[index]
     }
 
-    /// Whether each point is there.
+    /// Returns true if each point is there.
     pub fn present(&self) -> Vec<bool> {
         self.0.iter().map(|missing| !missing).collect()
     }

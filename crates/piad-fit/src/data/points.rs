@@ -146,7 +146,7 @@ impl Points {
         self.lanes.first().map_or(0, |lane| lane.len())
     }
 
-    /// Whether there is no point.
+    /// Returns true if there is no point.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -222,7 +222,7 @@ impl Points {
         }
     }
 
-    /// Whether all coordinates are finite.
+    /// Returns true if all coordinates are finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.extents().iter().all(|extent| extent.is_finite)
     }

@@ -19,7 +19,7 @@ pub(crate) struct Fitted<'a> {
     pub points: &'a Points,
     /// Their arrangement.
     pub grid: Grid,
-    /// Whether the last coordinate is a weight.
+    /// True if the last coordinate is a weight.
     pub homogeneous: bool,
 }
 

@@ -117,7 +117,7 @@ impl<'a> Geometry<'a> {
         Some(differences)
     }
 
-    /// Whether the control points have weights of their own.
+    /// Returns true if the control points have weights of their own.
     pub fn is_homogeneous(&self) -> bool {
         self.setup.is_homogeneous()
     }
@@ -201,8 +201,8 @@ impl<'a> Geometry<'a> {
         Points::from_lanes(lanes)
     }
 
-    /// Whether the curve or surface lies in the convex hull of its control points: whether all
-    /// weights are positive.
+    /// Returns true if the curve or surface lies in the convex hull of its control points: whether all weights are
+    /// positive.
     pub fn is_within_hull(&self) -> bool {
         let positive = |weights: &[f64]| weights.iter().all(|weight| *weight > 0.0);
         let mut given = self.setup.directions().filter_map(Direction::weights);

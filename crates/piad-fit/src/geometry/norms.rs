@@ -72,7 +72,7 @@ impl FitError {
         })
     }
 
-    /// Whether all of them are finite.
+    /// Returns true if all of them are finite.
     pub fn is_finite(&self) -> bool {
         let more = [
             self.fixed_max,
@@ -95,7 +95,7 @@ pub(crate) struct Norms {
     scale: f64,
     /// The same for homogeneous coordinates.
     homogeneous_scale: f64,
-    /// Whether the last coordinate is a weight.
+    /// True if the last coordinate is a weight.
     homogeneous: bool,
     /// Which points count; all of them without it.
     counted: Option<Vec<bool>>,

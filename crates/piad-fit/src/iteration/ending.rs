@@ -19,9 +19,8 @@ impl Iteration {
         }
     }
 
-    /// Whether all control points have a place. At weight zero they are at infinity; and where
-    /// basis functions vanish but for rounding, control points can overflow although all distances
-    /// are finite.
+    /// Returns true if all control points have a place. At weight zero they are at infinity; and where basis functions
+    /// vanish but for rounding, control points can overflow although all distances are finite.
     fn has_places(&self) -> bool {
         let points = self.control_points();
         if self.system.problem().is_homogeneous()
@@ -37,8 +36,8 @@ impl Iteration {
         points.lanes().iter().all(|lane| finite(lane))
     }
 
-    /// Whether the curve is as near to the data as was asked for. A method may have a larger
-    /// tolerance, and find points that are still to be moved, or make more than distances small.
+    /// Returns true if the curve is as near to the data as was asked for. A method may have a larger tolerance, and
+    /// find points that are still to be moved, or make more than distances small.
     pub(super) fn is_within(&self) -> bool {
         let (problem, largest) = (self.system.problem(), self.level.error.max);
         let first = problem.method().scheme().first_end();
@@ -116,8 +115,7 @@ impl Iteration {
         }
     }
 
-    /// Whether the fit ends for a reason of the method's own, by its errors or by what its update
-    /// has measured.
+    /// Returns true if the fit ends for a reason of the method's own, by its errors or by what its update has measured.
     fn rule_of_method(&self) -> Option<Outcome> {
         let rule = self.system.problem().method().scheme();
         let measured = || self.update().and_then(Update::outcome);

@@ -57,7 +57,7 @@ impl Attempt {
         self.count
     }
 
-    /// Whether nothing was tried yet.
+    /// Returns true if nothing was tried yet.
     pub(super) fn is_fresh(&self) -> bool {
         self.tries == 0
     }
@@ -102,15 +102,15 @@ impl Attempt {
         lower
     }
 
-    /// Whether more redistributions are not worth it. With the `most` control points that are
-    /// allowed there is no other way to get closer.
+    /// Returns true if more redistributions are not worth it. With the `most` control points that
+    /// are allowed there is no other way to get closer.
     pub(super) fn is_over(&self, tolerance: f64, most: usize) -> bool {
         let elsewhere = self.count < most && self.is_hopeless(tolerance);
         self.without_gain >= PATIENCE || elsewhere && self.tries >= ENOUGH && self.slow > 1
     }
 
-    /// Whether the tolerance is so far away that distances tell little about how many control
-    /// points are needed.
+    /// Returns true if the tolerance is so far away that distances tell little about how many
+    /// control points are needed.
     pub(super) fn is_hopeless(&self, tolerance: f64) -> bool {
         self.lowest() > HOPELESS * tolerance
     }

@@ -55,7 +55,7 @@ impl Breaks {
         self.degree
     }
 
-    /// Whether the last span is followed by the first.
+    /// Returns true if the last span is followed by the first.
     pub(crate) fn is_closed(&self) -> bool {
         self.closed
     }
@@ -117,9 +117,8 @@ impl Breaks {
         starts
     }
 
-    /// Whether every control point has a parameter of its own (Schoenberg–Whitney), so that least
-    /// squares have one solution. The ends of an open line count for its first and last control
-    /// point.
+    /// Returns true if every control point has a parameter of its own (Schoenberg–Whitney), so that least squares have
+    /// one solution. The ends of an open line count for its first and last control point.
     pub(crate) fn is_determined(&self, t: &[f64]) -> bool {
         let count = self.control_points();
         if count > t.len() {

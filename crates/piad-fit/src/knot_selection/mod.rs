@@ -94,12 +94,12 @@ pub(crate) struct Options {
     pub tolerance: f64,
     /// The most control points; never more than data.
     pub max_control_points: usize,
-    /// Whether parameters move to the foot points of their data.
+    /// True if parameters move to the foot points of their data.
     pub correct_parameters: bool,
     /// The curve to begin with; without it one of p + 1 control points.
     pub first: Option<(Breaks, Points)>,
-    /// Whether levels are minima alone, without steps of plain least squares between them: where
-    /// more is to be obeyed or weighed than these do.
+    /// True if levels are minima alone, without steps of plain least squares between them: where more is to be obeyed
+    /// or weighed than these do.
     pub minima_alone: bool,
     /// For each datum how far away the curve may be without a distance; none of them without it.
     pub freedom: Option<Arc<[f64]>>,

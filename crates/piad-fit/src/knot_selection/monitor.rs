@@ -66,7 +66,7 @@ impl Monitor {
         self.degree
     }
 
-    /// Whether the last span is followed by the first.
+    /// Returns true if the last span is followed by the first.
     pub(crate) fn is_closed(&self) -> bool {
         self.closed
     }

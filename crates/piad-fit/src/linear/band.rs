@@ -50,7 +50,7 @@ pub(super) struct Band {
     pub upper: usize,
     /// Row by row the entries in columns `i − lower ..= i + upper`.
     pub rows: Vec<f64>,
-    /// Whether the order is the folded one.
+    /// True if the order is the folded one.
     pub folded: bool,
 }
 

@@ -27,7 +27,7 @@ pub struct Banded {
     entries: Vec<Lane>,
     /// Increasing by their first row; the first one starts with row 0.
     stretches: Vec<Stretch>,
-    /// Whether some row goes around the end.
+    /// True if some row goes around the end.
     cyclic: bool,
     /// The largest distance of an entry from the diagonal.
     reach: usize,
@@ -114,7 +114,7 @@ impl Banded {
         self.width
     }
 
-    /// Whether some row goes around the end.
+    /// Returns true if some row goes around the end.
     pub fn is_cyclic(&self) -> bool {
         self.cyclic
     }

@@ -28,7 +28,7 @@ pub struct BandedLu {
     l: Vec<f64>,
     /// The row with which each row was swapped before it was eliminated.
     pivots: Vec<u32>,
-    /// Whether rows and columns are in the folded order.
+    /// True if rows and columns are in the folded order.
     folded: bool,
 }
 

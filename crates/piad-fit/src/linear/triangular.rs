@@ -178,8 +178,8 @@ impl Triangular {
         squares.iter().map(|square: &f64| square.sqrt()).collect()
     }
 
-    /// Whether R with columns of length one has a singular value below [`DEPENDENT`], as far as one
-    /// solution shows it: that of a right side whose signs alternate, as solutions that grow do.
+    /// Returns true if R with columns of length one has a singular value below [`DEPENDENT`], as far as one solution
+    /// shows it: that of a right side whose signs alternate, as solutions that grow do.
     pub(super) fn is_nearly_singular(&self) -> bool {
         let lengths = self.lengths();
         let signs = [1.0, -1.0].into_iter().cycle();

@@ -115,7 +115,7 @@ impl Scheme for Convex {
 struct Steps {
     /// How near to the turning point the search goes, in steps.
     step_tolerance: f64,
-    /// Whether the polygon turns at its ends, too.
+    /// True if the polygon turns at its ends, too.
     closed: bool,
     /// The constants of control points beside the first and the last one, by which they differ from
     /// these, in the order of the polygon.

@@ -78,8 +78,8 @@ pub struct Custom {
 }
 
 impl Custom {
-    /// The method with the rows of U, or of U_u and U_v; on surfaces `u` is for both directions if
-    /// there is no `v`. Whether the matrices fit a problem is found out when there is one.
+    /// The method with the rows of U, or of U_u and U_v; on surfaces `u` is for both directions if there is no `v`.
+    /// Returns true if the matrices fit a problem is found out when there is one.
     pub fn new(u: Vec<Vec<f64>>, v: Option<Vec<Vec<f64>>>) -> Self {
         Self {
             u: Arc::new(u),
@@ -111,7 +111,7 @@ impl Custom {
     }
 }
 
-/// Whether all eigenvalues are computed.
+/// Returns true if all eigenvalues are computed.
 fn is_small(setup: &Setup) -> bool {
     let grid = setup.grid();
     grid.rows.max(grid.columns) <= SMALL

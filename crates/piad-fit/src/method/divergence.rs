@@ -73,9 +73,9 @@ fn check_rate(values: &[Complex<f64>], method: &'static str, omega: f64) -> Resu
     Ok(())
 }
 
-/// Whether the eigenvalues of the collocation matrix have to be looked at: only those of the
-/// Wang–Ball basis are in doubt. The other bases are totally positive, or periodic with a positive
-/// diagonal that dominates.
+/// Returns true if the eigenvalues of the collocation matrix have to be looked at: only those of
+/// the Wang–Ball basis are in doubt. The other bases are totally positive, or periodic with a
+/// positive diagonal that dominates.
 fn is_doubtful(setup: &Setup) -> bool {
     let wang_ball = |direction: &Direction| {
         matches!(

@@ -15,7 +15,7 @@ use crate::setup::Setup;
 /// that need it always have it.
 const FORECAST: usize = 100_000;
 
-/// Whether λ_min is computed for the forecast alone: of polynomials up to [`DENSE`] points.
+/// Returns true if λ_min is computed for the forecast alone: of polynomials up to [`DENSE`] points.
 pub(super) fn is_small(setup: &Setup) -> bool {
     setup.directions().all(|direction| {
         let most = match direction.basis.is_local() {

@@ -47,8 +47,8 @@ pub(super) const ABOUT: About = About {
 pub struct Extended {
     /// The control points of level 0.
     pub start: Start,
-    /// Whether the error is told in transformed coordinates, too: `max_i ‖(U Δ)_i‖`, which is how far
-    /// control points move in the next update.
+    /// True if the error is told in transformed coordinates, too: `max_i ‖(U Δ)_i‖`, which is how
+    /// far control points move in the next update.
     pub transformed_error: bool,
 }
 

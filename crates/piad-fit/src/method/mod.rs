@@ -174,12 +174,12 @@ impl Method {
         }
     }
 
-    /// Whether it chooses its knots by itself.
+    /// Returns true if it chooses its knots by itself.
     pub fn is_automatic(&self) -> bool {
         self.automatic().is_some()
     }
 
-    /// Whether there are fewer control points than data points.
+    /// Returns true if there are fewer control points than data points.
     pub fn has_fewer_control_points(&self) -> bool {
         self.scheme().control_points().is_some()
     }

@@ -66,17 +66,18 @@ impl Relaxation {
         }
     }
 
-    /// Whether all adjusting vectors are transformed together.
+    /// Returns true if all adjusting vectors are transformed together.
     pub(crate) fn is_transformed(&self) -> bool {
         matches!(self, Self::Transformed { .. })
     }
 
-    /// Whether the fit hardly ever goes on after a step, so that no further step is prepared.
+    /// Returns true if the fit hardly ever goes on after a step, so that no further step is
+    /// prepared.
     pub(crate) fn is_done_at_once(&self) -> bool {
         matches!(self, Self::Transformed { once: true })
     }
 
-    /// Whether the last step matters for the next one.
+    /// Returns true if the last step matters for the next one.
     pub(crate) fn has_momentum(&self) -> bool {
         matches!(self, Self::Chebyshev { .. })
     }

@@ -34,13 +34,13 @@ use crate::warning::Warning;
 pub(crate) struct Scope<'a> {
     /// The arrangement of the data points.
     pub grid: Grid,
-    /// Whether there is a second direction.
+    /// True if there is a second direction.
     pub is_surface: bool,
-    /// Whether the points of the surface are scattered: they are in a grid of one column.
+    /// True if the points of the surface are scattered: they are in a grid of one column.
     pub is_scattered: bool,
     /// The number of coordinates of the data points.
     pub dimension: usize,
-    /// Whether the fit is made in homogeneous coordinates.
+    /// True if the fit is made in homogeneous coordinates.
     pub is_homogeneous: bool,
     /// The indices of the control points that may move, if they were given.
     pub selected: Option<&'a [usize]>,
@@ -112,12 +112,12 @@ pub(crate) trait Scheme: Debug {
         None
     }
 
-    /// Whether data points of the grid may be missing.
+    /// Returns true if data points of the grid may be missing.
     fn fits_holes(&self) -> bool {
         false
     }
 
-    /// Whether the points of a surface may be scattered.
+    /// Returns true if the points of a surface may be scattered.
     fn fits_scattered(&self) -> bool {
         false
     }
@@ -183,17 +183,18 @@ pub(crate) trait Scheme: Debug {
         true
     }
 
-    /// Whether fits end although errors never reach a tolerance of zero.
+    /// Returns true if fits end although errors never reach a tolerance of zero.
     fn ends_by_itself(&self) -> bool {
         false
     }
 
-    /// Whether the rate of the forecast is that of the long run, rather than a bound.
+    /// Returns true if the rate of the forecast is that of the long run, rather than a bound.
     fn rate_is_sharp(&self) -> bool {
         true
     }
 
-    /// Whether the level `exact_after` of the forecast is where the fit ends, but for rounding.
+    /// Returns true if the level `exact_after` of the forecast is where the fit ends, but for
+    /// rounding.
     fn ends_when_exact(&self) -> bool {
         false
     }
@@ -204,8 +205,8 @@ pub(crate) trait Scheme: Debug {
         0
     }
 
-    /// Whether the fit ends for a reason of the method's own: it is neither within the tolerance
-    /// nor at the last allowed level.
+    /// Returns true if the fit ends for a reason of the method's own: it is neither within the
+    /// tolerance nor at the last allowed level.
     fn stop(&self, _progress: &Progress) -> Option<Outcome> {
         None
     }

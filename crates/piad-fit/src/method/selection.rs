@@ -24,11 +24,11 @@ const LOOK_UP: usize = 6;
 
 /// How the moved control points are chosen.
 pub(super) trait Choice: Clone + Debug + Send + 'static {
-    /// Whether each update has its own, rather than all of them the same.
+    /// True if each update has its own, rather than all of them the same.
     const VARIES: bool;
 
-    /// Whether a fit goes on while there are points to move, although no distance is above the
-    /// tolerance.
+    /// Returns true if a fit goes on while there are points to move, although no distance is above
+    /// the tolerance.
     fn decides_the_end(&self) -> bool {
         false
     }

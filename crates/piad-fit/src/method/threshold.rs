@@ -32,7 +32,7 @@ impl Threshold {
         }
     }
 
-    /// Whether each point has its own.
+    /// Returns true if each point has its own.
     pub fn is_each(&self) -> bool {
         matches!(self, Self::Each(_))
     }

@@ -72,7 +72,7 @@ pub(super) fn safe_intervals(equations: &Equations) -> impl Iterator<Item = f64>
     })
 }
 
-/// Whether eigenvalues may say little of single levels.
+/// Returns true if eigenvalues may say little of single levels.
 fn is_doubtful(equations: &Equations) -> bool {
     let setup = &equations.setup;
     let least = equations.forecast.lambda_min.unwrap_or(1.0);
@@ -80,7 +80,8 @@ fn is_doubtful(equations: &Equations) -> bool {
     ill || setup.is_clustered()
 }
 
-/// Whether residuals stay low in a fit with the steps of the forecast, as far as it is tried.
+/// Returns true if residuals stay low in a fit with the steps of the forecast, as far as it is
+/// tried.
 pub(super) fn stays_low(method: &dyn Scheme, equations: &Equations) -> bool {
     let setup = &equations.setup;
     let steps = (WORK / setup.residual_cost().max(1)).clamp(STEPS.0, STEPS.1);

@@ -75,8 +75,7 @@ pub(crate) trait Update: Debug + Send {
         None
     }
 
-    /// Whether there is something left to do, although no distance is above the tolerance of the
-    /// method.
+    /// Returns true if there is something left to do, although no distance is above the tolerance of the method.
     fn is_unfinished(&self) -> bool {
         false
     }
@@ -86,12 +85,12 @@ pub(crate) trait Update: Debug + Send {
         false
     }
 
-    /// Whether the fit is at its end by what the update has measured, and why.
+    /// Returns true if the fit is at its end by what the update has measured, and why.
     fn outcome(&self) -> Option<Outcome> {
         None
     }
 
-    /// Whether another update would change nothing, and why.
+    /// Returns true if another update would change nothing, and why.
     fn stalled(&self) -> Option<Reason> {
         None
     }

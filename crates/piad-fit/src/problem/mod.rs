@@ -310,7 +310,7 @@ impl Problem {
         Some((alone.as_ref()?, inliers))
     }
 
-    /// Whether the fit chooses its knots by itself, so that each level has knots of its own.
+    /// Returns true if the fit chooses its knots by itself, so that each level has knots of its own.
     pub fn is_automatic(&self) -> bool {
         self.method().is_automatic()
     }
@@ -325,8 +325,8 @@ impl Problem {
         self.tolerance
     }
 
-    /// Whether a fit that ends above the tolerance has missed its goal: the tolerance was asked for, or
-    /// it determines how many control points there are.
+    /// Returns true if a fit that ends above the tolerance has missed its goal: the tolerance was asked for, or it
+    /// determines how many control points there are.
     pub(super) fn has_goal(&self) -> bool {
         self.request.tolerance.is_some() || self.is_automatic()
     }
@@ -336,7 +336,7 @@ impl Problem {
         &self.request.method
     }
 
-    /// Whether the bases of a surface's directions were asked for separately.
+    /// Returns true if the bases of a surface's directions were asked for separately.
     pub fn bases_differ(&self) -> bool {
         let v = self.request.v.as_ref();
         v.is_some_and(|v| v.basis != self.request.u.basis)

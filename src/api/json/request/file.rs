@@ -148,8 +148,8 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
     }
 }
 
-/// Whether these fields say that the curve of a file is closed or not. Ends and polynomial bases go
-/// with open curves only.
+/// Returns true if these fields say that the curve of a file is closed or not. Ends and polynomial bases go with open
+/// curves only.
 fn closed(fields: &Map<String, Value>) -> Option<bool> {
     let curve = fields.get("curve")?.as_object()?;
     let basis = curve.get("basis").map(|it| it.get("kind").unwrap_or(it));

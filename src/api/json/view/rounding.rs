@@ -105,7 +105,8 @@ impl Batch {
         Arch::new().dispatch(Compute(self, numbers));
     }
 
-    /// Whether number k is written in full: its rounded text would have too many digits, or it is NaN or infinite.
+    /// Returns true if number k is written in full: its rounded text would have too many digits, or it is NaN or
+    /// infinite.
     #[inline(always)]
     pub(super) fn is_in_full(&self, k: usize) -> bool {
         self.scaled[k].is_nan() || self.scaled[k] >= LARGEST

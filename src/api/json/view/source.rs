@@ -14,13 +14,12 @@ pub(crate) trait Source: Send + Sync + 'static {
     /// Copies the numbers from `start` on, as many as there is room for.
     fn fill(&self, start: usize, numbers: &mut [f64]);
 
-    /// Whether numbers are computed when they are copied, rather than at hand.
+    /// Returns true if numbers are computed when they are copied, rather than at hand.
     fn is_computed(&self) -> bool {
         false
     }
 
-    /// Whether all finite numbers stay finite in 32 bits, if that can be told without looking at each of
-    /// them.
+    /// Returns true if all finite numbers stay finite in 32 bits, if that can be told without looking at each of them.
     fn fits_32_bits(&self) -> Option<bool> {
         None
     }
@@ -194,7 +193,7 @@ impl Source for NetPoints {
     }
 }
 
-/// Whether all finite numbers stay finite in 32 bits.
+/// Returns true if all finite numbers stay finite in 32 bits.
 pub(super) fn all_fit_32_bits(numbers: &[f64]) -> bool {
     // Without branches, so that the loop is vectorised.
     let fits = |x: f64| (x as f32).is_finite() | !x.is_finite();

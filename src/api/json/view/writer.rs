@@ -138,7 +138,7 @@ pub(crate) fn points_at_once(dimension: usize) -> usize {
     chunk([usize::MAX / dimension.max(1), dimension].as_slice().into()) / dimension.max(1)
 }
 
-/// Whether all finite numbers of an array stay finite in 32 bits.
+/// Returns true if all finite numbers of an array stay finite in 32 bits.
 pub(super) fn fits_32_bits(shape: NestedShape, source: &impl Source) -> bool {
     if let Some(fits) = source.fits_32_bits() {
         return fits;

@@ -69,7 +69,7 @@ impl JobDatabase {
         }
     }
 
-    /// Whether it is on a disk, which can be full.
+    /// Returns true if it is on a disk, which can be full.
     pub(super) fn is_on_disk(&self) -> bool {
         self.file.is_some()
     }

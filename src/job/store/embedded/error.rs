@@ -24,7 +24,7 @@ pub(super) fn closed() -> StoreError {
     StoreError::Failed("the store is closed".to_owned())
 }
 
-/// Whether an error says that there is no room.
+/// Returns true if an error says that there is no room.
 pub(super) fn means_full(kind: ErrorKind) -> bool {
     matches!(
         kind,

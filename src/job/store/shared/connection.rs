@@ -116,7 +116,7 @@ impl Connections {
         })
     }
 
-    /// Whether the database could not be reached the last time.
+    /// Returns true if the database could not be reached the last time.
     pub(super) fn is_away(&self) -> bool {
         self.away.load(Ordering::Relaxed)
     }

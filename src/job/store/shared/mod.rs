@@ -86,7 +86,7 @@ struct Claim {
 }
 
 impl Shared {
-    /// Whether this replica runs a job, and no other one can know anything else of it.
+    /// Returns true if this replica runs a job, and no other one can know anything else of it.
     pub(crate) fn surely_runs(&self, id: Uuid) -> bool {
         let claims = self.claims.lock();
         let holds = |it: &Claim| !it.lost && !it.ends && it.renewed.elapsed() < self.lease;

@@ -25,8 +25,8 @@ impl Value<'_> {
         &self.bytes[..self.bytes.len().min(PIECE)]
     }
 
-    /// Whether there is more than the first piece. A value that ends with a full piece has an empty one
-    /// behind it.
+    /// Returns true if there is more than the first piece. A value that ends with a full piece has an empty one behind
+    /// it.
     pub(super) fn is_long(&self) -> bool {
         self.bytes.len() >= PIECE
     }

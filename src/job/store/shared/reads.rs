@@ -151,13 +151,13 @@ impl Shared {
             .ok_or_else(|| StoreError::Failed("the secret of the database is not one".to_owned()))
     }
 
-    /// Whether there are jobs that replicas run now.
+    /// Returns true if there are jobs that replicas run now.
     pub(crate) async fn is_in_use(&self) -> Result<bool, StoreError> {
         let rows = self.connections.run(0, || sqlx::query(IN_USE)).await?;
         Ok(!rows.is_empty())
     }
 
-    /// Whether there is no such job.
+    /// Returns true if there is no such job.
     pub(super) async fn is_gone(&self, id: Uuid) -> Result<bool, StoreError> {
         let rows = self
             .connections

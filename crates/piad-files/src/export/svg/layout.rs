@@ -17,7 +17,7 @@ const MOST_POINTS: usize = 2500;
 /// The most control points of nets that are drawn: the lines of more of them would cover the surface.
 const MOST_OF_NET: usize = 600;
 
-/// Whether the control polygon or net is drawn.
+/// Returns true if the control polygon or net is drawn.
 pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
     let most = if nurbs.v.is_some() {
         MOST_OF_NET
@@ -77,8 +77,8 @@ impl DrawnData {
         }
     }
 
-    /// Whether dots are drawn: if nobody asks for them or against them, where they do not hide each
-    /// other and what is below them.
+    /// Returns true if dots are drawn: if nobody asks for them or against them, where they do not
+    /// hide each other and what is below them.
     pub(super) fn choose(&mut self, dots: Dots, canvas: &Canvas) {
         self.dots = match dots {
             Dots::On => true,
@@ -127,8 +127,8 @@ impl DrawnData {
     }
 }
 
-/// Whether dots of this radius hide neither each other nor what is below them. Along a curve there is
-/// as much space between them as they take.
+/// Returns true if dots of this radius hide neither each other nor what is below them. Along a
+/// curve there is as much space between them as they take.
 pub(super) fn are_sparse(pixels: &[(f64, f64)], radius: f64, along_a_curve: bool) -> bool {
     let near = if along_a_curve { 4.0 } else { 2.0 } * radius;
     pixels.len() <= FEW || covered(pixels, near) <= MOST_COVERED

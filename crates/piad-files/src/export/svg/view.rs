@@ -63,7 +63,7 @@ impl Projection {
         }
     }
 
-    /// Whether the page is not the xy plane.
+    /// Returns true if the page is not the xy plane.
     pub(super) fn is_spatial(&self) -> bool {
         self.toward[2] < 1.0
     }

@@ -163,7 +163,7 @@ fn nearest(
     Ok(found)
 }
 
-/// Whether a fit has foot points.
+/// Returns true if a fit has foot points.
 fn check(fit: &Nurbs, v: &KnotVector, points: &Points) -> Result<(), NoFootPoints> {
     let (of_fit, of_points) = (fit.points.dimension(), points.dimension());
     if of_fit != of_points {

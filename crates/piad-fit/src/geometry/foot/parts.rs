@@ -21,7 +21,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Whether it has the point at these parameters.
+    /// Returns true if it has the point at these parameters.
     pub(super) fn has(&self, at: [f64; 2]) -> bool {
         let has = |k: usize| (self.low[k]..=self.low[k] + self.size).contains(&at[k]);
         has(0) && has(1)

@@ -111,7 +111,7 @@ pub struct Sweep {
     /// the method transforms all of them together; else the level from which the last pass began.
     spare: Vectors,
     returned: Returned,
-    /// Whether `spare` holds what the next step needs.
+    /// True if `spare` holds what the next step needs.
     ahead: bool,
     norms: Norms,
     layout: Blocks,
@@ -321,7 +321,8 @@ fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     }
 }
 
-/// Whether all points count alike, residuals are distances, and all matrices are square and banded.
+/// Returns true if all points count alike, residuals are distances, and all matrices are square and
+/// banded.
 fn is_plain(system: &System) -> bool {
     let problem = system.problem();
     let banded = |matrix: &Collocation| {

@@ -23,7 +23,7 @@ pub(super) struct Attempt {
     lines: [Breaks; 2],
     /// What the next knots come from.
     monitors: [Monitor; 2],
-    /// Whether the first knots follow the data.
+    /// True if the first knots follow the data.
     begins_even: bool,
     tries: usize,
     /// The smallest largest distance so far.
@@ -81,7 +81,7 @@ impl Attempt {
         is_closer
     }
 
-    /// Whether it has failed.
+    /// Returns true if it has failed.
     pub(super) fn is_over(&self, tolerance: f64) -> bool {
         let left = TRIES.saturating_sub(self.tries);
         let hoped = self.lowest * self.part.powi(left as i32);

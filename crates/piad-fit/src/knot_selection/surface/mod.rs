@@ -111,7 +111,7 @@ pub(crate) trait Data: Debug + Send + Sync {
     /// The part of the tolerance that each direction may leave.
     fn share(&self) -> f64;
 
-    /// Whether there are enough data for so many control points.
+    /// Returns true if there are enough data for so many control points.
     fn allows(&self, counts: [usize; 2]) -> bool;
 
     /// The control points nearest to the data by the sum of squares, if the data determine them,
@@ -139,8 +139,8 @@ pub(crate) trait Data: Debug + Send + Sync {
         None
     }
 
-    /// Whether something else than the data keeps the surface away from them, however many control
-    /// points it has.
+    /// Returns true if something else than the data keeps the surface away from them, however many control points it
+    /// has.
     fn has_floor(&self) -> bool {
         false
     }

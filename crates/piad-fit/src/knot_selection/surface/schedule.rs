@@ -41,7 +41,7 @@ pub(crate) struct SurfaceSchedule {
     best: Option<Arc<SurfaceLevel>>,
     /// The level with the smallest largest distance.
     closest: Option<Arc<SurfaceLevel>>,
-    /// Whether more control points were asked for than are allowed.
+    /// True if more control points were asked for than are allowed.
     limited: bool,
     /// The root of the mean square of the last fit of the growth, and how many fits have hardly lowered
     /// it.
@@ -248,7 +248,7 @@ impl SurfaceSchedule {
         }
     }
 
-    /// Whether more knots have not brought the surface nearer for some time, and will not.
+    /// Returns true if more knots have not brought the surface nearer for some time, and will not.
     fn stands_still(&mut self, fit: &Fit) -> bool {
         let rms = fit.level.distances.rms;
         self.still = match rms < (1.0 - GAIN) * self.rms {

@@ -102,7 +102,7 @@ pub(super) fn valid(points: &Points, levels: &[Arc<Level>]) {
     }
 }
 
-/// Whether knots were inserted, and all others stayed.
+/// Returns true if knots were inserted, and all others stayed.
 pub(super) fn is_refined(coarse: &Breaks, fine: &Breaks) -> bool {
     let mut breaks = fine.breaks().iter();
     let stayed = coarse

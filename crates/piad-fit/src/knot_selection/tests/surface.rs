@@ -4,7 +4,7 @@ use super::*;
 use crate::data::grid::Grid;
 use crate::knot_selection::surface::{GridData, SurfaceLevel, SurfaceOptions, SurfaceSchedule};
 
-/// Whether the second of two levels is the first one with more knots in one direction.
+/// Returns true if the second of two levels is the first one with more knots in one direction.
 pub(super) fn is_inserted(pair: &[Arc<SurfaceLevel>]) -> bool {
     let [coarse, fine] = [0, 1].map(|k| &pair[k].lines);
     (0..2).any(|axis| is_refined(&coarse[axis], &fine[axis]) && coarse[1 - axis] == fine[1 - axis])

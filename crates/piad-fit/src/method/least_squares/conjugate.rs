@@ -15,7 +15,7 @@ pub(super) struct Conjugate {
     image: Vec<f64>,
     /// `gᵀ D g` of each coordinate.
     gamma: Vec<f64>,
-    /// Whether there was a step.
+    /// True if there was a step.
     begun: bool,
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct ConstrainedSurface {
     scattered: ScatteredData,
     /// What is minimized.
     constrained: Constrained,
-    /// Whether a fairness term keeps the surface away from its data.
+    /// True if a fairness term keeps the surface away from its data.
     fair: bool,
 }
 

@@ -50,7 +50,7 @@ pub(super) struct End {
     last: Option<f64>,
     /// Its decrease.
     fall: f64,
-    /// Whether the normal equations can be solved in a short time.
+    /// True if the normal equations can be solved in a short time.
     solvable: bool,
     /// True if the normal equations are summed up as products for that.
     sums_products: bool,
@@ -81,7 +81,7 @@ impl End {
         }
     }
 
-    /// Whether the fit ends at the level that was measured last.
+    /// Returns true if the fit ends at the level that was measured last.
     pub(super) fn outcome(&self) -> Option<Outcome> {
         self.outcome
     }
@@ -125,7 +125,7 @@ impl End {
         }
     }
 
-    /// Whether a sum of squares is no more than rounding of the data leaves.
+    /// Returns true if a sum of squares is no more than rounding of the data leaves.
     fn is_rounding(&self, equations: &Equations, value: f64) -> bool {
         let coordinates = equations.setup.data().lanes().iter();
         let coordinates = coordinates.flat_map(|lane| lane.iter());

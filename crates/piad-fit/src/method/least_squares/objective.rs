@@ -50,7 +50,7 @@ impl Objective {
         self.energy.as_deref()
     }
 
-    /// Whether the normal equations of a whole grid are a product of those of both directions.
+    /// Returns true if the normal equations of a whole grid are a product of those of both directions.
     pub(super) fn is_separable(&self) -> bool {
         self.weights.is_none() && self.energy.is_none()
     }

@@ -47,7 +47,7 @@ pub struct LeastSquares {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Automatic {
-    /// Whether parameters move to the foot points of their data.
+    /// True if parameters move to the foot points of their data.
     pub correct_parameters: bool,
 }
 
@@ -176,7 +176,7 @@ impl LeastSquares {
         advice.join(", or ")
     }
 
-    /// Whether all data points count alike, and nothing but their distances does.
+    /// Returns true if all data points count alike, and nothing but their distances does.
     pub(super) fn is_separable(&self) -> bool {
         self.data_weights.is_none() && !self.has_energy()
     }

@@ -196,7 +196,7 @@ struct Additional<'a> {
     objective: &'a Objective,
     conditions: &'a [Condition],
     scale: &'a [f64],
-    /// Whether the products of columns are summed up, rather than rows rotated.
+    /// True if the products of columns are summed up, rather than rows rotated.
     sums_products: bool,
 }
 
@@ -223,8 +223,8 @@ impl Additional<'_> {
     }
 }
 
-/// Whether the normal equations of a surface are those of the whole grid, rather than of both
-/// directions: the objective may not be `separable`.
+/// Returns true if the normal equations of a surface are those of the whole grid, rather than of both directions: the
+/// objective may not be `separable`.
 pub(super) fn is_whole(setup: &Setup, separable: bool) -> bool {
     let scattered = setup.is_scattered();
     setup.v().is_some() && (scattered || setup.missing().is_some() || !separable)
