@@ -9,7 +9,7 @@ const HIDDEN: &str = "***";
 const PASSWORDS: [&str; 3] = ["password", "passwd", "pwd"];
 
 /// The value of a setting without its secrets: the user and the password of a URL (`postgres://user:password@host`,
-/// also with mistakes in its beginning), and all that follows a `password=`, as its end is not certain.
+/// also with errors in its beginning), and all that follows a `password=`, as its end is not certain.
 pub(crate) fn redacted(value: &str) -> Cow<'_, str> {
     let cut = match end_of_password_name(value) {
         Some(end) => Cow::Owned(format!("{}{HIDDEN}", value.get(..end).unwrap_or_default())),

@@ -1,4 +1,4 @@
-//! Jobs that are asked for, in whatever language: what can be computed, and making it a job.
+//! Jobs that are requested, in whatever language: what can be computed, and making it a job.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ use piad_fit::engine::System;
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub(super) const PARSED_AT_ONCE: usize = 16 * 1024;
 
-/// Problems of up to so many points are edited where the edit arrives.
+/// Problems of up to this many points are edited where the edit arrives.
 const EDITED_AT_ONCE: usize = 1000;
 
 /// The most characters of an idempotency key.
@@ -78,7 +78,7 @@ pub(super) struct EditOrder {
 }
 
 impl Order {
-    /// A new job, from a body of so many bytes.
+    /// A new job, from a body of this many bytes.
     pub(super) async fn new<W: Words + Send + 'static>(
         app: &App,
         bytes: usize,
@@ -225,13 +225,13 @@ impl EditOrder {
     }
 }
 
-/// Refuses an ephemeral edit that is not asked for with its stream.
+/// Refuses an ephemeral edit that is not requested with its stream.
 pub(super) fn no_stream(words: &impl Words) -> Problem {
     let detail = "all that there is of an ephemeral edit is its stream: ask for a stream, with POST /v1/jobs/{id}/edits/stream or the Accept header";
     Problem::of_mistakes(Mistake::at(SpecPart::Ephemeral, detail).into(), words)
 }
 
-/// Reads a body of so many bytes.
+/// Reads a body of this many bytes.
 pub(super) async fn read<T: Send + 'static>(
     app: &App,
     bytes: usize,

@@ -6,16 +6,16 @@ use super::problem::Problem;
 use piad_fit::engine::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 use piad_fit::invalid::{Invalid, Place, one_for_each};
 
-/// The part of an error that is left, if nothing else is asked for.
+/// The part of an error that is left, by default.
 pub(super) const USUAL_TOLERANCE: f64 = 1e-6;
 
-/// The number of points, if nothing else is asked for: that of DP07, Table 1.
+/// The number of points, by default: that of DP07, Table 1.
 pub(super) const USUAL_POINTS: usize = 11;
 
-/// The degree of the B-splines, if nothing else is asked for.
+/// The degree of the B-splines, by default.
 pub(super) const USUAL_DEGREE: usize = 3;
 
-/// What is asked for.
+/// The request.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RatesRequest {
     /// The number of points; it follows from explicit parameters.

@@ -69,7 +69,7 @@ pub(super) struct IterationEvent {
     pub predicted: Option<usize>,
 }
 
-/// What is said in the end.
+/// What is said at the end.
 #[derive(Debug, Deserialize)]
 pub(super) struct EndEvent {
     pub state: String,

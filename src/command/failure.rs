@@ -1,17 +1,17 @@
-//! Why a command ends without what was asked for.
+//! Why a command ends without what was requested.
 
 use std::fmt::{self, Display};
 use std::io;
 
 use crate::terminal::say;
 
-/// The status of a command that was asked for something that makes no sense.
+/// The status of a command that was requested something that makes no sense.
 pub(super) const USAGE: u8 = 2;
 
 /// Why a command has failed, in lines for people.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// What was asked for, or the data, is wrong.
+    /// What was requested, or the data, is wrong.
     Usage(Vec<String>),
     /// It could not be done.
     Failed(String),
@@ -20,7 +20,7 @@ pub(super) enum Failure {
 }
 
 impl Failure {
-    /// Something is wrong with what was asked for.
+    /// Something is wrong with what was requested.
     pub(super) fn usage(line: impl Into<String>) -> Self {
         Self::Usage(vec![line.into()])
     }

@@ -42,7 +42,7 @@ pub(super) struct Input {
 }
 
 impl Input {
-    /// Reads a file, or the standard input, of at most so many bytes.
+    /// Reads a file, or the standard input, of at most this many bytes.
     pub(super) fn read(path: &Path, max_bytes: u64) -> Result<Self, Failure> {
         let (name, bytes) = match path.to_str() {
             Some("-") => {

@@ -9,7 +9,7 @@
 //! - `options`: flags as fields of a job; `request`: the job that is posted;
 //! - `client`: the server; `events`: what it tells of the fit;
 //! - `outputs`, `iterations`: the files; `progress`, `summary`, `table`: what is reported on the terminal;
-//! - `refusal`: what is wrong, at its flag or line (`pointer`); `failure`: the status in the end;
+//! - `refusal`: what is wrong, at its flag or line (`pointer`); `failure`: the status at the end;
 //! - [`shells`]: completions and manual pages;
 //! - [`store`]: `piad store`, which is about the jobs of servers.
 

@@ -115,7 +115,7 @@ pub(super) struct Output {
     pub format: OutputFormat,
 }
 
-/// The outputs that are asked for, if all of them can be written by what is known before the fit.
+/// The outputs that are requested, if all of them can be written by what is known before the fit.
 pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> {
     let given = given_format(arguments)?;
     let mut outputs = Vec::new();
@@ -281,7 +281,7 @@ fn formats(before: &str) -> String {
     format!("{before} json, {names}")
 }
 
-/// Checks that files can be where they are asked for, and that no two are in one place.
+/// Checks that files can be where they are requested, and that no two are in one place.
 pub(super) fn check(outputs: &[Output]) -> Result<(), Failure> {
     let mut places = HashSet::new();
     for Output { place, .. } in outputs {

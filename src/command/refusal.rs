@@ -42,7 +42,7 @@ impl Refusal {
         refusal
     }
 
-    /// Returns true if a file has several parts, or not the one that is asked for.
+    /// Returns true if a file has several parts, or not the one that is requested.
     pub(super) fn wants_part(&self) -> bool {
         let is_part = |mistake: &Mistake| mistake.parameter.as_deref() == Some(PART);
         self.errors.iter().any(is_part)

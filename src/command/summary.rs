@@ -26,7 +26,7 @@ impl Shape {
     }
 }
 
-/// Returns true if the number of control points is known only in the end.
+/// Returns true if the number of control points is known only at the end.
 pub(super) fn is_automatic(job: &JobEvent) -> bool {
     job.method["control_points"] == "auto"
 }

@@ -18,7 +18,7 @@ use crate::terminal::say;
 /// How many characters an id has.
 const ID: usize = 8;
 
-/// Does what is asked for; the status says whether it has succeeded.
+/// Does what is requested; the status says whether it has succeeded.
 pub fn run(command: &TokenCommand) -> ExitCode {
     let done = match command {
         TokenCommand::Create {

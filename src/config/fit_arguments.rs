@@ -62,8 +62,8 @@ pub struct FitArguments {
     #[arg(long, value_name = "DEGREE", help_heading = "Fit")]
     pub(crate) degree: Option<String>,
 
-    /// The points are of a surface, with so many rows and columns, such as 40x60; without a value the file
-    /// shows them, or the points are scattered.
+    /// The points are of a surface, with this many rows and columns, such as 40x60; without a value the file shows
+    /// them, or the points are scattered.
     #[arg(long, value_name = "ROWSxCOLUMNS", num_args = 0..=1, value_parser = size, help_heading = "Fit")]
     pub(crate) surface: Option<Option<String>>,
 
@@ -178,8 +178,8 @@ pub struct FitArguments {
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) iterations: Option<PathBuf>,
 
-    /// With --iterations: only each so many iterations, and the last [default: as few as it takes for at
-    /// most 1000 files].
+    /// With --iterations: only each this many iterations, and the last [default: as few as it takes for at most 1000
+    /// files].
     #[arg(long, value_name = "NUMBER", requires = "iterations", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: Option<u32>,
 

@@ -25,8 +25,8 @@ pub(crate) enum Next {
 
 /// Reads the frames of a job in order, without gaps, from any level on.
 ///
-/// At most a few frames are computed ahead of a reader, and none are kept for it: a reader that falls
-/// out of the ring of its run goes on with a run of its own.
+/// At most a few frames are computed ahead of a reader, and none are kept for it: a reader that falls out of the ring
+/// of its run continues with a run of its own.
 pub(crate) struct Cursor {
     job: Arc<Job>,
     next: usize,

@@ -8,7 +8,7 @@
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`reader_budget`]: how long readers wait
 //!   for each other; [`peer`]: the client machine that a reader belongs to;
-//! - [`checkpoints`]: levels from which an iteration can go on again;
+//! - [`checkpoints`]: levels from which an iteration can continue again;
 //! - [`memory`]: how the memory is divided; [`replay`]: runs for readers that have missed frames;
 //!   [`resources`]: what all jobs share;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work; [`errand`]: work that pauses;
@@ -84,7 +84,7 @@ use state::{State, Status};
 use store::{Record, Store, StoreError};
 use trace::JobTrace;
 
-/// Streams hold the points of jobs of at most so many bytes.
+/// Streams hold the points of jobs of at most this many bytes.
 const HELD: usize = 256 * 1024;
 
 /// The system of a job, if a stream holds it until it ends.
@@ -261,7 +261,7 @@ impl Job {
         self.elsewhere.load(Ordering::Acquire)
     }
 
-    /// Returns true if the run of this replica, if it was stopped, does not tell how the job goes on or has ended.
+    /// Returns true if the run of this replica, if it was stopped, does not tell how the job continues or has ended.
     pub(crate) fn goes_on_without_its_run(&self) -> bool {
         self.is_elsewhere() || self.status().state.is_final()
     }
@@ -314,7 +314,7 @@ impl Job {
         }
     }
 
-    /// Waits until cancelling is asked for.
+    /// Waits until cancelling is requested.
     async fn cancel_requested(&self) {
         let mut notified = std::pin::pin!(self.cancel.notified());
         notified.as_mut().enable();

@@ -44,7 +44,7 @@ pub(crate) struct Outline {
     pub(crate) step_cost: usize,
     /// The warnings when it was accepted.
     pub(super) warnings: Vec<Warning>,
-    /// Surfaces: the bases of both directions were asked for separately.
+    /// Surfaces: the bases of both directions were requested separately.
     pub(crate) bases_differ: bool,
     /// The kernel of the program that accepted it.
     pub(crate) kernel: u32,
@@ -74,7 +74,7 @@ pub(crate) struct Parent {
 }
 
 impl Outline {
-    /// The outline of a new job that a peer has asked for.
+    /// The outline of a new job that a peer has requested.
     pub(crate) fn new(label: Label, problem: &Problem, peer: Option<Peer>) -> Self {
         let adjusted = || {
             let all = problem.grid().count();

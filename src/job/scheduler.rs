@@ -77,7 +77,7 @@ impl WorkLane {
         }
     }
 
-    /// The lane of reading a request or encoding an answer, which takes so many operations.
+    /// The lane of reading a request or encoding an answer, which takes this many operations.
     pub(crate) fn of_wire(operations: usize) -> Self {
         match Self::of(operations) {
             Self::Quick => Self::Quick,
@@ -239,8 +239,8 @@ impl Scheduler {
         self.0.push(lane, peer, work);
     }
 
-    /// Computes a value for the current peer in the pool, off the threads that serve the network. It is
-    /// given up if nobody waits for it any more.
+    /// Computes a value for the current peer in the pool, off the threads that serve the network. It is given up if it
+    /// is abandoned.
     pub(crate) async fn compute<T: Send + 'static>(
         &self,
         lane: WorkLane,

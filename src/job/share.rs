@@ -63,7 +63,7 @@ struct Waiter {
     granted: oneshot::Sender<Permit>,
 }
 
-/// What is asked for.
+/// The request.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     peer: Option<Peer>,
@@ -137,12 +137,12 @@ impl Share {
         self.try_take(self.piece(peer, bytes))
     }
 
-    /// Waits until a peer gets this many bytes. There is always a permit in the end.
+    /// Waits until a peer gets this many bytes. There is always a permit at the end.
     pub(crate) async fn take(&self, peer: Option<Peer>, bytes: usize) -> Option<Permit> {
         self.wait(self.piece(peer, bytes)).await
     }
 
-    /// Waits until a permit is for so many bytes more, or for all of the share.
+    /// Waits until a permit is for this many bytes more, or for all of the share.
     pub(crate) async fn extend(&self, permit: &mut Permit, bytes: usize) {
         let more = self.piece(permit.peer, bytes);
         let piece = Piece {

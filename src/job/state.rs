@@ -20,11 +20,11 @@ pub(crate) enum State {
     Converged,
     /// Ended at `max_iterations`.
     Exhausted,
-    /// Ended because the method cannot go on.
+    /// Ended because the method cannot continue.
     Stalled,
     /// Ended because of an error.
     Failed,
-    /// Ended because a client asked for it.
+    /// Ended because a client requested it.
     Cancelled,
 }
 

@@ -105,7 +105,7 @@ impl JobTrace {
         }
     }
 
-    /// Encoding so many numbers off the network threads, for this request if the job has ended.
+    /// Encoding this many numbers off the network threads, for this request if the job has ended.
     pub(crate) fn encode(&self, numbers: usize) -> Span {
         let encode = |parent: &Span| debug_span!(target: TARGET, parent: parent, "encode", piad.numbers = integer(numbers));
         let job = self.span.lock().clone();

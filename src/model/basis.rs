@@ -1,4 +1,4 @@
-//! Bases, knots and parameters as they are asked for.
+//! Bases, knots and parameters as requested.
 
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ names!(BasisKind, "kind of basis", [
 ]);
 
 rules!(
-    /// The knots of a B-spline as they are asked for.
+    /// The knots of a B-spline as requested.
     KnotsInput(Knots), "rule for knots", [
     "data" => Data,
     "averaged" => Averaged,
@@ -44,7 +44,7 @@ rules!(
 ]);
 
 rules!(
-    /// The parameters of data points as they are asked for.
+    /// The parameters of data points as requested.
     ParametersInput(Parametrization), "rule for parameters", [
     "chord_length" => ChordLength,
     "centripetal" => Centripetal,
@@ -122,7 +122,7 @@ impl Basis {
     }
 }
 
-/// As it would be asked for.
+/// As it would be requested.
 impl From<&BasisChoice> for Basis {
     fn from(choice: &BasisChoice) -> Self {
         let kind = match choice {

@@ -1,4 +1,4 @@
-//! The corners of a curve, and the creases of a surface, as they are asked for.
+//! The corners of a curve, and the creases of a surface, as requested.
 
 use std::fmt;
 

@@ -333,7 +333,7 @@ pub(crate) fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>
     deserializer.deserialize_any(NumberVisitor(word, expected, PhantomData))
 }
 
-/// A list of at most so many elements, which is longer in no request that could be right.
+/// A list of at most this many elements, which is longer in no request that could be right.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct AtMost<T, const MOST: usize>(pub Vec<T>);

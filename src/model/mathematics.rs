@@ -1,4 +1,4 @@
-//! What is wrong with a fitting problem, as far as one mistake does not follow from another.
+//! What is wrong with a fitting problem, as far as one error does not follow from another.
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
 use piad_fit::basis::{BasisChoice, Knots};
@@ -7,11 +7,11 @@ use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::method::{LeastSquares, Method};
 use piad_fit::parameters::Parametrization;
 
-/// Of problems with so many points more than one mistake is looked for, which takes a copy.
+/// Of problems with this many points more than one error is looked for, which takes a copy.
 const MOST_COPIED: usize = 10_000;
 
 impl Mistakes {
-    /// The problem, or what is wrong with it. Each mistake that is found is set right in a copy, to
+    /// The problem, or what is wrong with it. Each error that is found is set right in a copy, to
     /// find those after it. `place` says where a part of the problem is in the model.
     pub(super) fn fit(
         &mut self,

@@ -8,7 +8,7 @@ use std::fmt;
 use super::stream::Choice;
 use piad_fit::invalid as fit;
 
-/// The most mistakes that are told at once.
+/// The most errors that are told at once.
 pub(crate) const MOST_MISTAKES: usize = 16;
 
 /// A part of a job or an edit.
@@ -76,7 +76,7 @@ pub struct Mistake {
 }
 
 impl Mistake {
-    /// A mistake in a part of the model.
+    /// An error in a part of the model.
     pub fn at(place: SpecPart, detail: impl Into<String>) -> Self {
         Self {
             site: Site::Part(place),
@@ -84,7 +84,7 @@ impl Mistake {
         }
     }
 
-    /// A mistake at a place that only the language of the request has.
+    /// An error at a place that only the language of the request has.
     pub fn at_text(text: impl Into<String>, detail: impl Into<String>) -> Self {
         Self {
             site: Site::Text(text.into()),
@@ -96,12 +96,12 @@ impl Mistake {
 /// What was read of a part of a request, or all that is wrong with it.
 pub(crate) type OrMistakes<T> = Result<T, Mistakes>;
 
-/// All mistakes that were found, as far as one does not follow from another.
+/// All errors that were found, as far as one does not follow from another.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mistakes(Vec<Mistake>);
 
 impl Mistakes {
-    /// One mistake more.
+    /// One error more.
     pub fn push(&mut self, mistake: Mistake) {
         self.0.push(mistake);
     }
@@ -113,7 +113,7 @@ impl Mistakes {
         }
     }
 
-    /// The value, or its mistakes more.
+    /// The value, or its errors more.
     pub fn keep<T>(&mut self, read: Result<T, impl Into<Self>>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
@@ -134,7 +134,7 @@ impl Mistakes {
         self.0.len() >= MOST_MISTAKES
     }
 
-    /// The value if there are no mistakes.
+    /// The value if there are no errors.
     pub fn or<T>(self, value: T) -> OrMistakes<T> {
         if self.none() { Ok(value) } else { Err(self) }
     }

@@ -1,4 +1,4 @@
-//! A curve as it is asked for, and what curves and surfaces have in common.
+//! A curve as requested, and what curves and surfaces have in common.
 
 use std::sync::Arc;
 
@@ -175,7 +175,7 @@ pub(super) fn problem(
 }
 
 impl CurveInput {
-    /// The problem of fitting it, also if there are mistakes beside the points.
+    /// The problem of fitting it, also if there are errors beside the points.
     pub(super) fn request(
         self,
         rational: Option<Rational>,
@@ -208,7 +208,7 @@ impl CurveInput {
         })
     }
 
-    /// The curve of a problem as it would be asked for.
+    /// The curve of a problem in the form of a request.
     pub(super) fn of(request: &Request) -> Self {
         let weights = match weights::asked(request) {
             Some(PerDirection::Both(weights)) => Some(weights),

@@ -1,4 +1,4 @@
-//! When an iteration ends, as it is asked for.
+//! When an iteration ends, as requested.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! A surface as it is asked for.
+//! A surface as requested.
 
 use std::sync::Arc;
 
@@ -201,8 +201,7 @@ impl SurfaceInput {
         }
     }
 
-    /// The problem of fitting it, also if there are mistakes beside the points; foot points get their
-    /// parameters later.
+    /// The problem of fitting it, also if there are errors beside the points; foot points get their parameters later.
     pub(super) fn request(
         self,
         rational: Option<Rational>,
@@ -272,7 +271,7 @@ impl SurfaceInput {
         })
     }
 
-    /// The surface of a problem with these directions as it would be asked for.
+    /// The surface of a problem with these directions in the form of a request.
     pub(super) fn of(request: &Request, v: &DirectionChoice) -> Self {
         let u = &request.u;
         let points = Arc::clone(&request.points);

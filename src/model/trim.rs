@@ -1,4 +1,4 @@
-//! How a surface is trimmed, as it is asked for.
+//! How a surface is trimmed, as requested.
 
 use std::fmt;
 

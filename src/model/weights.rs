@@ -1,4 +1,4 @@
-//! Weights as they are asked for: of the data points, or fixed ones.
+//! Weights as requested: of the data points, or fixed ones.
 
 use schemars::JsonSchema;
 
@@ -115,7 +115,7 @@ impl Resolved {
     }
 }
 
-/// The weights of a problem as they would be asked for.
+/// The weights of a problem in the form of a request.
 pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
     let rows = |values: &Vec<f64>| match request.v {
         None => PointNumbers::Line(values.clone()),

@@ -240,7 +240,7 @@ pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
     }
 }
 
-/// The method as it was asked for, with its lists and the indices of the points that it selects.
+/// The method as requested, with its lists and the indices of the points that it selects.
 pub(crate) fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     let mut message = message(method, surface, None);
     match (&mut message.kind, method) {

@@ -75,7 +75,7 @@ impl Activity {
         }
     }
 
-    /// Notes that so many bytes were sent.
+    /// Notes that this many bytes were sent.
     pub(super) fn wrote(&self, bytes: usize) {
         let mut state = self.0.lock();
         state.written = (Instant::now(), state.written.1 + bytes as u64);

@@ -1,8 +1,7 @@
 //! HTTP on a connection, in the version that the client speaks.
 //!
-//! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So one
-//! on which nothing is asked for some time is taken back from hyper, which gets it again with the next
-//! request.
+//! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So one on which
+//! nothing is requested some time is taken back from hyper, which gets it again with the next request.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -133,7 +132,7 @@ impl Watch {
         }
     }
 
-    /// Serves requests until the connection ends, or nothing is asked for some time.
+    /// Serves requests until the connection ends, or nothing is requested some time.
     async fn serve<C>(&mut self, mut connection: Pin<&mut C>) -> Served
     where
         C: GracefulConnection<Error = hyper::Error>,

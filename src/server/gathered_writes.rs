@@ -10,10 +10,10 @@ use std::task::{Context, Poll, ready};
 use bytes::{Buf, BytesMut};
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 
-/// Writes are passed on when there are so many bytes.
+/// Writes are passed on when there are this many bytes.
 const ENOUGH: usize = 64 * 1024;
 
-/// Writes of so many bytes are likely to be followed by others; smaller ones are passed on with their flush.
+/// Writes of this many bytes are likely to be followed by others; smaller ones are passed on with their flush.
 const LARGE: usize = 8 * 1024;
 
 /// A stream that gathers large writes.
@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Writes so many bytes and flushes, as often as there are numbers; gives the writes that were passed on.
+    /// Writes this many bytes and flushes, as often as there are numbers; gives the writes that were passed on.
     fn passed_on(writes: &[usize]) -> Vec<usize> {
         let mut stream = GatheredWrites::new(Calls::default());
         let mut context = Context::from_waker(Waker::noop());

@@ -55,8 +55,8 @@ use limits::{ConnectionLimits, Connections};
 use listener::Listener;
 use tls::Tls;
 
-/// How long a server waits for the one before it to let go of the data directory: its last reads may go on
-/// for a moment after it has stopped.
+/// How long a server waits for the one before it to let go of the data directory: its last reads may continue for a
+/// moment after it has stopped.
 const HANDOVER: Duration = Duration::from_secs(3);
 
 /// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests

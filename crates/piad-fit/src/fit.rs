@@ -1,4 +1,4 @@
-//! What is asked for, [`Fit`], and what can be iterated, [`Prepared`].
+//! What is requested, [`Fit`], and what can be iterated, [`Prepared`].
 
 use std::fmt;
 use std::iter::FusedIterator;
@@ -27,7 +27,7 @@ use crate::trim::trimmed;
 /// The degree of B-splines where none is given.
 const DEGREE: usize = 3;
 
-/// A fit as it is asked for: a cubic B-spline through the data by classical PIA, within a millionth of their size, where
+/// A fit as requested: a cubic B-spline through the data by classical PIA, within a millionth of their size, where
 /// nothing else is said. Nothing is checked before [`prepare`](Self::prepare).
 #[derive(Clone, Debug)]
 #[must_use = "a fit is computed once it is prepared"]
@@ -277,7 +277,7 @@ impl<S: Shape> Prepared<S> {
         &self.system.problem().u().parameters
     }
 
-    /// The levels of the fit, from level 0 to the last one. Each is computed when it is asked for.
+    /// The levels of the fit, from level 0 to the last one. Each is computed on demand.
     pub fn levels(&self) -> Levels<S> {
         Levels {
             iteration: None,

@@ -20,7 +20,7 @@ pub fn one_for_each(given: usize, things: &str, points: usize) -> String {
 }
 
 impl Invalid {
-    /// A mistake in a part of the problem.
+    /// An error in a part of the problem.
     pub(super) fn at(place: Place, detail: impl Into<String>) -> Self {
         Self {
             place,
@@ -29,7 +29,7 @@ impl Invalid {
         }
     }
 
-    /// Several mistakes as one; none of none.
+    /// Several errors as one; none of none.
     pub(super) fn of_all(all: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut all = all.into_iter();
         let first = all.next()?;
@@ -37,7 +37,7 @@ impl Invalid {
         Some(Self { others, ..first })
     }
 
-    /// Each of several mistakes by itself.
+    /// Each of several errors by itself.
     pub fn each(mut self) -> Vec<Self> {
         let mut all = std::mem::take(&mut self.others);
         all.insert(0, self);

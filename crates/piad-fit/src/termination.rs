@@ -1,19 +1,19 @@
 //! How an iteration ends.
 //!
-//! Converged fits have succeeded, and so have least-squares fits at their minimum if no tolerance was
-//! asked for. Exhausted and stalled ones have a curve that is further from the data than was asked
-//! for, and can be gone on with by another method. After an overflow there is no curve.
+//! Converged fits have succeeded, and so have least-squares fits at their minimum if no tolerance was requested.
+//! Exhausted and stalled ones have a curve that is further from the data than requested, and can be gone on with by
+//! another method. After an overflow there is no curve.
 
 /// Why an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The largest distance is within the tolerance.
     Converged,
-    /// A least-squares fit is at its minimum, and no tolerance was asked for.
+    /// A least-squares fit is at its minimum, and no tolerance was requested.
     Minimum,
     /// The last allowed level is reached, and the tolerance is not.
     Exhausted,
-    /// The method cannot go on.
+    /// The method cannot continue.
     Stalled(Reason),
     /// The distances are not finite numbers any more.
     Overflow,

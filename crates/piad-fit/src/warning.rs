@@ -132,7 +132,7 @@ const ROBUST: &str = "\"robust\": true leaves such points out";
 const CORNERS: &str = "\"corners\": \"auto\" keeps them sharp";
 
 impl Warning {
-    /// What is doubtful about a direction as it is asked for, with a control point for each data point.
+    /// What is doubtful about a direction as requested, with a control point for each data point.
     pub(super) fn of_direction(
         choice: &DirectionChoice,
         direction: &Direction,

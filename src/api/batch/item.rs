@@ -1,4 +1,4 @@
-//! An item of a batch: a job, read and checked like a job of its own, whose mistakes are at their places in the batch.
+//! An item of a batch: a job, read and checked like a job of its own, whose errors are at their places in the batch.
 
 use bytes::Bytes;
 use serde::Deserialize;
@@ -75,7 +75,7 @@ impl Settings {
         }
     }
 
-    /// Returns true if a batch cannot go on after this problem with an item: its body is no JSON.
+    /// Returns true if a batch cannot continue after this problem with an item: its body is no JSON.
     pub(super) fn is_fatal(&self, problem: &Problem) -> bool {
         self.body == BodyForm::Document && problem.kind() == Kind::NotJson
     }

@@ -189,7 +189,7 @@ impl Settings {
         body
     }
 
-    /// Returns true if nobody waits for the batch any more.
+    /// Returns true if the batch is abandoned.
     pub(super) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Acquire)
     }

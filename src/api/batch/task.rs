@@ -133,7 +133,7 @@ impl Task {
     }
 }
 
-/// Waits for what it takes to read this many bytes of items, with so much memory beside them.
+/// Waits for what it takes to read this many bytes of items, with this much memory beside them.
 async fn take_for_reading(app: &App, (bytes, more): (usize, usize)) -> Reading {
     let memory = &app.jobs.resources().memory;
     let is_large = bytes > 2 * SMALL;

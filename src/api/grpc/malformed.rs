@@ -1,4 +1,4 @@
-//! Messages that cannot be decoded are a mistake of the client. The gRPC library reports them as
+//! Messages that cannot be decoded are an error of the client. The gRPC library reports them as
 //! internal errors; here they become INVALID_ARGUMENT.
 
 use axum::response::Response;

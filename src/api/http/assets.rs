@@ -23,12 +23,12 @@ pub(crate) struct Asset {
     hash: &'static str,
     /// Its bytes, compressed: the program would be two megabytes larger with the others.
     gzip: &'static [u8],
-    /// Its bytes, once somebody has asked for them who does not unpack.
+    /// Its bytes, once somebody has requested them who does not unpack.
     plain: OnceLock<Bytes>,
 }
 
 impl Asset {
-    /// A file that nobody has asked for yet.
+    /// A file that nobody has requested yet.
     pub(crate) const fn new(name: &'static str, hash: &'static str, gzip: &'static [u8]) -> Self {
         let plain = OnceLock::new();
         Self {

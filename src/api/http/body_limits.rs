@@ -176,7 +176,7 @@ impl Intake<'_> {
         Ok(Some(data))
     }
 
-    /// Makes room for so many more bytes. The capacity at least doubles, so that little is copied.
+    /// Makes room for this many more bytes. The capacity at least doubles, so that little is copied.
     async fn grow(&mut self, more: usize) -> Result<(), Problem> {
         let needed = self.bytes.len() + more;
         let capacity = self.bytes.capacity();
@@ -255,7 +255,7 @@ pub(in crate::api) async fn receive(
     Ok(Some(frame.into_data().unwrap_or_default()))
 }
 
-/// Refuses bodies that come so slowly that they keep memory from others: so many bytes since then.
+/// Refuses bodies that come so slowly that they keep memory from others: this many bytes since then.
 pub(in crate::api) fn check_rate(
     config: &Config,
     since: Instant,

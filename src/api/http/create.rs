@@ -236,7 +236,7 @@ impl Posted {
         let stream = match self.answer {
             Answer::Events(framing) => {
                 order.check_stream(&spec, framing)?;
-                // Before the job is made: it is not asked for without its stream.
+                // Before the job is made: it is not requested without its stream.
                 Some(app.open_stream()?)
             }
             Answer::Job(_) => None,
@@ -326,7 +326,7 @@ fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     Ok(Some(key.to_owned()))
 }
 
-/// Refuses parameters of streams where no stream was asked for, and a resume point of a new stream.
+/// Refuses parameters of streams where no stream was requested, and a resume point of a new stream.
 fn check_query(answer: Answer, query: &StreamQuery) -> Result<(), Problem> {
     let refused = match answer {
         Answer::Job(_) => query.given(),

@@ -17,7 +17,7 @@ const ALWAYS: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Crowded {
     Connections(NoSlot),
-    /// So many requests of the peer are open.
+    /// This many requests of the peer are open.
     Requests(usize),
 }
 

@@ -37,7 +37,7 @@ use piad_files::import::{self, Hints, Imported};
 use piad_files::short::quoted;
 use piad_fit::parameters::Scattered;
 
-/// The JSON of points takes at most so many times the memory of their file, also while it grows: 1e15 has sixteen
+/// The JSON of points takes at most this many times the memory of their file, also while it grows: 1e15 has sixteen
 /// digits there.
 const JSON_OF_POINTS: usize = 12;
 

@@ -22,7 +22,7 @@ use crate::api::problem::{Kind, Problem};
 pub(in crate::api) struct TicketView {
     /// The value of the query parameter `ticket`.
     ticket: String,
-    /// Until when a stream can be opened with it; one that is open goes on.
+    /// Until when a stream can be opened with it; one that is open continues.
     expires: Timestamp,
 }
 

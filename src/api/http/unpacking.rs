@@ -62,7 +62,7 @@ impl Unpacker {
         self.ended
     }
 
-    /// Adds at most so many bytes, taking them from `packed`. Returns true if there may be more to add.
+    /// Adds at most this many bytes, taking them from `packed`. Returns true if there may be more to add.
     pub(in crate::api) fn add(
         &mut self,
         packed: &mut Bytes,

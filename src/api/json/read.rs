@@ -12,8 +12,8 @@ use crate::model::list_limits::within;
 use piad_files::json::ListLimits;
 use piad_files::short::{cut, plain, quoted, without_mark};
 
-/// Reads a body, which is about at most so many points. Only if that fails it is read once more, for the place
-/// of the error.
+/// Reads a body, which is about at most this many points. Only if that fails it is read once more, for the place of the
+/// error.
 pub(crate) fn parse<T: DeserializeOwned>(body: &[u8], most_points: usize) -> Result<T, Problem> {
     let body = without_mark(body);
     if body.trim_ascii().is_empty() {

@@ -130,7 +130,7 @@ impl Problem {
         )
     }
 
-    /// All mistakes of a job or an edit, at their places in the language of the request.
+    /// All errors of a job or an edit, at their places in the language of the request.
     pub fn of_mistakes(mistakes: Mistakes, words: &impl Words) -> Self {
         let problems = mistakes.into_iter().map(|mistake| {
             let text = match mistake.site {
@@ -210,7 +210,7 @@ impl Problem {
         )
     }
 
-    /// The same problem, to be tried again after so many seconds.
+    /// The same problem, to be tried again after this many seconds.
     pub fn retry_after(mut self, seconds: u32) -> Self {
         self.retry_after = Some(seconds);
         self

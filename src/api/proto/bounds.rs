@@ -24,13 +24,13 @@ enum Content {
     Indices,
     /// Three indices of points for each triangle of a mesh, at most four triangles for each point.
     Corners,
-    /// At most so many numbers for each point, and as many as knot vectors have more.
+    /// At most this many numbers for each point, and as many as knot vectors have more.
     Numbers(usize),
     /// The entries of a matrix.
     Matrix,
     /// One message, with fields that are lists or such messages.
     Message(&'static [Part]),
-    /// At most so many of them, or one for each point.
+    /// At most this many of them, or one for each point.
     Messages(Option<usize>, &'static [Part]),
 }
 

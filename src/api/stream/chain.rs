@@ -77,7 +77,7 @@ impl Chain {
         self.complete(job, frame, form).await
     }
 
-    /// A complete event, from which the reader goes on.
+    /// A complete event, from which the reader continues.
     async fn complete(
         &mut self,
         job: &Arc<Job>,

@@ -22,7 +22,7 @@ const LAST: usize = 1500;
 enum Action {
     /// A new reader from the level after the one that another reader has read last.
     Resume(usize),
-    /// A new reader, so many levels after the one that the run has reached.
+    /// A new reader, this many levels after the one that the run has reached.
     AttachAhead(usize),
     Read(usize),
     /// A reader skips levels.

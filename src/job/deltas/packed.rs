@@ -21,7 +21,7 @@ pub(crate) enum Malformed {
     /// A block says that its numbers have this many bits.
     #[error("numbers of a block have {0} bits, which is more than 32")]
     Width(u8),
-    /// They go on behind the last number.
+    /// They continue behind the last number.
     #[error("there are bytes behind the last of the packed numbers")]
     TooLong,
 }

@@ -146,7 +146,7 @@ impl Run {
         is_idle || (state.delivered && state.begun.elapsed() >= fair)
     }
 
-    /// Ends it and drops its frames: its readers go on with another run.
+    /// Ends it and drops its frames: its readers continue with another run.
     pub(super) fn revoke(&self) {
         let mut state = self.state.lock();
         state.end(Ending::Revoked);
@@ -274,7 +274,7 @@ impl Run {
         }
     }
 
-    /// Returns true if frames are kept now that nobody has asked for yet.
+    /// Returns true if frames are kept now that nobody has requested yet.
     fn keeps_unread(&self) -> bool {
         self.keeps_unread && !self.resources.memory.cache.is_half_full()
     }

@@ -55,7 +55,7 @@ pub(crate) enum FrameLookup {
     Gone,
     /// The run has ended before it.
     Ended,
-    /// The run was stopped before it: another run can go on.
+    /// The run was stopped before it: another run can continue.
     Stopped,
 }
 
@@ -72,7 +72,7 @@ pub(super) struct RunState {
     /// It runs to its end, with or without readers.
     pub(super) to_the_end: bool,
     pub(super) begun: Instant,
-    /// When a frame was last asked for.
+    /// When a frame was last requested.
     pub(super) touched: Instant,
     /// At least one frame has been delivered.
     pub(super) delivered: bool,

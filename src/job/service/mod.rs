@@ -90,7 +90,7 @@ pub(crate) struct Jobs {
     deletions: AtomicUsize,
     /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
-    /// Drags that go on.
+    /// Drags that continue.
     sessions: Sessions,
 }
 
@@ -293,7 +293,7 @@ impl Jobs {
         Ok(existed)
     }
 
-    /// Drops jobs that are no longer in the store. Those who hold them can go on with them.
+    /// Drops jobs that are no longer in the store. Those who hold them can continue with them.
     fn forget(&self, ids: &[Uuid]) {
         self.deletions.fetch_add(1, Ordering::AcqRel);
         for id in ids {

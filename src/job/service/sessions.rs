@@ -8,8 +8,8 @@ use uuid::Uuid;
 
 use crate::job::peer::Peer;
 
-/// The drags that go on, each with its newest edit: a sender of nothing, which is dropped when a newer edit
-/// takes its place.
+/// The drags that continue, each with its newest edit: a sender of nothing, which is dropped when a newer edit takes
+/// its place.
 #[derive(Debug, Default)]
 pub(crate) struct Sessions(Mutex<HashMap<Session, oneshot::Sender<()>>>);
 

@@ -8,7 +8,7 @@ use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use piad_fit::engine::Problem;
 
-/// So many jobs are looked up at a time.
+/// This many jobs are looked up at a time.
 const PAGE: usize = 1000;
 
 /// The most jobs that are under way at a time, and their points: they are in memory.
@@ -23,8 +23,8 @@ pub(crate) struct WholeJob {
     pub key: Option<IdempotencyKey>,
 }
 
-/// Copies all jobs, and tells how many there are so far; gives the number in the end. Those that had not ended
-/// wait in the copy. A job that is in the copy already stays there as it is.
+/// Copies all jobs, and tells how many there are so far; gives the number at the end. Those that had not ended wait in
+/// the copy. A job that is in the copy already stays there as it is.
 pub(crate) async fn copy(
     from: &Store,
     to: &Store,

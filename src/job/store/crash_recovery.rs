@@ -17,7 +17,7 @@ use jiff::Timestamp;
 use super::Record;
 use crate::job::state::{Failure, State, Status};
 
-/// A job that was running in so many crashes, and on probation in the last one, is not run again.
+/// A job that was running in this many crashes, and on probation in the last one, is not run again.
 pub(crate) const MOST_CRASHES: u32 = 3;
 
 /// How long a job that was running in a crash runs before the next one starts.
@@ -26,7 +26,7 @@ const PROBATION: Duration = Duration::from_millis(250);
 /// How long a job that was running in many crashes does.
 const LONGEST_PROBATION: Duration = Duration::from_secs(32);
 
-/// How long a job that was running in so many crashes runs before the next one starts.
+/// How long a job that was running in this many crashes runs before the next one starts.
 pub(crate) fn probation(crashes: u32) -> Duration {
     let factor = 2_u32.saturating_pow(crashes.saturating_sub(1));
     PROBATION.saturating_mul(factor).min(LONGEST_PROBATION)

@@ -1,4 +1,4 @@
-//! What stores keep of jobs, and what they are asked for.
+//! What stores keep of jobs, and what they are requested.
 
 use std::collections::HashSet;
 use std::time::Duration;
@@ -48,8 +48,8 @@ impl Record {
     }
 }
 
-/// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
-/// what was asked for with it.
+/// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of what was
+/// requested with it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct IdempotencyKey {
     /// The name.

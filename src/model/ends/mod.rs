@@ -1,5 +1,4 @@
-//! How a curve or a surface ends, as it is asked for: a word, or an end for each side, which is a word or
-//! has vectors.
+//! How a curve or a surface ends, as requested: a word, or an end for each side, which is a word or has vectors.
 
 mod schema;
 
@@ -155,7 +154,7 @@ impl Serialize for EndsInput {
     }
 }
 
-/// How ends are written, for the places of mistakes.
+/// How ends are written, for the places of errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EndsForm {
     /// One word for both sides.
@@ -202,7 +201,7 @@ impl EndsInput {
         }
     }
 
-    /// The ends of a direction as they would be asked for.
+    /// The ends of a direction in the form of a request.
     pub(crate) fn of(ends: &Ends, is_surface: bool) -> Self {
         let side = |end: &End| {
             Some(match end {

@@ -1,4 +1,4 @@
-//! The settings of a least-squares fit as they are asked for.
+//! The settings of a least-squares fit as requested.
 
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
@@ -189,7 +189,7 @@ impl LeastSquaresInput {
         Ok((u, v, None))
     }
 
-    /// Settings that are not the usual ones, as they would be asked for.
+    /// Settings that are not the usual ones, in the form of a request.
     pub(crate) fn of(settings: &LeastSquares, grid: Grid, surface: bool) -> Self {
         let counts = match surface {
             false => PerDirection::Both(Whole(settings.u)),
@@ -249,7 +249,7 @@ names!(VariantKind, "variant of the method least_squares", [
     "direct" => Direct,
 ]);
 setting!(
-    /// The end points as they are asked for.
+    /// The end points as requested.
     EndPointsInput(EndPoints), "choice of end points of the method least_squares", [
     "interpolated" => Interpolated,
     "free" => Free,

@@ -1,4 +1,4 @@
-//! Methods as they are asked for, and what they are for a fit.
+//! Methods as requested, and what they are for a fit.
 //!
 //! - `settings`: their settings; `least_squares`: those of least squares, with `constraint` and `counts`;
 //! - `choice`: what they are for a fit; `form`: where their settings stand; `schema`: their schema.
@@ -171,7 +171,7 @@ impl MethodInput {
         Ok(method.into())
     }
 
-    /// The method of a problem as it would be asked for.
+    /// The method of a problem in the form of a request.
     pub(in crate::model) fn of(request: &Request) -> Self {
         let (grid, surface) = (request.grid, request.v.is_some());
         match &request.method {

@@ -1,4 +1,4 @@
-//! The settings of methods as they are asked for, and what they are for a fit.
+//! The settings of methods as requested, and what they are for a fit.
 
 use std::sync::Arc;
 
@@ -96,13 +96,13 @@ pub(crate) struct CustomInput {
 }
 
 setting!(
-    /// A start as it is asked for.
+    /// A start as requested.
     StartInput(Start), "start of the method extended", [
     "transformed" => Transformed,
     "data" => Data,
 ]);
 setting!(
-    /// Sweeps as they are asked for.
+    /// Sweeps as requested.
     SweepsInput(Sweeps), "kind of sweeps", [
     "rows" => Rows,
     "columns" => Columns,

@@ -1,4 +1,4 @@
-//! The parameters of a surface as they are asked for: of points in a grid, or of scattered ones.
+//! The parameters of a surface as requested: of points in a grid, or of scattered ones.
 
 mod domains;
 mod foot_points;

@@ -26,7 +26,7 @@ pub struct ChoiceMistake {
 }
 
 impl ChoiceMistake {
-    /// A mistake of the request for a stream.
+    /// An error of the request for a stream.
     pub fn of_request(choice: Choice, detail: impl Into<String>) -> Self {
         Self {
             by: By::Request,
@@ -42,7 +42,7 @@ impl ChoiceMistake {
     }
 }
 
-/// A mistake of the job.
+/// An error of the job.
 impl From<ChoiceMistake> for Mistake {
     fn from(mistake: ChoiceMistake) -> Self {
         let place = SpecPart::Stream(mistake.choice, mistake.index);

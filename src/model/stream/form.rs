@@ -30,7 +30,7 @@ pub(crate) enum View {
     ControlPoints,
     /// The control points that have moved since the iteration before.
     Changed,
-    /// Points of the curve or surface, so many in each direction.
+    /// Points of the curve or surface, this many in each direction.
     Samples(Grid),
     /// The distances from the data alone.
     Errors,

@@ -12,13 +12,12 @@ use piad_fit::data::Grid;
 /// The most points that are sampled.
 pub(crate) const MOST_SAMPLES: usize = 1_000_000;
 
-/// A number of samples, as it was asked for: of a curve one number, of a surface one for each
-/// direction.
+/// A number of samples, as requested: of a curve one number, of a surface one for each direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Samples {
-    /// So many points of a curve.
+    /// This many points of a curve.
     Count(usize),
-    /// So many rows and columns of points of a surface.
+    /// This many rows and columns of points of a surface.
     Grid(usize, usize),
 }
 

@@ -51,7 +51,7 @@ named!(
 named!(
     /// What becomes of a job when the client of its stream goes away.
     OnDisconnect, "choice" {
-        /// It goes on.
+        /// It continues.
         Continue = "continue",
         /// It is cancelled.
         Cancel = "cancel",

@@ -16,7 +16,7 @@ pub enum ExportError {
          export csv, or fit points that have their argument as a coordinate; give heights a spacing"
     )]
     OneCoordinate {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// Points with more coordinates than those of space.
@@ -25,7 +25,7 @@ pub enum ExportError {
          export csv or json"
     )]
     ManyCoordinates {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// How many coordinates there are.
         dimension: usize,
@@ -47,7 +47,7 @@ pub enum ExportError {
          fit B-splines, or export another format"
     )]
     Degree {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The degree.
         degree: usize,
@@ -69,7 +69,7 @@ pub enum ExportError {
     /// A unit was chosen for a format without one.
     #[error("{format} files have {}; step and iges files have a unit to choose", unit_of(*format))]
     NoUnit {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// A curve has no triangles.
@@ -77,7 +77,7 @@ pub enum ExportError {
         "{format} files hold the triangles of surfaces, and a curve has none: export dxf, gltf or step"
     )]
     NoTriangles {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// An edge of a trimmed surface is a point.
@@ -86,7 +86,7 @@ pub enum ExportError {
          export gltf, stl or ply"
     )]
     TrimmedAtPole {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// A trimmed surface has no rows and columns.
@@ -94,7 +94,7 @@ pub enum ExportError {
         "{format} files hold surfaces as meshes of rows and columns, and a trimmed one has none: export step, gltf or stl"
     )]
     Trimmed {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// The loops of a trimmed surface cross where they are sampled.
@@ -105,7 +105,7 @@ pub enum ExportError {
     /// A surface is no line.
     #[error("{format} {what}, and a surface is none: export {instead}")]
     NoLine {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// What files of the format hold.
         what: &'static str,
@@ -118,7 +118,7 @@ pub enum ExportError {
          origin (longitude and latitude), which the coordinates are metres to the east and north of, or export geojson"
     )]
     NoOrigin {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// The origin is no place.
@@ -137,7 +137,7 @@ pub enum ExportError {
          {format} files need coordinates in metres from their origin"
     )]
     OffTheEarth {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// Metres to the east.
         east: f64,
@@ -147,7 +147,7 @@ pub enum ExportError {
     /// An option that the format does not have.
     #[error("{format} files have no {option} to choose; {has} files have")]
     NoOption {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The option.
         option: &'static str,
@@ -191,7 +191,7 @@ pub enum ExportError {
         "polygon meshes of {format} files have at most {most} samples in each direction: ask for fewer, or export gltf or stl"
     )]
     MeshSize {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The most samples in each direction.
         most: usize,
@@ -199,7 +199,7 @@ pub enum ExportError {
     /// A coordinate that the numbers of the format cannot hold.
     #[error("a coordinate is {value}, and {format} holds single-precision numbers, up to 3.4e38")]
     SinglePrecision {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The coordinate.
         value: f64,
@@ -213,7 +213,7 @@ pub enum ExportError {
     /// A file of no curves and surfaces.
     #[error("there is no curve or surface to write to a {format} file")]
     NoParts {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// A part of several cannot be written.
@@ -231,7 +231,7 @@ pub enum ExportError {
         "its columns are {found} and those of the first part {expected}: all parts of a {format} file have the same columns"
     )]
     OtherColumns {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The columns of the part.
         found: String,
@@ -243,7 +243,7 @@ pub enum ExportError {
         "the file would be larger than the 4 GB that {format} files can have: ask for fewer samples, or write several files"
     )]
     TooLarge {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// IGES numbers its lines with seven digits.
@@ -309,7 +309,7 @@ pub struct NetIndex {
 }
 
 impl NetIndex {
-    /// The place of number `index`, row by row, in a net with so many columns (`None`: a curve).
+    /// The place of number `index`, row by row, in a net with this many columns (`None`: a curve).
     pub fn new(index: usize, columns: Option<usize>) -> Self {
         Self {
             row: index / columns.unwrap_or(1),

@@ -73,7 +73,7 @@ impl Format {
         }
     }
 
-    /// The name by which the format is asked for.
+    /// The name by which the format is requested.
     pub fn name(self) -> &'static str {
         self.names().0
     }

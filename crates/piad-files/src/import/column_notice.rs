@@ -133,7 +133,7 @@ impl ColumnNotice<'_> {
     }
 }
 
-/// A text that goes on in a sentence.
+/// A text that continues in a sentence.
 fn lower(text: &str) -> String {
     text.replacen('C', "c", 1)
 }

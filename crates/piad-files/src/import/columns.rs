@@ -269,7 +269,7 @@ impl Column {
     }
 }
 
-/// Why so many coordinates are refused.
+/// Why this many coordinates are refused.
 fn too_many(count: usize) -> String {
     format!("{count} columns are coordinates, and points have at most {MAX_DIMENSION}")
 }

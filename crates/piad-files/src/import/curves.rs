@@ -119,7 +119,7 @@ impl Curve {
 }
 
 impl Curves {
-    /// No curves yet, and at most so many points of all of them.
+    /// No curves yet, and at most this many points of all of them.
     pub(super) fn new(most: usize) -> Self {
         Self {
             curves: Vec::new(),
@@ -146,7 +146,7 @@ impl Curves {
         Ok(())
     }
 
-    /// Refuses a curve with more points than there is room for; it may go on.
+    /// Refuses a curve with more points than there is room for; it may continue.
     ///
     /// # Errors
     ///
@@ -175,7 +175,7 @@ impl Curves {
         self.curves.iter_mut().flat_map(|curve| &mut curve.points)
     }
 
-    /// The parts of so many coordinates, and what is said of the file. Those with fewer than two different points are
+    /// The parts of this many coordinates, and what is said of the file. Those with fewer than two different points are
     /// left out, which is said.
     ///
     /// # Errors

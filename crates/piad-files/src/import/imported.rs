@@ -89,7 +89,7 @@ pub struct Imported {
     pub closed: bool,
     /// True if the points have no order along a curve.
     pub unordered: bool,
-    /// The parameters of the points of a curve, increasing: their times, where these are asked for.
+    /// The parameters of the points of a curve, increasing: their times, where these are requested.
     pub parameters: Option<Vec<f64>>,
     /// The parameters of the rows and of the columns of a grid with gaps, from 0 to 1, if x and y say them.
     pub line_parameters: Option<[Vec<f64>; 2]>,

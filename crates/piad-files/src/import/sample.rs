@@ -193,7 +193,7 @@ pub(super) fn is_start(number: f64) -> bool {
     number == 0.0 || number == 1.0
 }
 
-/// Returns true if a line has so many columns, of which the last may be empty, or is followed by a separator.
+/// Returns true if a line has this many columns, of which the last may be empty, or is followed by a separator.
 pub(super) fn has_width(notation: Notation, line: &str, width: usize) -> bool {
     let all = notation.all_fields(line).take(width + 2).count();
     all == width || (all == width + 1 && notation.ends_empty(line))

@@ -12,8 +12,8 @@ use super::part::Part;
 use super::sample::{Content, is_start};
 use piad_fit::data::Points;
 
-/// The fewest points of which a first column of three is a counter: a curve may begin with x = 1, 2, 3, and it is
-/// less likely that it goes on like that.
+/// The fewest points of which a first column of three is a counter: a curve may begin with x = 1, 2, 3, and it is less
+/// likely that it continues like that.
 const LEAST_COUNTED: usize = 8;
 
 /// The most coordinates of points if the first column is no counter after all.
@@ -89,7 +89,7 @@ fn separate(part: &mut Part, choice: &mut Choice) -> Option<usize> {
     column.filter(|_| counts)
 }
 
-/// Returns true if the first of so many columns counts all points.
+/// Returns true if the first of this many columns counts all points.
 fn counts(lane: &[f64], columns: usize) -> bool {
     let least = if columns > 3 { 2 } else { LEAST_COUNTED };
     let first = lane.first().copied().filter(|first| is_start(*first));

@@ -221,7 +221,7 @@ fn rows_can_be_said() {
 }
 
 proptest! {
-    /// Whatever a file holds, it is points with their lines, or a error.
+    /// Whatever a file holds, it is points with their lines, or an error.
     #[test]
     fn no_file_breaks_it(text in "([-+0-9.,;eD xyz#\\t\"]{0,12}\n|[0-9] [0-9] [0-9]\n|\\PC{0,9}\n){0,12}") {
         match read(&text, &HINTS) {

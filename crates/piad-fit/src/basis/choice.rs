@@ -1,4 +1,4 @@
-//! What is asked for in one direction of the parameter domain.
+//! What is requested in one direction of the parameter domain.
 //!
 //! A curve has one direction, a surface two, whose bases, parameters and closedness are independent
 //! of each other.
@@ -12,7 +12,7 @@ use super::knots::Knots;
 use crate::data::corners;
 use crate::parameters::Parametrization;
 
-/// The basis asked for in one direction.
+/// The basis requested in one direction.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -52,7 +52,7 @@ impl Corners {
     }
 }
 
-/// What is asked for in one direction of the parameter domain.
+/// What is requested in one direction of the parameter domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionChoice {
     /// The basis.
@@ -63,7 +63,7 @@ pub struct DirectionChoice {
     pub closed: bool,
     /// The number of control points of a least-squares fit; otherwise one for each data point.
     pub control_points: Option<usize>,
-    /// How it ends, with knots at the data; as is usual without it.
+    /// How it ends, with knots at the data; as by default without it.
     pub ends: Option<Ends>,
     /// Its corners, or the creases across it, if it may have some.
     pub corners: Option<Corners>,

@@ -1,4 +1,4 @@
-//! What can be asked for at the ends of a direction, and which of it a B-spline cannot have.
+//! What can be requested at the ends of a direction, and which of it a B-spline cannot have.
 
 use std::sync::Arc;
 

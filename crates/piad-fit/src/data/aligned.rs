@@ -88,7 +88,7 @@ impl Lane {
 
     /// Makes room for `more` numbers, and for no others.
     pub(crate) fn make_room(&mut self, more: usize) {
-        // Without so much memory it doubles when it is full.
+        // Without this much memory it doubles when it is full.
         let _ = self.numbers.try_reserve_exact(more);
     }
 

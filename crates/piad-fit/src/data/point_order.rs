@@ -8,7 +8,7 @@ use super::points::Points;
 /// The most points that are looked at, at equal distances in the list.
 const MOST_SAMPLES: usize = 96;
 
-/// Of long lists fewer are looked at, with about as many distances as this in all, but at least so many points.
+/// Of long lists fewer are looked at, with about as many distances as this in all, but at least this many points.
 const MOST_DISTANCES: usize = 1 << 22;
 const LEAST_SAMPLES: usize = 12;
 

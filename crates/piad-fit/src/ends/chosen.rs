@@ -1,4 +1,4 @@
-//! The ends of a direction, as they are asked for, made a part of it.
+//! The ends of a direction, as requested, made a part of it.
 
 use super::copies::Copies;
 use crate::basis::choice::{BasisChoice, DirectionChoice};

@@ -41,8 +41,8 @@ pub struct FitError {
     pub homogeneous: Option<f64>,
     /// Least-squares fits: `‖Aᵀr‖² / ‖Aᵀr⁰‖²`, zero at the minimum.
     pub gradient: Option<f64>,
-    /// Extended fits that are asked for it: the largest length of a step, `max_i ‖(U Δ)_i‖`, in data
-    /// units, of homogeneous fits in homogeneous coordinates.
+    /// Extended fits that are requested it: the largest length of a step, `max_i ‖(U Δ)_i‖`, in
+    /// data units, of homogeneous fits in homogeneous coordinates.
     pub transformed: Option<f64>,
 }
 

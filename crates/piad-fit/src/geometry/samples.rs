@@ -45,7 +45,7 @@ impl Uniform {
     }
 }
 
-/// A grid of samples of one level, which are evaluated when they are asked for, and not kept.
+/// A grid of samples of one level, which are evaluated on demand, and not kept.
 #[derive(Clone, Debug)]
 pub struct Samples {
     setup: Arc<Setup>,

@@ -42,7 +42,7 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
     // Of the other exact methods nothing better is known on the way.
     let exact = exact.map(|end| Prediction::About { end, seen: end });
     let steps = LOOK / problem.step_cost().max(1);
-    // Errors do not fall to zero: fits without a tolerance go on as long as they may.
+    // Errors do not fall to zero: fits without a tolerance continue as long as they may.
     let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
     if endless || steps < LEAST_STEPS {
         return exact;

@@ -36,7 +36,7 @@ impl Iteration {
         points.lanes().iter().all(|lane| finite(lane))
     }
 
-    /// Returns true if the curve is as near to the data as was asked for. A method may have a larger tolerance, and
+    /// Returns true if the curve is as near to the data as was requested. A method may have a larger tolerance, and
     /// find points that are still to be moved, or make more than distances small.
     pub(super) fn is_within(&self) -> bool {
         let (problem, largest) = (self.system.problem(), self.level.error.max);
@@ -62,7 +62,7 @@ impl Iteration {
         }
     }
 
-    /// The same by the distances at the data. A minimum above a tolerance that was asked for is no success.
+    /// The same by the distances at the data. A minimum above a tolerance that was requested is no success.
     pub(super) fn outcome_at_data(&self) -> Option<Outcome> {
         match self.ending() {
             Some(Outcome::Minimum) if self.system.problem().has_goal() => {
@@ -88,7 +88,7 @@ impl Iteration {
         self.level.error.rms <= SUMS * self.system.problem().rounding()
     }
 
-    /// The same, whether or not a tolerance was asked for.
+    /// The same, whether or not a tolerance was requested.
     fn ending(&self) -> Option<Outcome> {
         let problem = self.system.problem();
         let iteration = self.level.iteration;

@@ -1,8 +1,8 @@
 //! The loop `X ← X + U (P − B X)`, its errors and its stop rules.
 //!
-//! A level is told with its errors, and the next one is computed when it is asked for. Two engines
-//! compute levels, the same to the last bit: the plain loop, for every method and basis, and
-//! sweeps, for long banded data. A third one is for fits that choose their knots.
+//! A level is told with its errors, and the next one is computed on demand. Two engines compute levels, the same to the
+//! last bit: the plain loop, for every method and basis, and sweeps, for long banded data. A third one is for fits that
+//! choose their knots.
 //!
 //! An iteration ends at the first level at which one of these is true:
 //!
@@ -167,7 +167,7 @@ impl Iteration {
         iteration
     }
 
-    /// The same iteration at the same level, which goes on like this one, to the last bit. `None` for fits that
+    /// The same iteration at the same level, which continues like this one, to the last bit. `None` for fits that
     /// choose their knots: what these have tried is too much to be kept.
     pub fn copy(&self) -> Option<Self> {
         let engine = match &self.engine {
@@ -221,7 +221,7 @@ impl Iteration {
         }
     }
 
-    /// The same control points, to be kept while the iteration goes on. The plain loop copies them, a sweep shares
+    /// The same control points, to be kept while the iteration continues. The plain loop copies them, a sweep shares
     /// them.
     pub fn shared_control_points(&self) -> Arc<Points> {
         match &self.engine {
@@ -302,8 +302,8 @@ impl Iteration {
         }
     }
 
-    /// How many of the next levels are computed in one pass: not far beyond the one at which the
-    /// fit will be within the tolerance if the error goes on shrinking as in the last step.
+    /// How many of the next levels are computed in one pass: not far beyond the one at which the fit will be within the
+    /// tolerance if the error continues shrinking as in the last step.
     fn at_once(&self, left: usize) -> usize {
         let Engine::Sweep(sweep) = &self.engine else {
             return 1;
@@ -433,7 +433,7 @@ impl Iteration {
         }
     }
 
-    /// The level at which the errors will be within the tolerance if they go on falling as they do.
+    /// The level at which the errors will be within the tolerance if they continue falling as they do.
     pub(super) fn end_of_decay(&self) -> Option<usize> {
         let problem = self.system.problem();
         let method = problem.method().scheme();

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use super::Level;
 use super::monitor::Monitor;
 
-/// So many redistributions without gain end an attempt.
+/// This many redistributions without gain end an attempt.
 const PATIENCE: usize = 6;
 
 /// A gain is a largest distance below this part of the lowest before.
 const GAIN: f64 = 0.98;
 
-/// An attempt that is still so many tolerances away ends after [`ENOUGH`] redistributions, unless
+/// An attempt that is still this many tolerances away ends after [`ENOUGH`] redistributions, unless
 /// the last ones have brought the largest distance to [`FAST`] of what it was.
 const HOPELESS: f64 = 4.0;
 

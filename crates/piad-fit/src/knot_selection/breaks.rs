@@ -85,8 +85,8 @@ impl Breaks {
         if self.closed { j % self.spans() } else { j }
     }
 
-    /// Knot `i` of the clamped or periodic vector, of which index p is the start of the parameters.
-    /// Beyond both ends a closed line goes on periodically, an open one repeats its ends.
+    /// Knot `i` of the clamped or periodic vector, of which index p is the start of the parameters. Beyond both ends a
+    /// closed line continues periodically, an open one repeats its ends.
     pub(crate) fn knot(&self, i: isize) -> f64 {
         let (spans, k) = (self.spans() as isize, i - self.degree as isize);
         if self.closed {

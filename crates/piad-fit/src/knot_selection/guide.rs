@@ -54,7 +54,7 @@ pub(crate) struct Guide {
 }
 
 impl Guide {
-    /// The most control points of a curve through so many data with points between them: more than data, as few data
+    /// The most control points of a curve through this many data with points between them: more than data, as few data
     /// say little of corners, and long lists of data hardly need them.
     pub(crate) fn most_control_points(data: usize) -> usize {
         data.saturating_add(MOST_MORE.min((PARTS - 1) * data))

@@ -4,10 +4,9 @@
 //! distance is within a tolerance. No rule gives them at once, so the fit goes there by *levels*,
 //! each of which is a whole B-spline through the ends of the data:
 //!
-//! 1. **Growth.** From p + 1 control points on: steps of conjugate gradients towards the
-//!    least-squares fit ([`steps`]); then a knot in the middle of every span whose largest distance
-//!    is above the tolerance ([`growth`]). Insertion is exact ([`insertion`]): the fit goes on from
-//!    the same curve, until it is within the tolerance.
+//! 1. **Growth.** From p + 1 control points on: steps of conjugate gradients towards the least-squares fit ([`steps`]);
+//!    then a knot in the middle of every span whose largest distance is above the tolerance ([`growth`]). Insertion is
+//!    exact ([`insertion`]): the fit continues from the same curve, until it is within the tolerance.
 //! 2. **Redistribution and removal.** The distances of the spans are a density of knots
 //!    ([`monitor`]). Knots at equal shares of it make these distances equal, and then far fewer do:
 //!    the number of control points falls as long as some round of redistribution stays within the
@@ -21,12 +20,11 @@
 //! 5. **Places of knots.** Of few knots two beside each other become one where all of them, moved to where they are
 //!    needed ([`knot_step`]), keep the tolerance ([`merging`]).
 //!
-//! A fit that is within the tolerance and leaves its data between neighbours goes on with points there ([`guide`]).
+//! A fit that is within the tolerance and leaves its data between neighbours continues with points there ([`guide`]).
 //!
 //! Of polylines the points along their edges are data, too ([`edges`]). Between corners pieces of a curve do this by themselves ([`clamped_breaks`]).
 //!
-//! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
-//! [`correction`]).
+//! Parameters stay where they are, or move to the foot points of the data if requested (Hoschek; [`correction`]).
 //!
 //! Surfaces do the same with whole knot lines ([`surface`]). For a given number of control points the knots come to
 //! rest where they are best ([`adaptive`]).
@@ -83,7 +81,7 @@ use self::breaks::Breaks;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 
-/// What is asked for.
+/// The request.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
     /// The degree p ≥ 1.

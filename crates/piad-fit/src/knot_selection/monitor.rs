@@ -81,7 +81,7 @@ impl Monitor {
         self.breaks[self.breaks.len() - 1]
     }
 
-    /// Knots for so many control points, at equal shares; `None` if they are too close to be told
+    /// Knots for this many control points, at equal shares; `None` if they are too close to be told
     /// apart.
     pub(crate) fn place(&self, control_points: usize) -> Option<Breaks> {
         let beyond = control_points_beyond_spans(self.degree, self.closed);

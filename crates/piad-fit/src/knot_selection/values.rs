@@ -323,7 +323,7 @@ fn groups(parts: &[Part], count: usize) -> Vec<Group> {
     groups
 }
 
-/// Cuts an array into pieces for the groups, of so many elements.
+/// Cuts an array into pieces for the groups, of this many elements.
 fn cut<'a, T>(
     groups: &[Group],
     mut array: &'a mut [T],

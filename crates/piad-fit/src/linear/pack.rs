@@ -19,8 +19,8 @@ use crate::data::monotonic;
 /// If stretches have fewer rows than this on average, they are joined by zeros.
 const LONG: usize = 64;
 
-/// So many stretches are few, whatever their length: rows at the ends of a curve have stretches of
-/// their own.
+/// This many stretches are few, whatever their length: rows at the ends of a curve have stretches
+/// of their own.
 const FEW: usize = 16;
 
 /// Consecutive rows whose entries that differ from zero stand at the same places.

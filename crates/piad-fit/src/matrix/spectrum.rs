@@ -96,7 +96,7 @@ const NEARLY: f64 = 1e-7;
 /// ```
 ///
 /// Then y is positive as well, and as `M y = σ y − x` its bound is `σ − min_i x_i / y_i`: the
-/// bounds fall to the eigenvalue, in the end quadratically. What is not found to the last digit is
+/// bounds fall to the eigenvalue, at the end quadratically. What is not found to the last digit is
 /// too large, so that λ_min is too small, and steps that are chosen by it are safe.
 ///
 /// `None` if a matrix that is not totally positive spoils a sign.
@@ -330,7 +330,7 @@ mod tests {
     /// 1/3.
     #[test]
     fn shifts_find_the_least_eigenvalue_of_long_curves() {
-        // As accurate as `patience` has it for so many points.
+        // As accurate as `patience` has it for this many points.
         for (count, accuracy) in [(20_000, 1e-5), (120_000, 1e-2)] {
             let knots = Knots::Usual;
             let cubic = BasisChoice::BSpline { degree: 3, knots };

@@ -15,7 +15,7 @@
 //!
 //! The QR algorithm takes about 25 n³ operations, and each condition number two complex LU
 //! decompositions: for n = 500 less than a second in all. What is in doubt is accepted, and shows
-//! itself as the fit goes on.
+//! itself as the fit continues.
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 

@@ -112,7 +112,7 @@ impl Scheme for Extended {
         equations.forecast.rounding = trial_run::left_by_rounding(self, equations);
     }
 
-    /// `U P`, which is one level ahead, unless the data are asked for.
+    /// `U P`, which is one level ahead, unless the data are requested.
     fn start(&self, equations: &Equations) -> Arc<Points> {
         match self.start {
             Start::Data => Arc::clone(equations.setup.data()),

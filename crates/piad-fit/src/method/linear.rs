@@ -16,12 +16,12 @@ use crate::termination::Reason;
 pub(super) struct Linear {
     /// Updates that are left until `(I − U B)ᵏ` has vanished, if it does.
     left: Option<usize>,
-    /// The step from the current level, if its length is asked for.
+    /// The step from the current level, if its length is requested.
     step: Option<Points>,
 }
 
 impl Linear {
-    /// An update that goes on as long as it is asked to.
+    /// An update that continues as long as it is asked to.
     pub(super) fn endless() -> Self {
         Self {
             left: None,
@@ -29,7 +29,7 @@ impl Linear {
         }
     }
 
-    /// An update that stalls after so many levels, as `(I − U B)ᵏ` is zero from there on.
+    /// An update that stalls after this many levels, as `(I − U B)ᵏ` is zero from there on.
     pub(super) fn nilpotent_after(levels: Option<usize>) -> Self {
         Self {
             left: levels,
@@ -73,7 +73,7 @@ impl Update for Linear {
         }
     }
 
-    /// Prepares the step, if its length is asked for.
+    /// Prepares the step, if its length is requested.
     fn measured(&mut self, equations: &Equations, state: &mut State) {
         let Some(step) = &mut self.step else {
             return;

@@ -123,8 +123,8 @@ impl Scheme for Local {
 }
 
 impl Sweeps {
-    /// The lines of these points, given in increasing order, of a grid with so many columns. Those
-    /// of each line increase, too.
+    /// The lines of these points, given in increasing order, of a grid with this many columns. Those of each line
+    /// increase, too.
     fn lines(self, mut points: Vec<usize>, columns: usize) -> Vec<Vec<usize>> {
         let line = |index: usize| match self {
             Self::Rows => index / columns,

@@ -197,7 +197,7 @@ impl Method {
         }
     }
 
-    /// What to do where a least-squares fit is at its minimum, and further from the data than was asked for.
+    /// What to do where a least-squares fit is at its minimum, and further from the data than requested.
     pub fn advice_at_minimum(&self) -> String {
         match self {
             Self::LeastSquares(method) => method.advice_at_minimum(),

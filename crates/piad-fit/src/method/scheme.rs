@@ -122,8 +122,8 @@ pub(crate) trait Scheme: Debug {
         false
     }
 
-    /// The largest distance at which the fit may end, in data units, if this tolerance is asked
-    /// for.
+    /// The largest distance at which the fit may end, in data units, if this tolerance is
+    /// requested.
     fn tolerance(&self, asked: f64) -> f64 {
         asked
     }

@@ -27,8 +27,8 @@ pub(super) trait Choice: Clone + Debug + Send + 'static {
     /// True if each update has its own, rather than all of them the same.
     const VARIES: bool;
 
-    /// Returns true if a fit goes on while there are points to move, although no distance is above
-    /// the tolerance.
+    /// Returns true if a fit continues while there are points to move, although no distance is
+    /// above the tolerance.
     fn decides_the_end(&self) -> bool {
         false
     }

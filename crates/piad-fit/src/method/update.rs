@@ -49,7 +49,7 @@ pub(crate) trait Update: Debug + Send {
     /// Moves the control points once.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change;
 
-    /// The same update at the same level, from which the iteration can go on again.
+    /// The same update at the same level, from which the iteration can continue again.
     fn copy(&self) -> Box<dyn Update>;
 
     /// Called when the residual of level 0 is known.
@@ -70,7 +70,7 @@ pub(crate) trait Update: Debug + Send {
         None
     }
 
-    /// The largest distance in transformed coordinates, `max_i ‖(U Δ)_i‖`, if it is asked for.
+    /// The largest distance in transformed coordinates, `max_i ‖(U Δ)_i‖`, if requested.
     fn transformed_error(&self) -> Option<f64> {
         None
     }

@@ -1,4 +1,4 @@
-//! From what is asked for in a direction to its parameters, knots and basis.
+//! From what is requested in a direction to its parameters, knots and basis.
 //!
 //! | basis | control points | knots | source |
 //! |---|---|---|---|
@@ -375,7 +375,7 @@ pub(crate) fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<()
     }
 }
 
-/// Knots at the data or averaged ones are asked for in a least-squares fit.
+/// Knots at the data or averaged ones are requested in a least-squares fit.
 fn least_squares_knots(axis: Axis) -> Invalid {
     let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"adaptive\", or give numbers";
     Invalid::at(Place::Knots(axis), detail)

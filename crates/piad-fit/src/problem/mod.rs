@@ -1,4 +1,4 @@
-//! A fitting problem: from what was asked for to what can be iterated.
+//! A fitting problem: from what was requested to what can be iterated.
 //!
 //! Everything that can be wrong is found here, so that what comes after can only run out of the
 //! range of numbers. In this order: the points are checked, missing ones get a place, the tolerance
@@ -60,10 +60,10 @@ use unfolding::{chosen, pairs, unfolded};
 /// is one of arithmetic.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// What was asked for; missing points have got a place.
+    /// What was requested; missing points have got a place.
     request: Request,
     setup: Arc<Setup>,
-    /// The tolerance in data units, as it was asked for: methods may have a larger one.
+    /// The tolerance in data units, as requested: methods may have a larger one.
     tolerance: f64,
     /// The points that are fitted, where others are outliers or missing.
     kept: Option<Kept>,
@@ -227,7 +227,7 @@ impl Problem {
         Ok(problem)
     }
 
-    /// What was asked for. Missing points have the place of a neighbour.
+    /// What was requested. Missing points have the place of a neighbour.
     pub fn request(&self) -> &Request {
         &self.request
     }
@@ -255,8 +255,8 @@ impl Problem {
         self.folded
     }
 
-    /// The same problem as it would be asked for with all that was derived from its points:
-    /// parameters, a tolerance that was asked for, and which points are left out, stay as they are when points move.
+    /// The same problem in the form of a request with all that was derived from its points: parameters, a tolerance
+    /// that was requested, and which points are left out, stay as they are when points move.
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
         request.tolerance = request
@@ -320,12 +320,12 @@ impl Problem {
         &self.setup
     }
 
-    /// The tolerance in data units as it was asked for: at most that of the fit.
+    /// The tolerance in data units as requested: at most that of the fit.
     pub(super) fn asked_tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Returns true if a fit that ends above the tolerance has missed its goal: the tolerance was asked for, or it
+    /// Returns true if a fit that ends above the tolerance has missed its goal: the tolerance was requested, or it
     /// determines how many control points there are.
     pub(super) fn has_goal(&self) -> bool {
         self.request.tolerance.is_some() || self.is_automatic()
@@ -336,13 +336,13 @@ impl Problem {
         &self.request.method
     }
 
-    /// Returns true if the bases of a surface's directions were asked for separately.
+    /// Returns true if the bases of a surface's directions were requested separately.
     pub fn bases_differ(&self) -> bool {
         let v = self.request.v.as_ref();
         v.is_some_and(|v| v.basis != self.request.u.basis)
     }
 
-    /// What is doubtful about the problem as it is asked for.
+    /// What is doubtful about the problem as requested.
     pub fn warnings(&self) -> Vec<Warning> {
         let Request { u, v, .. } = &self.request;
         let mut warnings = Vec::new();
@@ -380,7 +380,7 @@ impl Problem {
     }
 }
 
-/// The directions of what was asked for.
+/// The directions of what was requested.
 fn all_directions(
     request: &Request,
     pairs: Option<&Pairs>,

@@ -1,4 +1,4 @@
-//! A fitting problem as it is asked for, before anything has been checked.
+//! A fitting problem as requested, before anything has been checked.
 //!
 //! It is plain data: any request can be made, and [`Problem::new`](super::Problem::new)
 //! says what is wrong with it. Large parts are shared, so that clones are cheap.
@@ -11,7 +11,7 @@ use crate::data::points::Points;
 use crate::method::Method;
 use crate::parameters::scattered::Scattered;
 
-/// When to stop, as asked for.
+/// When to stop, as requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -23,11 +23,11 @@ pub enum Tolerance {
 }
 
 impl Tolerance {
-    /// What the largest distance is compared with if no tolerance is asked for.
+    /// What the largest distance is compared with if no tolerance is requested.
     pub const DEFAULT: Self = Self::Relative(1e-6);
 }
 
-/// The weights of a rational fit, as asked for.
+/// The weights of a rational fit, as requested.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -50,7 +50,7 @@ pub struct Trim {
     pub distance: Option<f64>,
 }
 
-/// A fitting problem as asked for.
+/// A fitting problem as requested.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The data points; of a surface row by row.

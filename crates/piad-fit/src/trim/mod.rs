@@ -38,7 +38,7 @@ const INSIDE: f64 = 0.2;
 /// The most loops of an outline.
 const MOST_LOOPS: usize = 1000;
 
-/// The problem with the outline of its data, if that is asked for.
+/// The problem with the outline of its data, if requested.
 ///
 /// # Errors
 ///

@@ -77,12 +77,12 @@ impl Document {
         WeightArray(self.array(shape, weights, Precision::Full))
     }
 
-    /// A list of so many numbers.
+    /// A list of this many numbers.
     pub(super) fn numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
         NumberArray(self.array(&[count], numbers, Precision::Full))
     }
 
-    /// A list of so many numbers, which have 64 bits in any encoding.
+    /// A list of this many numbers, which have 64 bits in any encoding.
     pub(super) fn exact_numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
         NumberArray(self.array(&[count], numbers, Precision::Exact))
     }

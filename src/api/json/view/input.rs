@@ -1,4 +1,4 @@
-//! A job as it was asked for.
+//! A job as requested.
 
 use bytes::Bytes;
 

@@ -217,7 +217,7 @@ pub(super) struct Links {
     /// Its event stream.
     #[schemars(extend("format" = "uri-reference"))]
     events: String,
-    /// The job as it was asked for.
+    /// The job as requested.
     #[schemars(extend("format" = "uri-reference"))]
     input: String,
     /// The final curve or surface.

@@ -42,7 +42,7 @@ pub(super) fn decimals(
     )
 }
 
-/// Writes so many numbers from `start` on, with the brackets and commas between and after them; returns how many
+/// Writes this many numbers from `start` on, with the brackets and commas between and after them; returns how many
 /// bytes they are.
 #[inline(always)]
 fn lists(

@@ -59,7 +59,7 @@ pub(crate) struct ArrayWriter {
 }
 
 impl ArrayWriter {
-    /// A writer with room for so many bytes.
+    /// A writer with room for this many bytes.
     pub(crate) fn with_capacity(bytes: usize) -> Self {
         Self {
             text: Vec::with_capacity(bytes.min(512 + PIECE * Digits::Decimal(None).size())),
@@ -132,8 +132,8 @@ fn chunk(shape: NestedShape) -> usize {
     }
 }
 
-/// How many points with so many coordinates are written at a time. Samples of surfaces differ in the last bit with how
-/// many are evaluated together.
+/// How many points with this many coordinates are written at a time. Samples of surfaces differ in the last bit with
+/// how many are evaluated together.
 pub(crate) fn points_at_once(dimension: usize) -> usize {
     chunk([usize::MAX / dimension.max(1), dimension].as_slice().into()) / dimension.max(1)
 }

@@ -1,4 +1,4 @@
-//! A change of the store on its way to the thread that writes, and back to the task that has asked for it.
+//! A change of the store on its way to the thread that writes, and back to the task that has requested it.
 
 use tokio::sync::oneshot;
 use uuid::Uuid;

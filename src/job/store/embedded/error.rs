@@ -7,8 +7,9 @@ use redb::{StorageError, TableError};
 
 use crate::job::store::StoreError;
 
-/// Does work in which the database may panic, as it does where pages of the file are damaged. A panic
-/// becomes an error: only what needs the page fails, and the thread goes on (`tests/api/damage.rs`).
+/// Does work in which the database may panic, as it does where pages of the file are damaged. A
+/// panic becomes an error: only what needs the page fails, and the thread continues
+/// (`tests/api/damage.rs`).
 pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, StoreError> {
     let damaged = |_| StoreError::damaged("a record", "pages of the database do not fit together");
     catch_unwind(AssertUnwindSafe(work)).map_err(damaged)

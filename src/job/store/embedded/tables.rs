@@ -31,7 +31,7 @@ pub(super) const HEADERS: Values = Values {
     kind: Kind::Header,
     name: "header",
 };
-/// Problems as they were asked for.
+/// Problems as requested.
 pub(super) const INPUTS: Values = Values {
     table: TableDefinition::new("inputs"),
     kind: Kind::Input,

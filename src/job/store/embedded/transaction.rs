@@ -17,9 +17,9 @@ use crate::job::store::{
 };
 use piad_fit::engine::Problem;
 
-/// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
-/// frees some, which can be used two commits later. Without them no job could be deleted to make room where
-/// the file cannot grow (`durable::jobs_can_be_deleted`).
+/// This many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it frees
+/// some, which can be used two commits later. Without them no job could be deleted to make room where the file cannot
+/// grow (`durable::jobs_can_be_deleted`).
 const SLACK_PAGES: u64 = 128;
 
 /// A write transaction with its tables.

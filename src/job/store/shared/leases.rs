@@ -133,8 +133,8 @@ impl Shared {
         lost
     }
 
-    /// Puts the jobs of replicas that are gone back into the queue, or fails those that have been in too many
-    /// crashes. A replica that only was away may go on with its jobs, and writes nothing of them.
+    /// Puts the jobs of replicas that are gone back into the queue, or fails those that have been in too many crashes.
+    /// A replica that only was away may continue with its jobs, and writes nothing of them.
     pub(crate) async fn recover(&self) -> Result<(), StoreError> {
         loop {
             let rows = self.connections.run(0, || sqlx::query(ABANDONED)).await?;
@@ -179,7 +179,7 @@ impl Shared {
         Ok(())
     }
 
-    /// The first jobs that wait, at most so many.
+    /// The first jobs that wait, at most this many.
     pub(crate) async fn waiting(&self, most: usize) -> Result<Vec<Record>, StoreError> {
         let waiting = || sqlx::query(WAITING).bind(most as i64);
         let rows = self.connections.run(0, waiting).await?;

@@ -4,7 +4,7 @@ use bytesize::ByteSize;
 
 use super::*;
 
-/// So many jobs come at the same time; each has 20 points.
+/// This many jobs come at the same time; each has 20 points.
 const CROWD: usize = 100;
 
 fn cad() -> Tenant {

@@ -155,7 +155,7 @@ impl PlaceInput {
         })
     }
 
-    /// A place as it would be asked for; points of surfaces are in so many columns.
+    /// A place in the form of a request; points of surfaces are in this many columns.
     pub(super) fn of(at: At, columns: Option<usize>) -> Self {
         match at {
             At::Side(side) => Self::Side(side),

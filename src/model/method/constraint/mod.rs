@@ -1,4 +1,4 @@
-//! Constraints as they are asked for: where, and one thing that holds there.
+//! Constraints as requested: where, and one thing that holds there.
 
 mod at;
 
@@ -160,7 +160,7 @@ impl ConstraintInput {
         })
     }
 
-    /// A constraint as it would be asked for.
+    /// A constraint in the form of a request.
     pub(crate) fn of(constraint: &Constraint, grid: Grid, surface: bool) -> Self {
         let columns = (surface && grid.is_rows()).then_some(grid.columns);
         let mut input = Self {

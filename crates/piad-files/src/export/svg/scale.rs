@@ -24,7 +24,7 @@ const COLOURS: [[f64; 3]; 5] = [
     [214.0, 48.0, 49.0],
 ];
 
-/// So many steps of colour.
+/// This many steps of colour.
 const STEPS: u8 = 32;
 
 /// A distance as a part of the largest one, in steps of colour.

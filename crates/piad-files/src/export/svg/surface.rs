@@ -15,10 +15,10 @@ use piad_fit::engine::nurbs::{SpanParameter, steps_between};
 use piad_fit::engine::vectors::{cross, minus, unit};
 use piad_fit::geometry::Outline;
 
-/// The most faces in each direction, unless a number of samples is asked for.
+/// The most faces in each direction, unless a number of samples is requested.
 const MOST_FACES: usize = 64;
 
-/// Faces whose diagonal is shorter than so many pixels have no outlines, which would cover them.
+/// Faces whose diagonal is shorter than this many pixels have no outlines, which would cover them.
 const LEAST_LINED: f64 = 5.0;
 
 /// The colour of a face in full light where the data are on the surface.

@@ -25,7 +25,7 @@ fn wave() -> Nurbs {
     )
 }
 
-/// A closed cubic curve, whose knots and control points go on beyond its ends.
+/// A closed cubic curve, whose knots and control points continue beyond its ends.
 fn ring() -> Nurbs {
     let free = [
         [10.0, 0.0],

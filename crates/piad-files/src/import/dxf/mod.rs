@@ -189,7 +189,7 @@ impl<'a> Drawing<'a> {
             Shape::Mesh => *self.unread.entry("POLYLINE that is a mesh").or_default() += 1,
             Shape::Unknown => *self.unread.entry(entity.name).or_default() += 1,
         }
-        // Lines share their ends: there are at least half as many points in the end.
+        // Lines share their ends: there are at least half as many points at the end.
         if self.count / 2 > self.most {
             let detail = format!("there are more than {} points, the limit", self.most);
             return Err(FileError::at(entity.line as usize, detail));

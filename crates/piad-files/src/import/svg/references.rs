@@ -67,7 +67,7 @@ impl<'a> References<'a> {
         Ok(Some(Nodes::from_place(self.text, *place)))
     }
 
-    /// Ends the reference that was entered last, for which so many bytes were read.
+    /// Ends the reference that was entered last, for which this many bytes were read.
     ///
     /// # Errors
     ///

@@ -35,7 +35,7 @@ impl<'a> Scanner<'a> {
         number.is_finite().then_some(number)
     }
 
-    /// So many numbers.
+    /// This many numbers.
     pub(super) fn numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {

@@ -1,6 +1,6 @@
 //! The control points of the current level and of the next one.
 //!
-//! Readers may share the control points of a level (an `Arc`), while the iteration goes on. Then
+//! Readers may share the control points of a level (an `Arc`), while the iteration continues. Then
 //! the sweep writes the next level into other memory: such as a reader has given back, if there is
 //! any.
 

@@ -56,7 +56,7 @@ pub(super) struct VectorSums<S: Simd> {
 }
 
 impl<S: Simd> VectorSums<S> {
-    /// Vectors that go on with these sums.
+    /// Vectors that continue with these sums.
     #[inline(always)]
     pub(super) fn new(sums: &Sums) -> Self {
         let vectors = |lanes: &[f64; LANES]| {

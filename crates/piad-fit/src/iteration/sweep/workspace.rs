@@ -55,8 +55,8 @@ impl Workspace {
     }
 }
 
-/// The number of points on either side of a tile that it needs for so many levels: `levels + 1`
-/// times the reach of a row of B, rounded up to whole cache lines so that the tile starts at one.
+/// The number of points on either side of a tile that it needs for this many levels: `levels + 1` times the reach of a
+/// row of B, rounded up to whole cache lines so that the tile starts at one.
 pub(super) fn margin(pass: &Pass<'_>, levels: usize) -> usize {
     ((levels + 1) * pass.u.reach()).next_multiple_of(LANES)
 }

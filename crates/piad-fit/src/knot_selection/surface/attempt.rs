@@ -8,8 +8,8 @@ use crate::knot_selection::placement::{even, place};
 /// Redistributions of an attempt.
 const TRIES: usize = 5;
 
-/// Attempts whose largest distance is above so many tolerances, and would still be above one if
-/// it went on falling as in the last redistribution, end early.
+/// Attempts whose largest distance is above this many tolerances, and would still be above one if
+/// it continued falling as in the last redistribution, end early.
 const NEAR: f64 = 1.3;
 
 /// How far knots go towards equal distances.
@@ -33,7 +33,7 @@ pub(super) struct Attempt {
 }
 
 impl Attempt {
-    /// With so many control points, whose first knots are those that a fit asks for.
+    /// With this many control points, whose first knots are those that a fit asks for.
     pub(super) fn new(data: &dyn Data, from: &Fit, counts: [usize; 2]) -> Self {
         Self {
             counts,

@@ -16,8 +16,7 @@
 //!
 //! # What can be relied on
 //!
-//! - Levels are pure functions of data and options, the same to the last bit, and are computed when
-//!   they are asked for.
+//! - Levels are pure functions of data and options, the same to the last bit, and are computed on demand.
 //! - No level has more control points in a direction than allowed (but p + 1 at least), nor more
 //!   than data.
 //! - The last level is within the tolerance if any was, with the fewest control points found.
@@ -50,7 +49,7 @@ pub(crate) use normal::MOST_FACTOR;
 pub(crate) use scattered::ScatteredData;
 pub(crate) use schedule::SurfaceSchedule;
 
-/// What is asked for; pairs are those of u and v.
+/// What is requested; pairs are those of u and v.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceOptions {
     /// The degrees p, q ≥ 1.
@@ -111,7 +110,7 @@ pub(crate) trait Data: Debug + Send + Sync {
     /// The part of the tolerance that each direction may leave.
     fn share(&self) -> f64;
 
-    /// Returns true if there are enough data for so many control points.
+    /// Returns true if there are enough data for this many control points.
     fn allows(&self, counts: [usize; 2]) -> bool;
 
     /// The control points nearest to the data by the sum of squares, if the data determine them,

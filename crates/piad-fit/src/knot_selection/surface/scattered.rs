@@ -83,7 +83,7 @@ impl ScatteredData {
         }
     }
 
-    /// The same with so many control points at most, rather than as many as data.
+    /// The same with this many control points at most, rather than as many as data.
     pub(crate) fn with_most(self, most: usize) -> Self {
         Self { most, ..self }
     }

@@ -41,7 +41,7 @@ pub(crate) struct SurfaceSchedule {
     best: Option<Arc<SurfaceLevel>>,
     /// The level with the smallest largest distance.
     closest: Option<Arc<SurfaceLevel>>,
-    /// True if more control points were asked for than are allowed.
+    /// True if more control points were requested than are allowed.
     limited: bool,
     /// The root of the mean square of the last fit of the growth, and how many fits have hardly lowered
     /// it.
@@ -72,7 +72,7 @@ enum Stage {
 }
 
 impl SurfaceSchedule {
-    /// A fit of data; nothing is computed before the first level is asked for.
+    /// A fit of data; nothing is computed before the first level is requested.
     pub(crate) fn new(data: Box<dyn Data>, options: SurfaceOptions) -> Self {
         Self {
             batches: [usize::MAX; 2],

@@ -11,7 +11,7 @@ use super::Fit;
 /// Attempts with fewer lines.
 const ATTEMPTS: usize = 40;
 
-/// Of so many lines one is tried to be spared at a time.
+/// Of this many lines one is tried to be spared at a time.
 const PART: usize = 32;
 
 /// Bisections where all that is known to do is the most that is allowed.

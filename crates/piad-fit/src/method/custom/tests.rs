@@ -209,7 +209,7 @@ fn one_matrix_serves_both_directions() {
     assert_eq!(error.place, Place::Transform(Axis::V));
 }
 
-/// Every mistake names its place.
+/// Every error names its place.
 #[test]
 fn wrong_matrices_are_refused() {
     let identity = rows(&DMatrix::identity(30, 30));

@@ -235,7 +235,7 @@ impl Scheme for LeastSquares {
         }
     }
 
-    /// Those that were asked for.
+    /// Those that were requested.
     fn control_points(&self) -> Option<(usize, usize)> {
         Some((self.u, self.v))
     }

@@ -79,7 +79,7 @@ impl LeastSquares {
             && self.ends != EndPoints::Interpolated
     }
 
-    /// So many control points in both directions, and all else as is usual.
+    /// This many control points in both directions, and all else as by default.
     pub fn new(u: usize, v: usize) -> Self {
         Self {
             u,

@@ -49,7 +49,7 @@ pub(super) struct Fit {
 }
 
 impl Cylinder {
-    /// Around it and along it; closed where the points go all around, or where that is asked for.
+    /// Around it and along it; closed where the points go all around, or where requested.
     pub(super) fn parameters(&self, points: &Points, is_closed: bool) -> Result<Pairs, Invalid> {
         let cloud = Cloud::new(points, "cylinder")?;
         let fit = self.fit(&cloud)?;

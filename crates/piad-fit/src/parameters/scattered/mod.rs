@@ -81,8 +81,8 @@ impl CoordinatePlane {
 }
 
 impl Scattered {
-    /// The parameters u and v of all points, finite numbers. A closed direction that is asked for is closed also where the
-    /// points do not go all around.
+    /// The parameters u and v of all points, finite numbers. A closed direction that is requested is closed also where
+    /// the points do not go all around.
     ///
     /// # Errors
     ///

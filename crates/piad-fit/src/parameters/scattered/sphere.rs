@@ -48,7 +48,7 @@ pub(super) struct Fit {
 }
 
 impl Sphere {
-    /// Longitude and latitude; closed where the points go all around, or where that is asked for.
+    /// Longitude and latitude; closed where the points go all around, or where requested.
     pub(super) fn parameters(&self, points: &Points, is_closed: bool) -> Result<Pairs, Invalid> {
         let cloud = Cloud::new(points, "sphere")?;
         let fit = self.fit(&cloud)?;

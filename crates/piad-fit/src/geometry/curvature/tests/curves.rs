@@ -152,7 +152,8 @@ fn lines_are_straight() {
 /// Corners, tangents and curvatures that agree or not.
 #[test]
 fn knots_show_what_is_there() {
-    // A polygon with a corner of 90 degrees, and a knot where it goes on straight with another speed.
+    // A polygon with a corner of 90 degrees, and a knot where it continues straight with another
+    // speed.
     let polygon = curve(
         line_of(1, &[0.0, 0.0, 1.0, 2.0, 3.0, 3.0]),
         &[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 5.0]],

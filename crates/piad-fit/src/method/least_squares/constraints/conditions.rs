@@ -47,14 +47,14 @@ pub(in super::super) enum Origin {
     Constraint(usize),
 }
 
-/// Something is asked for where it is not possible.
+/// Something is requested where it is not possible.
 pub(super) fn unfit(index: usize, detail: &str) -> Invalid {
     let detail = format!("constraint {index} {detail}");
     Invalid::at(Place::Constraint(index), detail)
 }
 
-/// The conditions of a fit: end points to interpolate first, then its constraints, and tangents last. An end point
-/// for which a constraint gives another one is left out, unless the ends are asked for by name.
+/// The conditions of a fit: end points to interpolate first, then its constraints, and tangents last. An end point for
+/// which a constraint gives another one is left out, unless the ends are requested by name.
 ///
 /// # Errors
 ///

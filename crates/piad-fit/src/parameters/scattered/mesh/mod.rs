@@ -103,7 +103,7 @@ impl Mesh {
         (bytes, multiplications)
     }
 
-    /// The parameters of points; u is closed where they go around, or where that is asked for.
+    /// The parameters of points; u is closed where they go around, or where requested.
     ///
     /// # Errors
     ///

@@ -66,7 +66,7 @@ impl Sections {
         }
     }
 
-    /// u between the sections, and v along them, closed also where that is asked for.
+    /// u between the sections, and v along them, closed also where requested.
     pub(super) fn parameters(&self, points: &Points, closed: [bool; 2]) -> Result<Pairs, Invalid> {
         let [u_is_closed, v_is_closed] = closed;
         let asked = v_is_closed.then_some(true).or(self.closed);
@@ -111,7 +111,7 @@ impl Sections {
         })
     }
 
-    /// The sections by themselves, closed or open as that is asked for, or as their ends show it.
+    /// The sections by themselves, closed or open as requested, or as their ends show it.
     fn polylines(&self, points: &Points, closed: Option<bool>) -> Result<Vec<Polyline>, Invalid> {
         let counts = &self.counts;
         if counts.len() < 2 {
@@ -177,7 +177,7 @@ fn distance(some: &[[f64; 3]], others: &[[f64; 3]]) -> f64 {
     pairs.map(|(a, b)| length(minus(*b, *a))).sum::<f64>() / some.len() as f64
 }
 
-/// A mistake in a section.
+/// An error in a section.
 fn wrong(index: usize, detail: String) -> Invalid {
     Invalid::at(Place::Section(index), detail)
 }
