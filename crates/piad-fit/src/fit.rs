@@ -1,4 +1,4 @@
-//! What is requested, [`Fit`], and what can be iterated, [`Prepared`].
+//! A fit request, [`Fit`], and a checked one that can be iterated, [`Prepared`].
 
 use std::fmt;
 use std::iter::FusedIterator;
@@ -27,8 +27,8 @@ use crate::trim::trimmed;
 /// The degree of B-splines where none is given.
 const DEGREE: usize = 3;
 
-/// A fit as requested: a cubic B-spline through the data by classical PIA, within a millionth of their size, where
-/// nothing else is said. Nothing is checked before [`prepare`](Self::prepare).
+/// A fit request. The defaults are a cubic B-spline through the data, by classical PIA, to within a millionth of their
+/// size. Nothing is checked before [`prepare`](Self::prepare).
 #[derive(Clone, Debug)]
 #[must_use = "a fit is computed once it is prepared"]
 pub struct Fit<S> {

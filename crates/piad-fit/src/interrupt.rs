@@ -1,8 +1,8 @@
-//! Ends a computation for which nobody waits any more.
+//! Ends an abandoned computation.
 //!
-//! Setting up a fit can take seconds, deep inside of loops that have nothing to do with it. Such loops [`check`] now
-//! and then whether the thread's computation is still wanted. If it is not, the stack is unwound up to whoever has
-//! begun it, without any message: it is no error.
+//! Setting up a fit can take seconds, deep inside loops that do not know about requests. Such loops [`check`] now and
+//! then whether the thread's computation is still wanted. If it is not, the stack is unwound to where the computation
+//! began, without a message, as this is not an error.
 
 use std::cell::RefCell;
 use std::panic::resume_unwind;

@@ -20,7 +20,7 @@ pub fn one_for_each(given: usize, things: &str, points: usize) -> String {
 }
 
 impl Invalid {
-    /// An error in a part of the problem.
+    /// A validation error in a part of the problem.
     pub(super) fn at(place: Place, detail: impl Into<String>) -> Self {
         Self {
             place,
@@ -29,7 +29,7 @@ impl Invalid {
         }
     }
 
-    /// Several errors as one; none of none.
+    /// Combines several errors into one; `None` if there are none.
     pub(super) fn of_all(all: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut all = all.into_iter();
         let first = all.next()?;
@@ -37,7 +37,7 @@ impl Invalid {
         Some(Self { others, ..first })
     }
 
-    /// Each of several errors by itself.
+    /// The combined errors, one by one.
     pub fn each(mut self) -> Vec<Self> {
         let mut all = std::mem::take(&mut self.others);
         all.insert(0, self);
@@ -223,7 +223,7 @@ pub enum Place {
     Parameter(Axis, usize),
     /// The number of control points of a least-squares fit in a direction.
     ControlPoints(Axis),
-    /// Whether a direction is closed.
+    /// The `closed` setting of a direction.
     Closed(Axis),
     /// The corners of a direction.
     Corners(Axis),
@@ -296,7 +296,7 @@ pub enum Setting {
     Sweeps,
     /// How much each data point counts in least-squares PIA.
     DataWeights,
-    /// Whether least-squares PIA interpolates end points.
+    /// The choice to interpolate end points in least-squares PIA.
     EndPoints,
     /// What least-squares PIA obeys.
     Constraints,
@@ -310,7 +310,7 @@ pub enum Setting {
     Robust,
     /// The update of least-squares PIA.
     Variant,
-    /// Whether parameters move while least-squares PIA chooses its knots.
+    /// Parameter correction while least-squares PIA chooses its knots.
     CorrectParameters,
 }
 

@@ -1,8 +1,8 @@
 //! How an iteration ends.
 //!
 //! Converged fits have succeeded, and so have least-squares fits at their minimum if no tolerance was requested.
-//! Exhausted and stalled ones have a curve that is further from the data than requested, and can be gone on with by
-//! another method. After an overflow there is no curve.
+//! Exhausted and stalled fits have a curve that is further from the data than requested; another method can continue
+//! from it. After an overflow there is no curve.
 
 /// Why an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

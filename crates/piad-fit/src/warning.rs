@@ -77,7 +77,7 @@ pub enum Warning {
     Between(Excursion),
     /// Points of a surface with nearly the same parameters are far from each other.
     Folded(Fold),
-    /// Extended: distances between are so much larger than the data that rounding leaves more than
+    /// Extended PIA: the distances between data points are so much larger than the data that rounding leaves more than
     /// the tolerance.
     Rounding {
         /// About how much is left, in data units.
@@ -132,7 +132,7 @@ const ROBUST: &str = "\"robust\": true leaves such points out";
 const CORNERS: &str = "\"corners\": \"auto\" keeps them sharp";
 
 impl Warning {
-    /// What is doubtful about a direction as requested, with a control point for each data point.
+    /// Warnings about a requested direction with a control point for each data point.
     pub(super) fn of_direction(
         choice: &DirectionChoice,
         direction: &Direction,

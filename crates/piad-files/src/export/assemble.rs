@@ -19,9 +19,9 @@ pub struct DirectionData {
     /// The complete knots, one more than control points and degree together; `None` of a Bézier curve (the basis
     /// `bernstein`): 0 and 1, each one more than the degree times.
     pub knots: Option<Vec<f64>>,
-    /// True if the direction returns to its start. Then either its knots are those of a period, continued by the
-    /// degree on both sides, and its last control points repeat the first ones, as many as the degree; or its knots
-    /// are clamped and its last control point is the first one.
+    /// True if the direction returns to its start. Then either its knots are those of a period, continued by the degree
+    /// on both sides, and its last `degree` control points repeat the first ones; or its knots are clamped and its last
+    /// control point is the first one.
     pub closed: bool,
 }
 

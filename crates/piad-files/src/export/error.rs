@@ -309,7 +309,7 @@ pub struct NetIndex {
 }
 
 impl NetIndex {
-    /// The place of number `index`, row by row, in a net with this many columns (`None`: a curve).
+    /// The location of number `index`, row by row, in a net with this many columns (`None`: a curve).
     pub fn new(index: usize, columns: Option<usize>) -> Self {
         Self {
             row: index / columns.unwrap_or(1),

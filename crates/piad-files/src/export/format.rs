@@ -73,7 +73,7 @@ impl Format {
         }
     }
 
-    /// The name by which the format is requested.
+    /// The name of the format in requests.
     pub fn name(self) -> &'static str {
         self.names().0
     }

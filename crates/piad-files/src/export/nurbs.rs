@@ -95,7 +95,7 @@ mod tests {
         assert_eq!(nurbs.place(3), [2.0, 2.0, 0.0]);
     }
 
-    /// The knots run on over both ends of the period, and the first p control points come again.
+    /// The knots run on over both ends of the period, and the first p control points are repeated.
     #[test]
     fn closed_curves_repeat_their_first_control_points() {
         for degree in 1..=4 {

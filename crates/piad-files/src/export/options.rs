@@ -11,7 +11,7 @@ pub struct Options {
     /// The number of samples in each direction, at least 2, for formats that sample; chosen to suit the
     /// curve or surface by default.
     pub samples: Option<Grid>,
-    /// Whether drawings show data points.
+    /// The choice to show data points in drawings.
     pub dots: Dots,
     /// The unit of length that a file declares: millimetres by default, in formats that have one.
     pub unit: Option<Unit>,
@@ -67,7 +67,7 @@ pub enum Unit {
     Inch,
 }
 
-/// Whether a drawing shows data points as dots.
+/// The choice to show data points as dots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dots {
     /// Where they do not hide each other.

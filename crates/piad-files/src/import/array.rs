@@ -98,7 +98,7 @@ fn parse<'a, T>(
 fn lines(text: &str, shape: Shape) -> Vec<u32> {
     let around = shape.depth();
     let (mut lines, mut line, mut depth) = (Vec::new(), 1_u32, 0);
-    // Whether a point begins with what comes next.
+    // True if a point begins with the next value.
     let mut expected = false;
     for byte in text.bytes() {
         match byte {

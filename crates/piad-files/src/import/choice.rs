@@ -26,7 +26,7 @@ pub(super) struct Time {
     pub(super) column: usize,
     /// How many seconds its unit is.
     pub(super) seconds: f64,
-    /// True if they are the parameters without being requested.
+    /// True if they are the parameters by default.
     pub(super) is_parameter: bool,
 }
 
@@ -190,7 +190,7 @@ pub(super) fn as_they_stand(
     })
 }
 
-/// Removes such columns if at least this many others remain.
+/// Removes such columns if at least `least` others remain.
 fn leave_out(columns: &mut Vec<usize>, least: usize, is_out: impl Fn(usize) -> bool) -> bool {
     let others: Vec<usize> = columns.iter().copied().filter(|it| !is_out(*it)).collect();
     let found = others.len() < columns.len() && others.len() >= least;

@@ -5,12 +5,12 @@ use super::imported::{Hints, Kind};
 use super::part::Part;
 use piad_fit::data::Points;
 
-/// Cosine of the sharpest turn, 60°, at which an outline is taken to continue smoothly. The trailing edge of an airfoil
-/// turns by more than 160°, or by 90° where it is blunt, and stays an end.
+/// Cosine of the sharpest turn, 60°, at which an outline is taken to be smooth. The trailing edge of an airfoil turns
+/// by more than 160°, or by 90° where it is blunt, and stays an end.
 const SHARPEST_TURN: f64 = 0.5;
 
-/// The fewest points of an outline that is closed without being requested. Of fewer, a corner is not told from a curve,
-/// and closed curves of some degrees need as many.
+/// The fewest points of an outline that is closed by default. With fewer, a corner cannot be distinguished from a
+/// curve, and closed curves of some degrees need this many.
 const FEWEST: usize = 8;
 
 /// The last point is the first one if it is no further from it than this part of the size of the outline.

@@ -133,7 +133,7 @@ impl ColumnNotice<'_> {
     }
 }
 
-/// A text that continues in a sentence.
+/// A text in lower case, to continue a sentence.
 fn lower(text: &str) -> String {
     text.replacen('C', "c", 1)
 }

@@ -269,7 +269,7 @@ impl Column {
     }
 }
 
-/// Why this many coordinates are refused.
+/// The refusal of too many coordinates.
 fn too_many(count: usize) -> String {
     format!("{count} columns are coordinates, and points have at most {MAX_DIMENSION}")
 }

@@ -119,7 +119,7 @@ impl Curve {
 }
 
 impl Curves {
-    /// No curves yet, and at most this many points of all of them.
+    /// No curves yet, and at most `most` points in all of them.
     pub(super) fn new(most: usize) -> Self {
         Self {
             curves: Vec::new(),
@@ -146,7 +146,7 @@ impl Curves {
         Ok(())
     }
 
-    /// Refuses a curve with more points than there is room for; it may continue.
+    /// Refuses a curve with more points than there is room for; the curve need not be complete.
     ///
     /// # Errors
     ///
@@ -175,8 +175,8 @@ impl Curves {
         self.curves.iter_mut().flat_map(|curve| &mut curve.points)
     }
 
-    /// The parts of this many coordinates, and what is said of the file. Those with fewer than two different points are
-    /// left out, which is said.
+    /// The parts of this many coordinates, and notices about the file. Parts with fewer than two different points are
+    /// left out, with a notice.
     ///
     /// # Errors
     ///

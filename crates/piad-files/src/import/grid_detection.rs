@@ -21,7 +21,7 @@ const SCATTERED: &str = "The points have no order, and are scattered points of a
 ///
 /// # Errors
 ///
-/// If they are neither: no order, another number of rows than is requested, times that do not increase.
+/// If they are neither: no order, another number of rows than requested, times that do not increase.
 pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileError> {
     let are_sections = part.order == Order::Sections;
     let is_mesh = !part.triangles.is_empty();
@@ -99,7 +99,7 @@ fn grid(part: &mut Part, hints: &Hints) -> Result<Option<Grid>, FileError> {
     })
 }
 
-/// Refuses rows that are no curve, or not as many as are requested.
+/// Refuses rows that are not curves, or whose number differs from the requested one.
 fn check_rows(grid: Grid, hints: &Hints) -> Result<(), FileError> {
     if hints.kind == Some(Kind::Curve) {
         let detail = "these are rows of a surface, and the fit is one of a curve";

@@ -7,15 +7,15 @@ use piad_fit::data::{Grid, Points};
 /// What is known of a file beside what is in it.
 #[derive(Clone, Debug)]
 pub struct Hints {
-    /// Whether it is a curve or a surface; the file shows it where nobody says it.
+    /// Curve or surface; the file decides if `None`.
     pub kind: Option<Kind>,
     /// How many rows and columns a surface has.
     pub size: Option<Grid>,
-    /// True if a curve is closed; the file shows it where nobody says it.
+    /// True if a curve is closed; the file decides if `None`.
     pub closed: Option<bool>,
     /// True if the order of points is known to be meant, so that it is not looked at.
     pub ordered: bool,
-    /// Which columns of a table are what; the file shows it where nobody says it.
+    /// The roles of a table's columns; the file decides if `None`.
     pub columns: Option<Columns>,
     /// Which part is read of a file with several.
     pub part: Option<PartChoice>,
@@ -89,7 +89,7 @@ pub struct Imported {
     pub closed: bool,
     /// True if the points have no order along a curve.
     pub unordered: bool,
-    /// The parameters of the points of a curve, increasing: their times, where these are requested.
+    /// The parameters of the points of a curve, increasing: their times, if requested.
     pub parameters: Option<Vec<f64>>,
     /// The parameters of the rows and of the columns of a grid with gaps, from 0 to 1, if x and y say them.
     pub line_parameters: Option<[Vec<f64>; 2]>,

@@ -35,7 +35,7 @@ pub(super) struct Layout {
 #[derive(Clone, Copy, Debug)]
 enum Slot {
     Nothing,
-    /// A number, and its place among those that are read. What is none is a gap of times that nobody wants.
+    /// A number, and its index among those that are read. Text is a gap where times are not used.
     Number {
         place: usize,
         optional: bool,

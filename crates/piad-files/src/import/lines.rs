@@ -70,7 +70,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     reader.end()
 }
 
-/// Whether the first line of numbers is the domain of a grid, as in files of MSES.
+/// The meaning of a first line of two numbers: the domain of a grid, as in files of MSES.
 #[derive(PartialEq)]
 enum Domain {
     None,

@@ -30,7 +30,7 @@ pub(super) struct Part {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The time of each point in seconds from the first one, if the file has times.
     pub(super) times: Option<Vec<f64>>,
-    /// True if the times are the parameters without being requested.
+    /// True if the times are the parameters by default.
     pub(super) times_are_parameters: bool,
     /// Where the first two coordinates start, if they were longitudes and latitudes.
     pub(super) origin: Option<Origin>,
@@ -92,7 +92,7 @@ impl Part {
         Ok(Self { order, ..part })
     }
 
-    /// Counts the lines of a table that stands below this many lines from the beginning of its file.
+    /// Counts the lines of a table that begins this many lines below the start of its file.
     pub(super) fn move_down(&mut self, lines: usize) {
         let lines = u32::try_from(lines).unwrap_or(u32::MAX);
         for line in &mut self.lines {

@@ -12,8 +12,8 @@ use super::part::Part;
 use super::sample::{Content, is_start};
 use piad_fit::data::Points;
 
-/// The fewest points of which a first column of three is a counter: a curve may begin with x = 1, 2, 3, and it is less
-/// likely that it continues like that.
+/// The fewest points of which a first column of three is a counter: a curve may begin with x = 1, 2, 3, and a longer
+/// curve is unlikely to continue like that.
 const LEAST_COUNTED: usize = 8;
 
 /// The most coordinates of points if the first column is no counter after all.

@@ -8,7 +8,7 @@ use super::part::Part;
 ///
 /// # Errors
 ///
-/// If there are no times where they are requested, or they do not increase.
+/// If requested times are missing, or do not increase.
 pub(super) fn parameters(part: &mut Part, hints: &Hints) -> Result<Option<Vec<f64>>, FileError> {
     if !hints.times && !part.times_are_parameters {
         return Ok(None);

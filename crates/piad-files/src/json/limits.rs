@@ -35,7 +35,7 @@ impl ListLimits {
     pub fn make_room<T>(self, list: &mut Vec<T>, most: usize) {
         if list.len() == list.capacity() && list.len() >= LONG {
             let more = most.min(self.elements).saturating_sub(list.len());
-            // Without this much memory it doubles.
+            // If this much memory is not available, the capacity doubles.
             let _ = list.try_reserve_exact(more);
         }
     }

@@ -204,7 +204,7 @@ impl Gathered {
         Ok(points)
     }
 
-    /// Returns true if there are as many as there may be.
+    /// Returns true if the limit is reached.
     fn is_full(&self) -> bool {
         self.count >= self.limits.points
     }

@@ -1,4 +1,4 @@
-//! What is requested in one direction of the parameter domain.
+//! Requested settings of one direction of the parameter domain.
 //!
 //! A curve has one direction, a surface two, whose bases, parameters and closedness are independent
 //! of each other.
@@ -12,7 +12,7 @@ use super::knots::Knots;
 use crate::data::corners;
 use crate::parameters::Parametrization;
 
-/// The basis requested in one direction.
+/// The requested basis of one direction.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -52,7 +52,7 @@ impl Corners {
     }
 }
 
-/// What is requested in one direction of the parameter domain.
+/// The requested settings of one direction of the parameter domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionChoice {
     /// The basis.
@@ -63,7 +63,7 @@ pub struct DirectionChoice {
     pub closed: bool,
     /// The number of control points of a least-squares fit; otherwise one for each data point.
     pub control_points: Option<usize>,
-    /// How it ends, with knots at the data; as by default without it.
+    /// End conditions, with knots at the data; the default if `None`.
     pub ends: Option<Ends>,
     /// Its corners, or the creases across it, if it may have some.
     pub corners: Option<Corners>,

@@ -154,7 +154,7 @@ impl Direction {
     }
 
     /// Returns true if a least-squares fit starts from equal shares of the data's indices, which do not depend on the
-    /// direction of the data, as knots that are spread; otherwise from every so many-th point.
+    /// direction of the data, as spread knots do; otherwise it starts from every k-th point.
     pub(crate) fn starts_spread(&self) -> bool {
         self.spread_start
     }

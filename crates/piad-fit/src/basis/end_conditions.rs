@@ -1,4 +1,4 @@
-//! What can be requested at the ends of a direction, and which of it a B-spline cannot have.
+//! The end conditions of a direction, and which of them a B-spline cannot have.
 
 use std::sync::Arc;
 

@@ -18,8 +18,8 @@ use super::{Basis, bspline};
 
 impl Direction {
     /// The free control points on which the derivative of this order at `t`, in the domain of the
-    /// basis, depends, and their factors; order 0 is the value. `None` if the basis has no knots,
-    /// and a derivative is requested. At a knot with a jump it is that from the right.
+    /// basis, depends, and their factors; order 0 is the value. `None` for a derivative of a basis
+    /// without knots. At a knot with a jump it is the derivative from the right.
     pub(crate) fn functional(&self, t: f64, order: usize) -> Option<Vec<(usize, f64)>> {
         let t = self.within(t);
         let mut lists = vec![vec![0.0; self.basis.support_width()]; order + 1];

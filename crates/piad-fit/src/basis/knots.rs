@@ -100,7 +100,7 @@ pub(crate) fn piegl_tiller(t: &[f64], degree: usize, control_points: usize) -> V
     clamped(t, degree, interior)
 }
 
-/// Knots of a closed B-spline with as many control points as requested: those of a period, from the start of the
+/// Knots of a closed B-spline with the requested number of control points: those of a period, from the start of the
 /// domain, and p more on either side.
 ///
 /// The sites are the parameters, or with fewer control points than parameters interpolated between

@@ -34,11 +34,10 @@ static LANES: AtomicUsize = AtomicUsize::new(0);
 /// All values of a coordinate, or of a diagonal of a matrix: 8 bytes each, and at most 2.7 kB
 /// before them.
 ///
-/// They start at a cache line: a vector of numbers that lies across two of them takes twice as long
-/// to load, which is as much as everything else in a sweep. And long lanes start at different
-/// places of a memory page. Allocators would start all of them with one, but places at the same
-/// distance from the start of a page share few cache lines, and a load waits for an earlier store
-/// to the same place of another page as if it were the same address ("4K aliasing").
+/// Lanes start at a cache line: a SIMD vector that lies across two of them takes twice as long to load, which is as
+/// much as everything else in a sweep. Long lanes start at different offsets of a memory page. Allocators would start
+/// all of them at the same offset, but equal offsets share few cache lines, and a load waits for an earlier store to
+/// the same offset of another page as if it were the same address ("4K aliasing").
 #[derive(Debug)]
 pub struct Lane {
     numbers: AVec<f64>,
@@ -88,11 +87,11 @@ impl Lane {
 
     /// Makes room for `more` numbers, and for no others.
     pub(crate) fn make_room(&mut self, more: usize) {
-        // Without this much memory it doubles when it is full.
+        // If this much memory is not available, the capacity doubles when it is full.
         let _ = self.numbers.try_reserve_exact(more);
     }
 
-    /// Keeps the first numbers, as many as `count`.
+    /// Keeps the first `count` numbers.
     pub fn truncate(&mut self, count: usize) {
         self.numbers.truncate(self.start + count);
     }

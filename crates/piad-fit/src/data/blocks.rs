@@ -3,8 +3,7 @@
 //! A block has at most 1024 points: its numbers stay in the nearest cache. In a block the squares
 //! of distances are summed up in eight *lanes*, number k in lane k mod 8, then the lanes pairwise,
 //! and then the blocks from the first to the last. That order is the same for every loop,
-//! instruction set and number of threads, so that errors are the same to the last bit whoever
-//! computes them.
+//! instruction set and number of threads, so that errors are reproducible to the last bit.
 
 use std::ops::Range;
 

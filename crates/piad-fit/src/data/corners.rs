@@ -13,7 +13,7 @@
 
 use super::points::Points;
 
-/// The angle that is usual, in degrees.
+/// The default angle, in degrees.
 pub(crate) const USUAL_ANGLE: f64 = 30.0;
 
 /// How much more than those around it a corner turns.

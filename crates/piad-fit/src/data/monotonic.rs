@@ -1,4 +1,4 @@
-//! Whether long arrays of numbers are in order, or zero.
+//! Order and zero tests of long arrays of numbers.
 //!
 //! Nearly all of them are, so that every number has to be compared: many at a time, without a
 //! branch for each, and long arrays by several threads. Where the answer is no, the caller looks

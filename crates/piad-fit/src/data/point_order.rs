@@ -1,4 +1,4 @@
-//! Whether points have an order along a curve.
+//! Detects whether points have an order along a curve.
 //!
 //! Along a curve that is sampled well enough to be fitted, the neighbours of a point in the list are among
 //! the points nearest to it. In points without an order hardly any are.
@@ -8,15 +8,14 @@ use super::points::Points;
 /// The most points that are looked at, at equal distances in the list.
 const MOST_SAMPLES: usize = 96;
 
-/// Of long lists fewer are looked at, with about as many distances as this in all, but at least this many points.
+/// In long lists fewer points are examined, for about this many distances in all, but at least [`LEAST_POINTS`].
 const MOST_DISTANCES: usize = 1 << 22;
 const LEAST_SAMPLES: usize = 12;
 
 /// How many of the nearest points of a point count.
 const NEAREST: usize = 3;
 
-/// Points have an order if this part of them, one in so many, has a neighbour of the list among its nearest
-/// points.
+/// Points have an order if one in this many has a neighbour of the list among its nearest points.
 const ONE_IN: usize = 3;
 
 /// Returns true if fewer than a third of the points have one of their two neighbours in the list among their

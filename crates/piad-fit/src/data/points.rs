@@ -105,7 +105,7 @@ impl Points {
         }
     }
 
-    /// Copies the coordinates of the points from `start` on, point by point, as many as there is room for.
+    /// Copies the coordinates of the points from `start` on, point by point, until `numbers` is full.
     pub fn copy_flat(&self, start: usize, numbers: &mut [f64]) {
         let points = start..start + numbers.len() / self.dimension().max(1);
         let part = |c: usize| &self.lanes[c][points.clone()];
@@ -259,7 +259,7 @@ impl Points {
         }
     }
 
-    /// Keeps the first points, as many as `count`.
+    /// Keeps the first `count` points.
     pub fn truncate(&mut self, count: usize) {
         for lane in &mut self.lanes {
             lane.truncate(count);

@@ -1,4 +1,4 @@
-//! The ends of a direction, as requested, made a part of it.
+//! Applies the requested end conditions to a direction.
 
 use super::copies::Copies;
 use crate::basis::choice::{BasisChoice, DirectionChoice};

@@ -17,8 +17,8 @@
 //! | derivatives, given or estimated | copies | constant | has these derivatives at every level |
 //! | natural (cubic) | `c_1 = (1 − β) c_0 + β c_2` | 0 | has no second derivative |
 //!
-//! Estimated derivatives are those of the polynomial through the first points: as many as it takes
-//! for one degree more than derivatives are needed, three points for cubics (Bessel).
+//! Estimated derivatives are those of the polynomial through the first points. Its degree is one more than the number
+//! of derivatives needed: three points for cubics (Bessel).
 //!
 //! What can be requested stands in [`crate::basis::end_conditions`]. `chosen`: what a direction makes of it;
 //! - `estimate`: derivatives from points; `copies`: control points from derivatives; `line`: both of

@@ -14,7 +14,7 @@ use crate::data::points::Points;
 /// The freedom of a gap is that many times its bend: so far from straight lines are cubics that interpolate white noise.
 const FACTOR: f64 = 4.0;
 
-/// The first and the last gap of an open line bend by that many times as much: nothing continues there.
+/// The first and the last gap of an open line bend by this many times as much, as nothing continues there.
 const FACTOR_OF_ENDS: f64 = 2.0;
 
 /// The greatest ratio of a derivative, over the width of a gap, to the chords beside it.
@@ -74,7 +74,7 @@ pub(super) fn pass_on(values: &mut [f64], columns: usize, u: &Direction, v: Opti
     }
 }
 
-/// The same along a line of gaps that begins at a place and continues in steps.
+/// The same along a line of gaps, from a start index in steps.
 fn pass_on_along(values: &mut [f64], (start, step): (usize, usize), direction: &Direction) {
     let decay = decay(direction);
     let places = || (start..values.len()).step_by(step);

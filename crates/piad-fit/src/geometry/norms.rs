@@ -12,8 +12,8 @@
 //!
 //! In a homogeneous fit residuals are those of `(w P, w)`. Then the distances are those of points,
 //! `‖P_i − C(t_i)‖` with the projected curve C (Lin10, section 3.4), and the largest homogeneous
-//! residual is told apart. A point at which the weight of the curve is not positive is at an
-//! infinite distance.
+//! residual is reported separately. A point at which the weight of the curve is not positive is at
+//! an infinite distance.
 
 use crate::data::aligned::Lane;
 use crate::data::blocks::{BLOCK, Block, Blocks};
@@ -41,8 +41,8 @@ pub struct FitError {
     pub homogeneous: Option<f64>,
     /// Least-squares fits: `‖Aᵀr‖² / ‖Aᵀr⁰‖²`, zero at the minimum.
     pub gradient: Option<f64>,
-    /// Extended fits that are requested it: the largest length of a step, `max_i ‖(U Δ)_i‖`, in
-    /// data units, of homogeneous fits in homogeneous coordinates.
+    /// Extended fits, if requested: the largest length of a step, `max_i ‖(U Δ)_i‖`, in data units,
+    /// for homogeneous fits in homogeneous coordinates.
     pub transformed: Option<f64>,
 }
 

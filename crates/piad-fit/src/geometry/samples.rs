@@ -45,7 +45,7 @@ impl Uniform {
     }
 }
 
-/// A grid of samples of one level, which are evaluated on demand, and not kept.
+/// A grid of samples of one level, which are evaluated on demand and not kept.
 #[derive(Clone, Debug)]
 pub struct Samples {
     setup: Arc<Setup>,
@@ -79,8 +79,7 @@ pub fn multiplications(setup: &Setup, grid: Grid) -> usize {
 }
 
 impl Samples {
-    /// Samples of a level of `setup`, a grid of rows × columns parameters; of a curve, whose grid
-    /// has one column, as many as rows.
+    /// Samples of a level of `setup`, on a grid of rows × columns parameters. A curve has `rows` samples in one column.
     pub fn new(setup: Arc<Setup>, control_points: Arc<Points>, grid: Grid) -> Self {
         let v = setup.v();
         Self {
@@ -117,8 +116,8 @@ impl Samples {
         Geometry::new(&self.setup, &self.control_points)
     }
 
-    /// Writes the coordinates of the samples from number `start` on, row by row and point by point,
-    /// as many as `coordinates` has room for.
+    /// Writes the coordinates of the samples from number `start` on, row by row and point by point, until `coordinates`
+    /// is full.
     pub fn fill(&self, start: usize, coordinates: &mut [f64]) {
         let columns = self.columns();
         let dimension = self.dimension();

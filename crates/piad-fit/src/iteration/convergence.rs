@@ -22,7 +22,7 @@ impl Iteration {
     /// Level 0 of a fit. Where the fit will end is found out before, once for all iterations of a
     /// system.
     pub fn start(system: Arc<System>) -> Self {
-        // Fits that choose their knots end where nobody knows before.
+        // The last level of fits that choose their knots is unknown.
         if !system.problem().is_automatic() {
             system.predict(end);
         }
@@ -42,7 +42,7 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
     // Of the other exact methods nothing better is known on the way.
     let exact = exact.map(|end| Prediction::About { end, seen: end });
     let steps = LOOK / problem.step_cost().max(1);
-    // Errors do not fall to zero: fits without a tolerance continue as long as they may.
+    // Errors do not fall to zero: fits without a tolerance run to the last allowed level.
     let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
     if endless || steps < LEAST_STEPS {
         return exact;

@@ -1,4 +1,4 @@
-//! Whether an iteration ends at its level, and why.
+//! The rules that end an iteration at its level, and the reason.
 
 use super::{Engine, Iteration};
 use crate::method::Progress;
@@ -36,8 +36,8 @@ impl Iteration {
         points.lanes().iter().all(|lane| finite(lane))
     }
 
-    /// Returns true if the curve is as near to the data as was requested. A method may have a larger tolerance, and
-    /// find points that are still to be moved, or make more than distances small.
+    /// Returns true if the curve is as near to the data as requested. A method may have a larger tolerance, may still
+    /// have points to move, or may need more than small distances.
     pub(super) fn is_within(&self) -> bool {
         let (problem, largest) = (self.system.problem(), self.level.error.max);
         let first = problem.method().scheme().first_end();
@@ -62,7 +62,7 @@ impl Iteration {
         }
     }
 
-    /// The same by the distances at the data. A minimum above a tolerance that was requested is no success.
+    /// The same by the distances at the data. A minimum above a requested tolerance is no success.
     pub(super) fn outcome_at_data(&self) -> Option<Outcome> {
         match self.ending() {
             Some(Outcome::Minimum) if self.system.problem().has_goal() => {

@@ -1,8 +1,8 @@
 //! The loop `X ← X + U (P − B X)`, its errors and its stop rules.
 //!
-//! A level is told with its errors, and the next one is computed on demand. Two engines compute levels, the same to the
-//! last bit: the plain loop, for every method and basis, and sweeps, for long banded data. A third one is for fits that
-//! choose their knots.
+//! A level is reported with its errors, and the next one is computed on demand. Two engines compute levels, with the
+//! same bits: the plain loop, for every method and basis, and sweeps, for long banded data. A third one is for fits
+//! that choose their knots.
 //!
 //! An iteration ends at the first level at which one of these is true:
 //!
@@ -167,8 +167,8 @@ impl Iteration {
         iteration
     }
 
-    /// The same iteration at the same level, which continues like this one, to the last bit. `None` for fits that
-    /// choose their knots: what these have tried is too much to be kept.
+    /// A copy of the iteration at its level, which continues with the same bits. `None` for fits that choose their
+    /// knots: their search state is too large to copy.
     pub fn copy(&self) -> Option<Self> {
         let engine = match &self.engine {
             Engine::Plain(plain) => Engine::Plain(Box::new(plain.copy())),
@@ -221,7 +221,7 @@ impl Iteration {
         }
     }
 
-    /// The same control points, to be kept while the iteration continues. The plain loop copies them, a sweep shares
+    /// Shares the control points, which stay while the iteration continues. The plain loop copies them, a sweep shares
     /// them.
     pub fn shared_control_points(&self) -> Arc<Points> {
         match &self.engine {
@@ -231,7 +231,7 @@ impl Iteration {
         }
     }
 
-    /// Takes back shared control points, for a level to come once nobody else has them any more.
+    /// Takes shared control points back, to reuse their memory if nothing else holds them.
     pub fn take_back(&mut self, control_points: Arc<Points>) {
         if let Engine::Sweep(sweep) = &mut self.engine {
             sweep.take_back(control_points);
@@ -283,9 +283,9 @@ impl Iteration {
         self.level
     }
 
-    /// Moves on by `count` levels, or to the first one at which the iteration ends, and tells each
-    /// of them. Nobody sees the control points of the levels between, so that several levels can be
-    /// computed at once. They are the same as by single steps, to the last bit.
+    /// Advances by `count` levels, or to the first one at which the iteration ends, and visits each of them. The
+    /// control points of the levels between are not visible, so that several levels can be computed at once. They are
+    /// the same as by single steps, to the last bit.
     pub fn steps(&mut self, count: usize, visit: &mut impl FnMut(Level)) {
         let mut left = count;
         while left > 0 {
@@ -302,8 +302,8 @@ impl Iteration {
         }
     }
 
-    /// How many of the next levels are computed in one pass: not far beyond the one at which the fit will be within the
-    /// tolerance if the error continues shrinking as in the last step.
+    /// The number of levels to compute in one pass: not far beyond the one at which the fit will be within the
+    /// tolerance if the error keeps shrinking as in the last step.
     fn at_once(&self, left: usize) -> usize {
         let Engine::Sweep(sweep) = &self.engine else {
             return 1;
@@ -433,7 +433,7 @@ impl Iteration {
         }
     }
 
-    /// The level at which the errors will be within the tolerance if they continue falling as they do.
+    /// The level at which the errors will be within the tolerance if they keep falling at the current rate.
     pub(super) fn end_of_decay(&self) -> Option<usize> {
         let problem = self.system.problem();
         let method = problem.method().scheme();

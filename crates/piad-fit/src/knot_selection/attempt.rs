@@ -12,7 +12,7 @@ const PATIENCE: usize = 6;
 const GAIN: f64 = 0.98;
 
 /// An attempt that is still this many tolerances away ends after [`ENOUGH`] redistributions, unless
-/// the last ones have brought the largest distance to [`FAST`] of what it was.
+/// the last ones have reduced the largest distance to [`FAST`] of what it was.
 const HOPELESS: f64 = 4.0;
 
 /// See [`HOPELESS`].
@@ -109,8 +109,8 @@ impl Attempt {
         self.without_gain >= PATIENCE || elsewhere && self.tries >= ENOUGH && self.slow > 1
     }
 
-    /// Returns true if the tolerance is so far away that distances tell little about how many
-    /// control points are needed.
+    /// Returns true if the tolerance is so far away that distances say little about the number of
+    /// control points needed.
     pub(super) fn is_hopeless(&self, tolerance: f64) -> bool {
         self.lowest() > HOPELESS * tolerance
     }

@@ -35,7 +35,8 @@ const MOST_MORE: usize = 1000;
 /// The greatest ratio of a derivative to the chord of either side.
 const LONGEST: f64 = 1.5;
 
-/// A point counts at least as much as this part of a datum, so that it determines the fit where there is nothing else.
+/// The least weight of a guide point as a part of a datum's weight, so that it determines the fit where there is
+/// nothing else.
 const LEAST_WEIGHT: f64 = 1e-6;
 
 /// Data with points between them.
@@ -54,8 +55,8 @@ pub(crate) struct Guide {
 }
 
 impl Guide {
-    /// The most control points of a curve through this many data with points between them: more than data, as few data
-    /// say little of corners, and long lists of data hardly need them.
+    /// The most control points of a curve through `data` data with points between them. It is more than the number of
+    /// data, as few data say little about corners and long lists hardly need more.
     pub(crate) fn most_control_points(data: usize) -> usize {
         data.saturating_add(MOST_MORE.min((PARTS - 1) * data))
     }

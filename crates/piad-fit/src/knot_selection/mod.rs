@@ -81,7 +81,7 @@ use self::breaks::Breaks;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 
-/// The request.
+/// Options of a fit that chooses its knots.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
     /// The degree p ≥ 1.

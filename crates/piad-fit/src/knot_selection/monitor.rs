@@ -81,8 +81,8 @@ impl Monitor {
         self.breaks[self.breaks.len() - 1]
     }
 
-    /// Knots for this many control points, at equal shares; `None` if they are too close to be told
-    /// apart.
+    /// Knots for this many control points, at equal shares; `None` if they are too close to be
+    /// distinct.
     pub(crate) fn place(&self, control_points: usize) -> Option<Breaks> {
         let beyond = control_points_beyond_spans(self.degree, self.closed);
         let spans = control_points.checked_sub(beyond)?;

@@ -186,7 +186,7 @@ impl<M: Minimum> Schedule<M> {
         self.next_attempt(asked, monitor);
     }
 
-    /// An attempt with about this many control points, if there are numbers left to be tried.
+    /// Starts an attempt with about `asked` control points, if there are numbers left to try.
     fn next_attempt(&mut self, asked: usize, monitor: Monitor) {
         let coarse = self.best.as_ref().map_or(0, |_| self.high / RESOLUTION);
         let (least, most) = (self.low + 1, self.high - 1 - coarse);

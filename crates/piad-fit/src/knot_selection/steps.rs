@@ -2,7 +2,7 @@
 //!
 //! The same step as that of least-squares PIA ([`crate::method::least_squares`]), with fixed ends:
 //! CGLS for each coordinate, preconditioned with the diagonal 1 / column sums of A. It starts from
-//! any curve, so that a fit continues after knots were inserted.
+//! any curve, so that a fit can continue after knots were inserted.
 
 use super::values::Values;
 use crate::data::blocks::{LANES, add_up};

@@ -323,7 +323,7 @@ fn groups(parts: &[Part], count: usize) -> Vec<Group> {
     groups
 }
 
-/// Cuts an array into pieces for the groups, of this many elements.
+/// Cuts an array into one piece for each group, with these numbers of elements.
 fn cut<'a, T>(
     groups: &[Group],
     mut array: &'a mut [T],

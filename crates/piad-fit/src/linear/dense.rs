@@ -81,7 +81,7 @@ const ROWS: usize = 64;
 /// Products of matrices with more entries are computed by several threads.
 const PARALLEL: usize = 100_000;
 
-/// With this many lines, products are those of matrices with matrices.
+/// From this number of lines on, products are those of matrices with matrices.
 const LINES: usize = 8;
 
 impl Dense {

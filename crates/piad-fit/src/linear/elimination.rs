@@ -199,7 +199,7 @@ impl<const H: usize> Elimination<H> {
         }
     }
 
-    /// Solves for N lines, of which the compiler is told that all have the same length.
+    /// Solves for N lines, which the compiler knows to have the same length.
     fn solve_lines<const N: usize>(&self, lines: &mut [&mut [f64]], others: Option<&[&[f64]]>) {
         let n = self.front.lower.len() + self.back.lower.len();
         // One length for all, so that places need no checks.

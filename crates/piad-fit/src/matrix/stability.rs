@@ -1,4 +1,4 @@
-//! Whether `X ← X + U (P − B X)` diverges, by the eigenvalues of `M = U B`.
+//! Decides whether `X ← X + U (P − B X)` diverges, by the eigenvalues of `M = U B`.
 //!
 //! The iteration contracts by `ρ(I − M) = max |1 − λ|` over the eigenvalues λ of M; on surfaces
 //! they are the products of those of both directions. Computed eigenvalues of a matrix that is not
@@ -14,8 +14,8 @@
 //! 7.2.2).
 //!
 //! The QR algorithm takes about 25 n³ operations, and each condition number two complex LU
-//! decompositions: for n = 500 less than a second in all. What is in doubt is accepted, and shows
-//! itself as the fit continues.
+//! decompositions: for n = 500 less than a second in all. Doubtful cases are accepted; divergence
+//! then shows during the fit.
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 

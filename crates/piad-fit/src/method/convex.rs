@@ -29,7 +29,7 @@ pub(super) const ABOUT: About = About {
     source: "LWD04, Algorithm 1",
 };
 
-/// Most halvings of each search; taken literally, both could continue for ever in floating point.
+/// Most halvings of each search; taken literally, both could run forever in floating point.
 const HALVINGS: usize = 60;
 
 /// A step that moves the polygon by less than this part of the plain step is no progress.

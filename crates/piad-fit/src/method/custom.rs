@@ -45,8 +45,8 @@ pub(super) const ABOUT: About = About {
 /// The most rows and columns of a matrix.
 pub const LARGEST: usize = 500;
 
-/// Up to this number of rows all eigenvalues are computed, to refuse what diverges and to forecast the
-/// rate: it takes some milliseconds for 100 rows, and a second for 500, for which nobody else waits.
+/// Up to this number of rows all eigenvalues are computed, to refuse what diverges and to forecast the rate: this takes
+/// some milliseconds for 100 rows, and a second for 500.
 const SMALL: usize = 100;
 
 /// The multiplications of finding all eigenvalues of an n × n matrix are about this number times

@@ -47,8 +47,8 @@ pub(super) const ABOUT: About = About {
 pub struct Extended {
     /// The control points of level 0.
     pub start: Start,
-    /// True if the error is told in transformed coordinates, too: `max_i ‖(U Δ)_i‖`, which is how
-    /// far control points move in the next update.
+    /// True if the error is also reported in transformed coordinates, `max_i ‖(U Δ)_i‖`: how far
+    /// control points move in the next update.
     pub transformed_error: bool,
 }
 
@@ -84,7 +84,7 @@ impl Scheme for Extended {
         &ABOUT
     }
 
-    /// The step, if its length is told.
+    /// The step, if its length is reported.
     fn demand(&self) -> Demand {
         let usual = Demand::default();
         Demand {
@@ -112,7 +112,7 @@ impl Scheme for Extended {
         equations.forecast.rounding = trial_run::left_by_rounding(self, equations);
     }
 
-    /// `U P`, which is one level ahead, unless the data are requested.
+    /// `U P`, which is one level ahead, unless a start from the data is requested.
     fn start(&self, equations: &Equations) -> Arc<Points> {
         match self.start {
             Start::Data => Arc::clone(equations.setup.data()),

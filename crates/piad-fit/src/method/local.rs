@@ -4,13 +4,13 @@
 //! X⁰ = P,   X ← X + ω S (P − B X),   U = ω S,   S = diag(0 or 1)
 //! ```
 //!
-//! (Lin10, sections 2–5, with ω = 1; section 6 proposes a relaxation, 0 < ω < 2). The difference vectors of the selected points I fall to zero, those of
-//! the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::iteration::limit`]).
-//! Errors and the stop rule are those of the selected points; the largest difference vector of the
-//! others is told apart. The rate is `max |1 − ω λ|` over the eigenvalues λ of `B_II`: for ω = 1 it is
-//! `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger eigenvalues
-//! than the matrix; for one point l it is `|1 − ω B_l(t_l)|`. The best ω for eigenvalues up to one
-//! is `2 / (1 + λ_min(B_II))`. A level costs as much as the supports of the selected points.
+//! (Lin10, sections 2–5, with ω = 1; section 6 proposes a relaxation, 0 < ω < 2). The difference vectors of the
+//! selected points I fall to zero, those of the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2;
+//! [`crate::iteration::limit`]). Errors and the stop rule are those of the selected points; the largest difference
+//! vector of the others is reported separately. The rate is `max |1 − ω λ|` over the eigenvalues λ of `B_II`: for ω = 1
+//! it is `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger eigenvalues than the
+//! matrix; for one point l it is `|1 − ω B_l(t_l)|`. The best ω for eigenvalues up to one is `2 / (1 + λ_min(B_II))`. A
+//! level costs as much as the supports of the selected points.
 //!
 //! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9), or column by column: a
 //! line until it is within the tolerance, then the next one. One pass is not enough, as later lines
@@ -123,7 +123,7 @@ impl Scheme for Local {
 }
 
 impl Sweeps {
-    /// The lines of these points, given in increasing order, of a grid with this many columns. Those of each line
+    /// The lines of these points, given in increasing order, of a grid with `columns` columns. The points of each line
     /// increase, too.
     fn lines(self, mut points: Vec<usize>, columns: usize) -> Vec<Vec<usize>> {
         let line = |index: usize| match self {

@@ -22,9 +22,8 @@
 //
 // # To add a method
 //
-// Write a file with a type that implements `Scheme`, whose documentation gives its formula and its
-// source, and add a line to each of `Method`, `Method::scheme` and `METHODS`. Nothing else in
-// the crate tells methods apart.
+// Write a file with a type that implements `Scheme`, whose documentation gives its formula and its source, and add a
+// line to each of `Method`, `Method::scheme` and `METHODS`. Nothing else in the crate distinguishes methods.
 //
 // # What methods share
 //
@@ -138,7 +137,7 @@ pub const METHODS: [&About; 11] = [
 ];
 
 impl Method {
-    /// What the method is for the rest of the crate: the only place that tells methods apart.
+    /// The algorithm of the method: the only place in the crate that distinguishes methods.
     pub(super) fn scheme(&self) -> &dyn Scheme {
         match self {
             Self::Global => &global::Global,
@@ -197,7 +196,7 @@ impl Method {
         }
     }
 
-    /// What to do where a least-squares fit is at its minimum, and further from the data than requested.
+    /// What to do if a least-squares fit is at its minimum, and further from the data than requested.
     pub fn advice_at_minimum(&self) -> String {
         match self {
             Self::LeastSquares(method) => method.advice_at_minimum(),

@@ -71,8 +71,7 @@ impl Relaxation {
         matches!(self, Self::Transformed { .. })
     }
 
-    /// Returns true if the fit hardly ever continues after a step, so that no further step is
-    /// prepared.
+    /// Returns true if the fit rarely continues after a step, so that no further step is prepared.
     pub(crate) fn is_done_at_once(&self) -> bool {
         matches!(self, Self::Transformed { once: true })
     }

@@ -155,8 +155,8 @@ pub(crate) trait Scheme: Debug {
         Transform::Scale(1.0)
     }
 
-    /// Completes the forecast by what only the transform, or a trial, can tell. It may change the
-    /// steps that the forecast stands for.
+    /// Adds to the forecast what only the transform or a trial run shows. It may change the steps
+    /// that the forecast assumes.
     fn complete(&self, _equations: &mut Equations) {}
 
     /// The control points of level 0, unless they were given: those of most methods are the data.

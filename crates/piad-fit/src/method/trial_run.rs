@@ -62,7 +62,7 @@ const STEPS: (usize, usize) = (50, 1000);
 
 /// Where the interval [a, 1] of the Chebyshev steps may begin, if λ_min will not do: √λ_min, its
 /// root, and so on up to a = 1, the steps of classical PIA. The first one with which residuals do
-/// not rise far is taken. None if λ_min is not in doubt.
+/// not rise far is taken. `None` if λ_min is reliable.
 pub(super) fn safe_intervals(equations: &Equations) -> impl Iterator<Item = f64> + use<> {
     let least = equations.forecast.lambda_min.unwrap_or(1.0).max(ROUNDING);
     let begin = is_doubtful(equations).then_some(least.sqrt());

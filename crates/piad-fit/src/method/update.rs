@@ -49,7 +49,7 @@ pub(crate) trait Update: Debug + Send {
     /// Moves the control points once.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change;
 
-    /// The same update at the same level, from which the iteration can continue again.
+    /// A copy of the update at the same level, from which the iteration can continue.
     fn copy(&self) -> Box<dyn Update>;
 
     /// Called when the residual of level 0 is known.

@@ -75,8 +75,8 @@ pub struct Parametrized {
 ///
 /// # Errors
 ///
-/// Names the points that are equal, or too close to be told apart, the first explicit value
-/// that does not increase, or the wrong number of explicit values.
+/// Fails with the points that are equal or too close to be distinct, the first explicit value that does not increase,
+/// or the wrong number of explicit values.
 #[doc(hidden)]
 pub fn parameters(
     choice: Parametrization,
@@ -288,7 +288,7 @@ impl<F: Fn(f64) -> f64 + Sync> Sums<'_, F> {
     }
 }
 
-/// Given parameters, if there are as many as `expected` and they are finite and strictly increase.
+/// Given parameters, if there are `expected` of them, and they are finite and strictly increase.
 fn explicit(
     values: Arc<Vec<f64>>,
     expected: usize,

@@ -18,7 +18,7 @@ pub struct Admission {
 }
 
 impl Admission {
-    /// Everything is admitted: it was before, or there is nobody else.
+    /// Everything is admitted: it was admitted before, or there is no other user.
     pub const ANY: Self = Self {
         quick: usize::MAX,
         heavy: usize::MAX,

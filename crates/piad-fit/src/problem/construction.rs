@@ -1,8 +1,8 @@
-//! From what is requested in a direction to its parameters, knots and basis.
+//! From the requested settings of a direction to its parameters, knots and basis.
 //!
 //! | basis | control points | knots | source |
 //! |---|---|---|---|
-//! | polynomial | as many as data points, or fewer | none | LBW05, section 2 |
+//! | polynomial | at most the number of data points | none | LBW05, section 2 |
 //! | open B-spline | n, and p − 1 end copies | at the data | LBW05 (3.1)–(3.2) |
 //! | open B-spline | n | averaged, or given | PT97 (9.8) |
 //! | open B-spline | fewer than data points | spread, or given | |
@@ -375,7 +375,7 @@ pub(crate) fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<()
     }
 }
 
-/// Knots at the data or averaged ones are requested in a least-squares fit.
+/// Knots at the data, or averaged ones, in a least-squares fit.
 fn least_squares_knots(axis: Axis) -> Invalid {
     let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"adaptive\", or give numbers";
     Invalid::at(Place::Knots(axis), detail)

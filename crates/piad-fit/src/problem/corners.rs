@@ -44,7 +44,7 @@ pub(super) fn resolve(request: &mut Request, inliers: Option<&Inliers>) -> Resul
     pass_through(request, &indices)
 }
 
-/// Returns true if a curve chooses its knots and could have corners, and is not requested them.
+/// Returns true if a curve chooses its knots and could have corners, but has no setting for them.
 pub(super) fn rounds(request: &Request) -> bool {
     request.method.is_automatic()
         && request.u.corners.is_none()
@@ -167,7 +167,7 @@ pub(super) fn check_indices(
     Ok(())
 }
 
-/// Lets least squares pass through the data points of corners, at which nothing else is requested.
+/// Lets least squares pass through the data points of corners without another constraint.
 fn pass_through(request: &mut Request, corners: &[usize]) -> Result<(), Invalid> {
     let Method::LeastSquares(settings) = &mut request.method else {
         return Ok(());

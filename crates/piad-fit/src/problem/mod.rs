@@ -1,4 +1,4 @@
-//! A fitting problem: from what was requested to what can be iterated.
+//! A fitting problem: from the request to what can be iterated.
 //!
 //! Everything that can be wrong is found here, so that what comes after can only run out of the
 //! range of numbers. In this order: the points are checked, missing ones get a place, the tolerance
@@ -60,10 +60,10 @@ use unfolding::{chosen, pairs, unfolded};
 /// is one of arithmetic.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// What was requested; missing points have got a place.
+    /// The request; missing points have got a place.
     request: Request,
     setup: Arc<Setup>,
-    /// The tolerance in data units, as requested: methods may have a larger one.
+    /// The requested tolerance in data units: methods may have a larger one.
     tolerance: f64,
     /// The points that are fitted, where others are outliers or missing.
     kept: Option<Kept>,
@@ -227,7 +227,7 @@ impl Problem {
         Ok(problem)
     }
 
-    /// What was requested. Missing points have the place of a neighbour.
+    /// The request. Missing points have the place of a neighbour.
     pub fn request(&self) -> &Request {
         &self.request
     }
@@ -255,8 +255,8 @@ impl Problem {
         self.folded
     }
 
-    /// The same problem in the form of a request with all that was derived from its points: parameters, a tolerance
-    /// that was requested, and which points are left out, stay as they are when points move.
+    /// The same problem as a request that includes all that was derived from its points. Parameters, a requested
+    /// tolerance, and the choice of points to leave out stay as they are when points move.
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
         request.tolerance = request
@@ -282,7 +282,7 @@ impl Problem {
         request
     }
 
-    /// The same with other directions, as many as it has.
+    /// The same with other directions, one for each that it has.
     pub(super) fn with_directions(&self, directions: impl IntoIterator<Item = Direction>) -> Self {
         let mut setup = Setup::clone(&self.setup);
         let places = std::iter::once(&mut setup.u).chain(&mut setup.v);
@@ -320,13 +320,13 @@ impl Problem {
         &self.setup
     }
 
-    /// The tolerance in data units as requested: at most that of the fit.
+    /// The requested tolerance in data units: at most that of the fit.
     pub(super) fn asked_tolerance(&self) -> f64 {
         self.tolerance
     }
 
     /// Returns true if a fit that ends above the tolerance has missed its goal: the tolerance was requested, or it
-    /// determines how many control points there are.
+    /// determines the number of control points.
     pub(super) fn has_goal(&self) -> bool {
         self.request.tolerance.is_some() || self.is_automatic()
     }
@@ -342,7 +342,7 @@ impl Problem {
         v.is_some_and(|v| v.basis != self.request.u.basis)
     }
 
-    /// What is doubtful about the problem as requested.
+    /// Warnings about the problem as requested.
     pub fn warnings(&self) -> Vec<Warning> {
         let Request { u, v, .. } = &self.request;
         let mut warnings = Vec::new();
@@ -380,7 +380,7 @@ impl Problem {
     }
 }
 
-/// The directions of what was requested.
+/// The requested directions.
 fn all_directions(
     request: &Request,
     pairs: Option<&Pairs>,
@@ -441,7 +441,7 @@ fn imply_control_points(request: &mut Request) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Names what is usual where nothing is said.
+/// Fills in defaults.
 fn settle(request: &mut Request) {
     if request.method.has_fewer_control_points() {
         request.u.settle_least_squares();

@@ -1,4 +1,4 @@
-//! A fitting problem as requested, before anything has been checked.
+//! A fitting problem as requested, before any check.
 //!
 //! It is plain data: any request can be made, and [`Problem::new`](super::Problem::new)
 //! says what is wrong with it. Large parts are shared, so that clones are cheap.
@@ -11,7 +11,7 @@ use crate::data::points::Points;
 use crate::method::Method;
 use crate::parameters::scattered::Scattered;
 
-/// When to stop, as requested.
+/// The requested tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -23,11 +23,11 @@ pub enum Tolerance {
 }
 
 impl Tolerance {
-    /// What the largest distance is compared with if no tolerance is requested.
+    /// The default tolerance.
     pub const DEFAULT: Self = Self::Relative(1e-6);
 }
 
-/// The weights of a rational fit, as requested.
+/// The requested weights of a rational fit.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]

@@ -326,7 +326,7 @@ impl Cells {
         })
     }
 
-    /// The empty cells that hang together with one, also by corners; in closed directions they continue outside.
+    /// The connected empty cells around one, also across corners; closed directions wrap around.
     fn part(&self, start: Cell, seen: &mut [bool], meter: &mut Meter) -> Vec<Cell> {
         let mut part = Vec::new();
         let mut next = vec![start];

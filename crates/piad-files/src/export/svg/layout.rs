@@ -40,13 +40,13 @@ pub(super) fn draw_polygon(text: &mut Text, class: &str, places: impl Iterator<I
 /// So few dots hide little.
 const FEW: usize = 100;
 
-/// The part of more dots that may cover each other where nobody asks for dots.
+/// The largest part of dots that may cover each other by default.
 const MOST_COVERED: f64 = 1.0 / 3.0;
 
 /// The data points of the drawing.
 pub(super) struct DrawnData {
     pub(super) places: Vec<Projected>,
-    /// Those that a robust fit leaves out, as many as are drawn.
+    /// Drawn points that a robust fit leaves out.
     outliers: Vec<Projected>,
     /// Every `stride`-th point of a curve, or row and column of a grid, is among them.
     stride: usize,
@@ -77,8 +77,8 @@ impl DrawnData {
         }
     }
 
-    /// Returns true if dots are drawn: if nobody asks for them or against them, where they do not
-    /// hide each other and what is below them.
+    /// Decides whether dots are drawn: by default if they do not hide each other or what is below
+    /// them.
     pub(super) fn choose(&mut self, dots: Dots, canvas: &Canvas) {
         self.dots = match dots {
             Dots::On => true,

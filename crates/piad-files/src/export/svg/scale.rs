@@ -14,8 +14,8 @@ const WIDTH: f64 = 320.0;
 /// Where the legend has numbers, as parts of the largest distance.
 const TICKS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Colours at equal steps, from no distance to the largest: distinct for people who do not tell red from
-/// green, and none of them dark, so that shades can show the shape.
+/// Colours at equal steps, from no distance to the largest: distinct also for red–green colour blindness, and none of
+/// them dark, so that shades can show the shape.
 const COLOURS: [[f64; 3]; 5] = [
     [92.0, 149.0, 214.0],
     [126.0, 196.0, 208.0],

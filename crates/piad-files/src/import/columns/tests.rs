@@ -293,7 +293,7 @@ fn a_first_column_that_counts_is_left_out() {
         "Columns 2 and 3 are the coordinates; column 1 counts the points and is not read."
     );
     assert_eq!(first(&imported("1 5 6 7\n2 5 7 9\n")), [5.0, 6.0, 7.0]);
-    // Functions, few points, other numbers, and one that does not continue.
+    // Functions, few points, other numbers, and a counter that does not continue.
     assert_eq!(imported(&rows(9, "# 1.#")).points.dimension(), 2);
     for text in [
         "1 5 6\n2 5 7\n".to_owned(),

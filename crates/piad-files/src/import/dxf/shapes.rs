@@ -42,7 +42,7 @@ struct Corner {
     line: u32,
 }
 
-/// The points of an entity; `vertices` are those of a `POLYLINE`. A spline has at most this many and some more.
+/// The points of an entity; `vertices` are those of a `POLYLINE`. A spline has at most `most` of them and some more.
 ///
 /// # Errors
 ///

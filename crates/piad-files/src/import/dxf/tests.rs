@@ -356,7 +356,7 @@ fn blocks_have_limits() {
         let error = with_blocks(blocks, &entities).unwrap_err();
         assert!(error.to_string().contains(detail), "{error}");
     }
-    // Few references inside each other place very many, also where there is no point at the end.
+    // A few nested references place very many entities, even if these have no points.
     let inner: Vec<(String, String)> = (0..12)
         .map(|i| {
             (

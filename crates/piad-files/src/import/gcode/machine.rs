@@ -70,7 +70,7 @@ struct Block {
 }
 
 impl Machine {
-    /// A machine whose paths have at most this many points.
+    /// A machine whose paths have at most `most` points.
     pub(super) fn new(most: usize, feeds: bool) -> Self {
         Self {
             curves: Curves::new(most),

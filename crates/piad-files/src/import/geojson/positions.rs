@@ -60,7 +60,7 @@ impl Positions {
         }
     }
 
-    /// Adds a position within this many lists.
+    /// Adds a position at this nesting depth.
     fn push(&mut self, numbers: [f64; 3], count: usize, depth: usize) {
         if count < 2 {
             self.refuse(format!(
@@ -103,7 +103,7 @@ impl<'de> Deserialize<'de> for Positions {
     }
 }
 
-/// What stands in a list, which is within this many others.
+/// An element of a list, at this nesting depth.
 struct Element<'a> {
     positions: &'a mut Positions,
     depth: usize,

@@ -19,7 +19,7 @@ const TRIANGLE: usize = 50;
 /// The bytes of its normal.
 const NORMAL: usize = 12;
 
-/// Coordinates of damaged files that are told from other data are between these.
+/// Coordinates of damaged files are distinguished from other data by this range.
 const PLAUSIBLE: std::ops::Range<f64> = 1e-12..1e12;
 
 /// Returns true if a file is binary STL. The title may be anything, also `solid` as in text: the size of the file says

@@ -18,7 +18,7 @@ use crate::problem::request::{Request, Tolerance};
 use crate::termination::Outcome;
 use crate::termination::Reason;
 
-/// How many polylines, and four times as many as grids; `PIAD_TEST_ROUNDS` sets another number.
+/// The number of polylines to test, and four times the number of grids; `PIAD_TEST_ROUNDS` overrides it.
 fn rounds() -> usize {
     let set = std::env::var("PIAD_TEST_ROUNDS");
     set.map_or(120, |rounds| {

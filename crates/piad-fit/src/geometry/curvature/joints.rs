@@ -166,7 +166,7 @@ fn joint(jets: &CurveJets, i: usize, sides: Sides, sizes: &Sizes) -> Joint {
     }
 }
 
-/// Keeps as many as are listed.
+/// Keeps at most as many joints as the list may have.
 fn keep_least_smooth(joints: &mut Vec<Joint>) {
     if joints.len() > MOST_JOINTS {
         joints.sort_by(smoothness);

@@ -4,13 +4,12 @@
 //! (u, v)(P) = argmin ‖S(u, v) − P‖
 //! ```
 //!
-//! The surface is divided into *cells*, pieces of its knot spans. As a Bézier patch a cell lies in
-//! the convex hull of its control points (weights are positive), so that the box around them tells
-//! how near it can be at most. A search tree yields the cells by the distances of their boxes; in
-//! each of them Newton's method finds the nearest point, until boxes are farther away than the
-//! nearest point so far. A cell that bends has several points that are nearer than those beside them:
-//! so Newton's method starts in its quarters again, and theirs, where the control points allow a point
-//! that is nearer. Where several points are equally near, the least u counts, then the least v.
+//! The surface is divided into *cells*, pieces of its knot spans. As a Bézier patch a cell lies in the convex hull of
+//! its control points (weights are positive), so that the box around them bounds its distance from below. A search tree
+//! yields the cells by the distances of their boxes; in each of them Newton's method finds the nearest point, until
+//! boxes are farther away than the nearest point so far. A cell that bends has several points that are nearer than
+//! those beside them: so Newton's method starts in its quarters again, and theirs, where the control points allow a
+//! point that is nearer. Where several points are equally near, the least u counts, then the least v.
 //!
 //! A point costs some patches of O((p + 1)(q + 1)(p + q)) and some steps of O((p + 1)(q + 1)), and the
 //! tree O(log n) for n cells.

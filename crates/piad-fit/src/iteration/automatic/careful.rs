@@ -22,7 +22,8 @@ const FAIRNESS: f64 = 1e-6;
 /// How far a fit may be from its data where there are none.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Reach {
-    /// Beyond this the fit continues: curves should need a part of the freedom of their data.
+    /// Beyond this number of control points the fit continues: a curve should need only a part of the freedom of its
+    /// data.
     Near,
     /// A fit that has gone on has stalled beyond this.
     Far,

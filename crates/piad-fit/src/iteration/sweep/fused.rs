@@ -12,10 +12,10 @@
 //! and the squares are summed up, all of it while it is in registers: a level costs `d (W + 3)`
 //! multiplications for each point, and each number is loaded once.
 //!
-//! The loop is written with vectors of whatever length the processor has ([`pulp`]), as compilers
-//! give up on so many arrays. Sums are kept in [`LANES`] lanes whatever that length is, so that
-//! they are the same on every processor. Rows that are few, unusually long, or reach around the end
-//! of a closed curve are computed one by one, by the same operations.
+//! The loop is written with vectors of the processor's length ([`pulp`]), as compilers do not
+//! vectorize loops over this many arrays. Sums are kept in [`LANES`] lanes whatever that length is,
+//! so that they are the same on every processor. Rows that are few, unusually long, or reach around
+//! the end of a closed curve are computed one by one, by the same operations.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -209,7 +209,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
 
     /// Rows as vectors, in rounds that fill the lanes: each round computes [`LANES`] rows, and adds
     /// their squares to the lanes in order. The branch on the step is the same in all rounds, so
-    /// that the processor foresees it.
+    /// that the processor predicts it.
     #[inline(always)]
     fn vectors<S: Simd, const MOMENTUM: bool>(&mut self, simd: S, range: Range<usize>) {
         let (start, rounds) = (range.start, range.len() / LANES);

@@ -11,7 +11,7 @@
 //!
 //! while they are in the nearest cache, reading `X`, `P` and `B` and writing `X'` once. `X'` is
 //! another array than `X`, as the next block still needs the old values; it is the control points
-//! of the next level, so that the loop is one step *ahead* of the level that is told.
+//! of the next level, so that the loop is one step *ahead* of the level that is reported.
 //!
 //! # Bit for bit
 //!
@@ -249,7 +249,7 @@ impl Sweep {
             *step = self.relaxation.step();
             self.relaxation.advance();
         }
-        // Nobody reads the levels between: what readers have given back is not needed any more.
+        // The levels between are not read: buffers that readers have given back can be freed.
         self.returned = Returned::default();
         self.run(system, &steps[..count], Way::Tiles);
         std::mem::swap(&mut self.current, &mut self.spare);

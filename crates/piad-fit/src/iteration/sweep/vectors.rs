@@ -56,7 +56,7 @@ pub(super) struct VectorSums<S: Simd> {
 }
 
 impl<S: Simd> VectorSums<S> {
-    /// Vectors that continue with these sums.
+    /// Vectors that continue from these sums.
     #[inline(always)]
     pub(super) fn new(sums: &Sums) -> Self {
         let vectors = |lanes: &[f64; LANES]| {

@@ -79,7 +79,7 @@ impl<M: Minimum> Schedule<M> {
         self.fit_over(line, best, weights)
     }
 
-    /// The same, as often as requested.
+    /// The same, with the requested number of repetitions.
     pub(super) fn fit_over(
         &self,
         line: Breaks,

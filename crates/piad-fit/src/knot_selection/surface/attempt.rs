@@ -8,8 +8,8 @@ use crate::knot_selection::placement::{even, place};
 /// Redistributions of an attempt.
 const TRIES: usize = 5;
 
-/// Attempts whose largest distance is above this many tolerances, and would still be above one if
-/// it continued falling as in the last redistribution, end early.
+/// Attempts end early if their largest distance is above this many tolerances and would still be
+/// above one if it kept falling as in the last redistribution.
 const NEAR: f64 = 1.3;
 
 /// How far knots go towards equal distances.
@@ -33,7 +33,7 @@ pub(super) struct Attempt {
 }
 
 impl Attempt {
-    /// With this many control points, whose first knots are those that a fit asks for.
+    /// An attempt with these numbers of control points, whose first knots come from the fit `from`.
     pub(super) fn new(data: &dyn Data, from: &Fit, counts: [usize; 2]) -> Self {
         Self {
             counts,

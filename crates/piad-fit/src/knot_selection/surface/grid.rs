@@ -95,7 +95,7 @@ impl GridData {
         Some((fits, left))
     }
 
-    /// The least-squares surface with this much fairness in each direction.
+    /// The least-squares surface with this fairness in each direction.
     fn nearest_with(&self, lines: &[Breaks; 2], fairness: f64) -> Option<Nearest> {
         let columns = self.grid.columns;
         let dimension = self.points.dimension();

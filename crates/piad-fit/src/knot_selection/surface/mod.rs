@@ -49,7 +49,7 @@ pub(crate) use normal::MOST_FACTOR;
 pub(crate) use scattered::ScatteredData;
 pub(crate) use schedule::SurfaceSchedule;
 
-/// What is requested; pairs are those of u and v.
+/// Options of a surface fit; pairs are those of u and v.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceOptions {
     /// The degrees p, q ≥ 1.

@@ -83,7 +83,7 @@ impl ScatteredData {
         }
     }
 
-    /// The same with this many control points at most, rather than as many as data.
+    /// The same with at most `most` control points, rather than one for each datum.
     pub(crate) fn with_most(self, most: usize) -> Self {
         Self { most, ..self }
     }

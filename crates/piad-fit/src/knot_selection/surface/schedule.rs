@@ -14,8 +14,8 @@ use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::growth::grown;
 use crate::termination::Outcome;
 
-/// Where something keeps a surface away from its data, so many times more knots that lower the root of
-/// the mean square by less than [`GAIN`] of it are enough: each direction twice.
+/// Where something keeps a surface away from its data, the search ends when this many times more knots lower the root
+/// of the mean square by less than [`GAIN`] of it: each direction twice.
 const STILL: usize = 4;
 
 /// See [`STILL`].
@@ -41,7 +41,7 @@ pub(crate) struct SurfaceSchedule {
     best: Option<Arc<SurfaceLevel>>,
     /// The level with the smallest largest distance.
     closest: Option<Arc<SurfaceLevel>>,
-    /// True if more control points were requested than are allowed.
+    /// True if more control points were needed than are allowed.
     limited: bool,
     /// The root of the mean square of the last fit of the growth, and how many fits have hardly lowered
     /// it.
@@ -259,8 +259,7 @@ impl SurfaceSchedule {
         self.data.has_floor() && self.still >= STILL
     }
 
-    /// The most control points: of data that do not determine as many as are allowed of each
-    /// direction, in about this ratio.
+    /// The most control points, in about this ratio, if the data do not determine the allowed number in each direction.
     fn most_towards(&self, ratio: [usize; 2]) -> [usize; 2] {
         let (fewest, most) = (self.fewest(), self.most());
         let part = |factor: f64| {

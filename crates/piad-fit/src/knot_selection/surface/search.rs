@@ -1,17 +1,16 @@
 //! How many control points of each direction are tried next.
 //!
-//! First as many as the distances after growth ask for, and if these do not do, numbers in between;
-//! then one line less at a time (of many lines a small part of them), as long as either direction
-//! can spare one. Where growth has not
-//! come within the tolerance, redistribution may still, with as many as are allowed; and at last, where data of both
-//! directions together limit them, knots that follow the data, as in an interpolation.
+//! First the number that the distances after growth suggest, and if it is too small, numbers in between; then one line
+//! less at a time (of many lines a small part of them), as long as either direction can spare one. Where growth has not
+//! come within the tolerance, redistribution may still reach it with the largest allowed number; and at last, where
+//! data of both directions together limit them, knots that follow the data, as in an interpolation.
 
 use super::Fit;
 
 /// Attempts with fewer lines.
 const ATTEMPTS: usize = 40;
 
-/// Of this many lines one is tried to be spared at a time.
+/// The search tries to remove one in this many lines at a time.
 const PART: usize = 32;
 
 /// Bisections where all that is known to do is the most that is allowed.

@@ -20,7 +20,7 @@ pub(super) struct Conjugate {
 }
 
 impl Conjugate {
-    /// Before the first step of this many control points and data points.
+    /// The state before the first step, for these numbers of control points and data points.
     pub(super) fn new(dimension: usize, control_points: usize, data_points: usize) -> Self {
         Self {
             direction: Points::zeros(dimension, control_points),

@@ -64,7 +64,7 @@ impl Constrained {
     }
 
     /// The minimum over the knots of each direction, in control points of these lines. A surface
-    /// that takes many steps continues from control points near it.
+    /// that takes many steps starts from control points near it.
     pub(crate) fn minimum(
         &self,
         lines: &[Breaks],

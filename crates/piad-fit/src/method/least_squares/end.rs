@@ -6,7 +6,7 @@
 //! f − f* = gᵀ N⁻¹ g,   N = AᵀΩA + w H
 //! ```
 //!
-//! exactly, whatever the variant (with conditions by the projected step N⁻¹ g): a small step says nothing of it, as
+//! exactly, whatever the variant (with conditions by the projected step N⁻¹ g): the step length does not show it, as
 //! slow methods take small steps far from the minimum. So when the length of the residual has nearly stopped falling,
 //! the normal equations are solved for g, and the fit ends where f − f* is a small part of f. Where their factorization
 //! would take too long (large surfaces with holes) f − f* is what is left of decreases that continue shrinking by the
@@ -32,7 +32,7 @@ const SLOW: f64 = 1e-6;
 /// A fit is at its minimum if its objective is above it by at most this part.
 const NEAR: f64 = 1e-6;
 
-/// A residual that grows by more than this part, and not at the minimum, continues growing.
+/// A residual that grows by more than this part, away from the minimum, keeps growing.
 const GROWS: f64 = 1e-12;
 
 /// Residuals whose mean is below this part of the data are rounding.

@@ -122,7 +122,7 @@ impl Energy {
         }
     }
 
-    /// The entries of `w H` of a surface, by the rows and columns of two control points; those that come again add up.
+    /// The entries of `w H` of a surface, by the rows and columns of two control points; repeated entries add up.
     pub(super) fn each_entry(&self, mut visit: impl FnMut([usize; 2], [usize; 2], f64)) {
         for Term { factor, u, v } in &self.terms {
             let Some(v) = v else { continue };

@@ -235,7 +235,7 @@ impl Scheme for LeastSquares {
         }
     }
 
-    /// Those that were requested.
+    /// The requested numbers of control points.
     fn control_points(&self) -> Option<(usize, usize)> {
         Some((self.u, self.v))
     }
@@ -250,8 +250,8 @@ impl Scheme for LeastSquares {
         true
     }
 
-    /// The gradient, for conjugate gradients the direction and its image, and the factorization that
-    /// tells how far the minimum is.
+    /// The gradient, for conjugate gradients the direction and its image, and the factorization that measures the
+    /// distance to the minimum.
     fn demand(&self) -> Demand {
         Demand {
             vectors: if self.fairness().is_some() {

@@ -23,11 +23,11 @@ pub struct LeastSquares {
     pub u: usize,
     /// The number of control points in the v direction of a surface.
     pub v: usize,
-    /// Whether the fit chooses their number, and its knots, by itself.
+    /// Settings of a fit that chooses the number of control points, and the knots, itself.
     pub automatic: Option<Automatic>,
     /// How the control points move.
     pub variant: Variant,
-    /// Whether the end points are interpolated.
+    /// The choice to interpolate the end points.
     pub ends: EndPoints,
     /// What every level obeys, besides the end points.
     pub constraints: Arc<[Constraint]>,
@@ -79,7 +79,7 @@ impl LeastSquares {
             && self.ends != EndPoints::Interpolated
     }
 
-    /// This many control points in both directions, and all else as by default.
+    /// This number of control points in each direction, and defaults for the rest.
     pub fn new(u: usize, v: usize) -> Self {
         Self {
             u,
@@ -207,8 +207,8 @@ impl LeastSquares {
     }
 }
 
-/// Whether a curve passes through its first and its last data point, and a surface through those of
-/// its four corners.
+/// The choice of a curve to pass through its first and last data point, and of a surface to pass through its four
+/// corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -255,7 +255,7 @@ pub enum Variant {
 }
 
 impl Fairness {
-    /// By the second derivative, as much as the data ask for.
+    /// By the second derivative, with a weight that the data determine.
     pub const BY_DATA: Self = Self {
         value: 0.0,
         order: 2,

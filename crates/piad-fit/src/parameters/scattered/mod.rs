@@ -81,7 +81,7 @@ impl CoordinatePlane {
 }
 
 impl Scattered {
-    /// The parameters u and v of all points, finite numbers. A closed direction that is requested is closed also where
+    /// The parameters u and v of all points, finite numbers. A direction that is requested as closed is closed even if
     /// the points do not go all around.
     ///
     /// # Errors

@@ -114,7 +114,7 @@ fn corners_of_polylines_are_kept() {
     assert!(off.iter().all(|off| *off <= 0.0501), "{off:?}");
 }
 
-/// Every kind of error at its place.
+/// Every kind of validation error at its location.
 #[test]
 fn what_is_no_polyline_is_named() {
     let place = |points: &[[f64; 2]]| Fit::curve(points).polyline().prepare().unwrap_err().place;

@@ -152,7 +152,7 @@ fn lines_are_straight() {
 /// Corners, tangents and curvatures that agree or not.
 #[test]
 fn knots_show_what_is_there() {
-    // A polygon with a corner of 90 degrees, and a knot where it continues straight with another
+    // A polygon with a corner of 90 degrees, and a knot where it continues straight on with another
     // speed.
     let polygon = curve(
         line_of(1, &[0.0, 0.0, 1.0, 2.0, 3.0, 3.0]),

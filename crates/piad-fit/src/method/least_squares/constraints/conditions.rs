@@ -47,7 +47,7 @@ pub(in super::super) enum Origin {
     Constraint(usize),
 }
 
-/// Something is requested where it is not possible.
+/// A condition that is not possible for this fit.
 pub(super) fn unfit(index: usize, detail: &str) -> Invalid {
     let detail = format!("constraint {index} {detail}");
     Invalid::at(Place::Constraint(index), detail)

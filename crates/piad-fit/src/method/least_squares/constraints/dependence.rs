@@ -50,7 +50,7 @@ pub(in super::super) fn independent(
     Ok(kept)
 }
 
-/// A condition cannot be obeyed together with others, which lead to a value that is `off` by so much.
+/// A condition that contradicts others: they lead to a value that is `off` by this amount.
 fn contradiction(condition: &Condition, kept: &[Condition], sum: &Sum, off: f64) -> Invalid {
     let (others, ends) = names(condition.origin, kept, &sum.factors);
     let advice = match ends {

@@ -41,7 +41,7 @@ pub(super) struct Simple {
 }
 
 impl Simple {
-    /// True if it stretches the mesh so much that something else may be better.
+    /// True if it stretches the mesh so much that another parametrization may be better.
     pub(super) fn stretches_much(&self) -> bool {
         self.stretch.energy > MUCH
     }

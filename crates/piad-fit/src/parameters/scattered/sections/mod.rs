@@ -1,4 +1,4 @@
-//! Sections: curves across a surface, each with points of its own, as many as it has.
+//! Sections: curves across a surface, each with its own number of points.
 //!
 //! v of a point is its chord length along its section, as a part of that of the section, times the mean length of all
 //! sections. u of a section is the mean distance between the sections before it: of places at equal steps along them. Closed
@@ -111,7 +111,7 @@ impl Sections {
         })
     }
 
-    /// The sections by themselves, closed or open as requested, or as their ends show it.
+    /// The sections one by one, closed or open as requested, or by their ends.
     fn polylines(&self, points: &Points, closed: Option<bool>) -> Result<Vec<Polyline>, Invalid> {
         let counts = &self.counts;
         if counts.len() < 2 {
@@ -177,7 +177,7 @@ fn distance(some: &[[f64; 3]], others: &[[f64; 3]]) -> f64 {
     pairs.map(|(a, b)| length(minus(*b, *a))).sum::<f64>() / some.len() as f64
 }
 
-/// An error in a section.
+/// A validation error in a section.
 fn wrong(index: usize, detail: String) -> Invalid {
     Invalid::at(Place::Section(index), detail)
 }
