@@ -29,7 +29,7 @@
 //!   `log_throttle` — log lines about what happens often;
 //! - `files` — reading files whose size has a limit; `toml_text` — reading TOML; `redact` — settings without their
 //!   passwords; [`terminal`] — messages for people;
-//! - [`trim`] — gives memory back that nobody uses any more.
+//! - [`trim`] — returns unused memory to the system.
 
 pub mod access;
 pub mod api;

@@ -55,8 +55,8 @@ pub(crate) trait Reload: Send + Sync + 'static {
     /// What it is called in the log.
     const WHAT: &'static str;
 
-    /// Reads the files if they have changed, or anyway; tells whether it has. If they are not valid, what was read
-    /// before stays.
+    /// Reads the files if they have changed, or if `anyway`; returns true if it has read them. If they are not valid,
+    /// the last valid contents stay.
     fn load_again(&self, anyway: bool) -> Result<bool, String>;
 }
 

@@ -38,7 +38,7 @@ pub(crate) struct TokensFile {
 pub(crate) struct Token {
     /// What it is called in lists and in the log.
     pub(crate) id: String,
-    /// To whom the jobs belong that are made with it.
+    /// The tenant that owns the jobs made with it.
     pub(crate) tenant: Tenant,
     /// What it is good for.
     pub(crate) scopes: BTreeSet<Scope>,
@@ -46,7 +46,7 @@ pub(crate) struct Token {
     /// From when on it is good for nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) expires: Option<Timestamp>,
-    /// What it is for, in the words of whoever has made it.
+    /// A note by its creator on what it is for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) note: Option<String>,
     pub(crate) hash: Hash,
@@ -106,7 +106,7 @@ impl TokensFile {
         let path = &behind_links(path).map_err(wrong)?;
         let parent = path.parent().filter(|it| !it.as_os_str().is_empty());
         let directory = parent.unwrap_or(Path::new("."));
-        // Whoever changes it meanwhile waits.
+        // Other writers wait meanwhile.
         let lock = File::open(directory).map_err(wrong)?;
         lock.lock().map_err(wrong)?;
         let mut file = match path.try_exists().map_err(wrong)? {

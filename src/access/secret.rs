@@ -40,7 +40,7 @@ pub(crate) fn random() -> Result<[u8; RANDOM], String> {
     Ok(bytes)
 }
 
-/// The SHA-256 of a token. Tokens are random, so nobody finds one by trying.
+/// The SHA-256 of a token. Tokens are random, so they cannot be found by trial.
 #[derive(Clone, Copy)]
 pub(crate) struct Hash([u8; 32]);
 
@@ -61,7 +61,7 @@ impl Hash {
     }
 }
 
-/// Without the hash: it opens nothing, but is nobody's business.
+/// Without the hash: it grants no access, but is not for logs.
 impl fmt::Debug for Hash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a hash")

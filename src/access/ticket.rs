@@ -24,7 +24,7 @@ const LIFETIME: SignedDuration = SignedDuration::from_secs(60);
 /// How far the clocks of replicas may differ. Whatever a ticket says, it ends after its lifetime and this.
 const CLOCK_DIFFERENCE: SignedDuration = SignedDuration::from_secs(5);
 
-/// What tells signatures of tickets from those of anything else.
+/// Separates signatures of tickets from those of anything else.
 const PURPOSE: &[u8] = b"piad ticket 2";
 
 const SIGNATURE: usize = 32;

@@ -69,7 +69,7 @@ impl Tokens {
     /// The token with this text, if it is good for a scope.
     pub(crate) fn admit(&self, text: &str, scope: Scope) -> Result<Token, Denial> {
         let hash = Hash::of(text);
-        // All are compared, so that the time does not tell where there is one.
+        // All are compared, so that the time reveals no match.
         let found = self.all(|token, found: &mut Option<Token>| {
             if token.hash.is(&hash) {
                 *found = Some(token.clone());

@@ -39,7 +39,7 @@ impl App {
         }
     }
 
-    /// Counts a stream for whoever asks for one, if that is within the quota of its tenant.
+    /// Counts a stream for the caller, if that is within the quota of its tenant.
     pub(in crate::api) fn open_stream(&self) -> Result<OpenStream, Exceeded> {
         let tenant = Peer::owner(Peer::current());
         self.jobs.resources().open_stream(tenant)

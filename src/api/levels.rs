@@ -29,7 +29,7 @@ const BYTES_PER_POINT: usize = 160;
 /// Bytes of memory for each data point while distances are computed and written.
 const BYTES_PER_DISTANCE: usize = 64;
 
-/// To find a nearest point takes about as long as this many multiplications.
+/// The cost of finding a nearest point, in multiplications.
 const OPERATIONS_PER_DISTANCE: usize = 5000;
 
 /// Bytes of memory for each control point and each sample while a shape is measured.

@@ -10,7 +10,7 @@
 //! - `app`: what the doors share; `language`: the languages of requests and answers;
 //! - `order`: new jobs and edits; `start`: the level of another job that they start from; `jobs`: finding, listing, cancelling and deleting them;
 //!   `levels`: inputs, iterations and results; `rates`: comparisons of bases;
-//! - `resuming`: where a stream continues;
+//! - `resuming`: the iteration from which a stream continues;
 //! - `problem`: errors (RFC 9457); `whole`: whole numbers in texts;
 //! - `fuzzing`: what fuzz targets call, in `fuzz/decoders`.
 

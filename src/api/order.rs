@@ -1,4 +1,4 @@
-//! Jobs that are requested, in whatever language: what can be computed, and making it a job.
+//! Requests for jobs in any encoding: what can be computed, and creating the job.
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ use piad_fit::engine::System;
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub(super) const PARSED_AT_ONCE: usize = 16 * 1024;
 
-/// Problems of up to this many points are edited where the edit arrives.
+/// Problems of up to this many points are edited by the replica that receives the edit.
 const EDITED_AT_ONCE: usize = 1000;
 
 /// The most characters of an idempotency key.
@@ -175,7 +175,7 @@ impl EditOrder {
         let frame = start(parent, iteration).await?;
         let frame = frame.map_err(|detail| wrong(SpecPart::Iteration, detail))?;
         let iteration = frame.level.iteration;
-        // Held until the end: points that nobody holds are read from the store again.
+        // Held until the end: points without a holder are read from the store again.
         let shared = parent.system().await?;
         if is_ephemeral {
             app.jobs.keep_at_hand(parent, &shared).await?;
@@ -225,7 +225,7 @@ impl EditOrder {
     }
 }
 
-/// Refuses an ephemeral edit that is not requested with its stream.
+/// Refuses an ephemeral edit whose stream is not requested.
 pub(super) fn no_stream(words: &impl Words) -> Problem {
     let detail = "all that there is of an ephemeral edit is its stream: ask for a stream, with POST /v1/jobs/{id}/edits/stream or the Accept header";
     Problem::of_mistakes(Mistake::at(SpecPart::Ephemeral, detail).into(), words)
@@ -264,8 +264,8 @@ pub(super) fn check_key(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The key with a digest of the request: where it went and what it said. Each peer has keys of its own, so
-/// that nobody sits on those of another one.
+/// The key with a digest of the request: its route and its body. Each peer has a key space of its own, so that peers
+/// cannot block each other's keys.
 pub(super) async fn key(
     app: &App,
     name: String,

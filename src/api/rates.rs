@@ -6,13 +6,13 @@ use super::problem::Problem;
 use piad_fit::engine::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 use piad_fit::invalid::{Invalid, Place, one_for_each};
 
-/// The part of an error that is left, by default.
+/// The default part of an error that is left.
 pub(super) const USUAL_TOLERANCE: f64 = 1e-6;
 
-/// The number of points, by default: that of DP07, Table 1.
+/// The default number of points: that of DP07, Table 1.
 pub(super) const USUAL_POINTS: usize = 11;
 
-/// The degree of the B-splines, by default.
+/// The default degree of the B-splines.
 pub(super) const USUAL_DEGREE: usize = 3;
 
 /// The request.

@@ -1,8 +1,8 @@
-//! Where a stream continues.
+//! The iteration from which a stream continues.
 //!
-//! Iterations are computed again where they are read. A program of another [`KERNEL`] computes other bits, so it does
-//! not continue where that one has stopped: it begins at iteration 0 again, and says so. The id of an iteration tells
-//! whose it is.
+//! Iterations are computed again when they are read. A program with another [`KERNEL`] computes other bits, so it
+//! cannot continue an earlier stream: it restarts at iteration 0, and reports that. The id of an iteration names its
+//! kernel.
 
 use std::fmt;
 
@@ -90,7 +90,7 @@ pub(crate) fn last_event(job: &Job, id: Option<&str>) -> Result<Option<LastEvent
     }
 }
 
-/// Where a stream continues for a client that has iteration k.
+/// The continuation of a stream for a client that has iteration k.
 pub(crate) fn after_iteration(job: &Job, k: usize) -> Result<Start, String> {
     after(job, EventId { k, kernel: None })
 }

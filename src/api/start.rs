@@ -136,7 +136,7 @@ async fn reached(job: &Arc<Job>) -> Result<Option<usize>, Problem> {
     }
     let mut first = Cursor::new(Arc::clone(job), 0);
     Ok(match timeout(BEGINS_WITHIN, first.next()).await {
-        // Another replica may run the job and not have told yet how far it is.
+        // Another replica may run the job and not have reported its progress yet.
         Ok(Ok(Next::Frame(_))) => reached().or(Some(0)),
         Ok(Ok(Next::End(_))) | Err(_) => reached(),
         Ok(Err(error)) => return Err(error.into()),

@@ -263,7 +263,7 @@ fn causes(error: &dyn Error) -> String {
     }
 }
 
-/// A connector that trusts nobody, for plain HTTP.
+/// A connector without trusted certificates, for plain HTTP.
 fn plain_connector() -> HttpsConnector<HttpConnector> {
     let nobody = rustls::RootCertStore::empty();
     let config = rustls::ClientConfig::builder()

@@ -69,7 +69,7 @@ pub(super) struct IterationEvent {
     pub predicted: Option<usize>,
 }
 
-/// What is said at the end.
+/// The contents of an `end` event.
 #[derive(Debug, Deserialize)]
 pub(super) struct EndEvent {
     pub state: String,

@@ -1,26 +1,26 @@
-//! Why a command ends without what was requested.
+//! Reasons for a command to fail.
 
 use std::fmt::{self, Display};
 use std::io;
 
 use crate::terminal::say;
 
-/// The status of a command that was requested something that makes no sense.
+/// The exit status of a command with invalid arguments.
 pub(super) const USAGE: u8 = 2;
 
 /// Why a command has failed, in lines for people.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// What was requested, or the data, is wrong.
+    /// The arguments or the data are invalid.
     Usage(Vec<String>),
     /// It could not be done.
     Failed(String),
-    /// Nobody reads the standard output any more, which needs no words.
+    /// The reader of the standard output has gone, which needs no message.
     Closed,
 }
 
 impl Failure {
-    /// Something is wrong with what was requested.
+    /// Invalid arguments.
     pub(super) fn usage(line: impl Into<String>) -> Self {
         Self::Usage(vec![line.into()])
     }
@@ -38,7 +38,7 @@ impl Failure {
         }
     }
 
-    /// Tells it on the standard error.
+    /// Writes it to the standard error.
     pub(super) fn tell(&self) {
         match self {
             // Each line begins with the file, as those of compilers do.

@@ -42,7 +42,7 @@ pub(super) struct Input {
 }
 
 impl Input {
-    /// Reads a file, or the standard input, of at most this many bytes.
+    /// Reads a file, or the standard input, of at most `max_bytes` bytes.
     pub(super) fn read(path: &Path, max_bytes: u64) -> Result<Self, Failure> {
         let (name, bytes) = match path.to_str() {
             Some("-") => {
@@ -85,7 +85,7 @@ impl Input {
 /// What is wrong with a file of JSON, at its line.
 pub(super) fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     let line = error.line().max(1);
-    // The line and column are told at the end, too.
+    // The line and column also stand at the end.
     let told = error.to_string();
     let detail = told.split(" at line ").next().unwrap_or(&told);
     Failure::usage(format!("{name}:{line}: {detail}"))

@@ -7,9 +7,9 @@
 //! - `input`: what is read; the flags are in `config`;
 //! - `point_kind`: what is known of the points before the fit;
 //! - `options`: flags as fields of a job; `request`: the job that is posted;
-//! - `client`: the server; `events`: what it tells of the fit;
+//! - `client`: the server; `events`: its events of the fit;
 //! - `outputs`, `iterations`: the files; `progress`, `summary`, `table`: what is reported on the terminal;
-//! - `refusal`: what is wrong, at its flag or line (`pointer`); `failure`: the status at the end;
+//! - `refusal`: errors at their flag or line (`pointer`); `failure`: the exit status;
 //! - [`shells`]: completions and manual pages;
 //! - [`store`]: `piad store`, which is about the jobs of servers.
 
@@ -49,7 +49,7 @@ use crate::config::fit_arguments::FitArguments;
 use crate::signals;
 use crate::terminal::say;
 
-/// The status after an interrupt, as shells tell it.
+/// The exit status after an interrupt, as shells report it.
 const INTERRUPTED: u8 = 130;
 
 /// How long the cancelling of a job on another server may take.
@@ -85,12 +85,12 @@ pub fn fit(arguments: &FitArguments) -> ExitCode {
             }
         }
     });
-    // Work that nobody waits for any more ends with the process.
+    // Abandoned work ends with the process.
     runtime.shutdown_background();
     status.into()
 }
 
-/// Fits and writes; tells whether all fits have converged.
+/// Fits and writes; returns true if all fits have converged.
 async fn run(arguments: &FitArguments, current: &Current) -> Result<bool, Failure> {
     let rows = match &arguments.input[..] {
         [input] if !outputs::is_directory(arguments) => {

@@ -115,7 +115,7 @@ pub(super) struct Output {
     pub format: OutputFormat,
 }
 
-/// The outputs that are requested, if all of them can be written by what is known before the fit.
+/// The requested outputs, if all of them can be written as far as known before the fit.
 pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> {
     let given = given_format(arguments)?;
     let mut outputs = Vec::new();
@@ -281,7 +281,7 @@ fn formats(before: &str) -> String {
     format!("{before} json, {names}")
 }
 
-/// Checks that files can be where they are requested, and that no two are in one place.
+/// Checks that files can be written at the requested paths, and that no two share one.
 pub(super) fn check(outputs: &[Output]) -> Result<(), Failure> {
     let mut places = HashSet::new();
     for Output { place, .. } in outputs {
@@ -311,7 +311,7 @@ fn directory(path: &Path) -> &Path {
     }
 }
 
-/// Writes a body; tells how many bytes it has.
+/// Writes a body; returns its number of bytes.
 pub(super) async fn write(place: &Place, mut body: Body) -> Result<u64, Failure> {
     let failed = |reason: &io::Error| match (place, reason.kind()) {
         (Place::Standard, io::ErrorKind::BrokenPipe) => Failure::Closed,

@@ -1,4 +1,4 @@
-//! What is wrong with a request, told in the terms of the command line: flags, files and lines.
+//! Errors of a request in the terms of the command line: flags, files and lines.
 
 use axum::http::StatusCode;
 use serde::Deserialize;
@@ -42,7 +42,7 @@ impl Refusal {
         refusal
     }
 
-    /// Returns true if a file has several parts, or not the one that is requested.
+    /// Returns true if a file has several parts, or not the requested one.
     pub(super) fn wants_part(&self) -> bool {
         let is_part = |mistake: &Mistake| mistake.parameter.as_deref() == Some(PART);
         self.errors.iter().any(is_part)

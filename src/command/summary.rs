@@ -1,4 +1,4 @@
-//! What is told when a fit has ended.
+//! The summary of a fit that has ended.
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -26,7 +26,7 @@ impl Shape {
     }
 }
 
-/// Returns true if the number of control points is known only at the end.
+/// Returns true if the number of control points is known only after the fit.
 pub(super) fn is_automatic(job: &JobEvent) -> bool {
     job.method["control_points"] == "auto"
 }

@@ -18,7 +18,7 @@ use crate::terminal::say;
 /// How many characters an id has.
 const ID: usize = 8;
 
-/// Does what is requested; the status says whether it has succeeded.
+/// Runs the command; the exit status says whether it has succeeded.
 pub fn run(command: &TokenCommand) -> ExitCode {
     let done = match command {
         TokenCommand::Create {
@@ -40,7 +40,7 @@ pub fn run(command: &TokenCommand) -> ExitCode {
     }
 }
 
-/// Makes a token, which is told once.
+/// Makes a token, which is shown once.
 fn create(
     path: &Path,
     tenant: &str,

@@ -80,7 +80,7 @@ pub enum TokenCommand {
         /// The file, which is made if it is missing.
         #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
         tokens: PathBuf,
-        /// To whom the jobs belong that are made with it. A tenant knows of its own jobs alone.
+        /// The tenant that owns the jobs made with it. A tenant sees only its own jobs.
         #[arg(long, default_value = "default", value_name = "NAME")]
         tenant: String,
         /// What it is good for.

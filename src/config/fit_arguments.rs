@@ -10,7 +10,7 @@ use crate::model::named::Named;
 use crate::model::stream::Samples;
 use piad_files::export::{Style, Unit, Version};
 
-/// What is told below the flags.
+/// The help below the flags.
 const MORE: &str = "\
 Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, KML, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job or batch as POST /v1/jobs and /v1/batch take them. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then. Meshes with faces are surfaces to the vertices of their largest piece.
 
@@ -178,8 +178,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) iterations: Option<PathBuf>,
 
-    /// With --iterations: only each this many iterations, and the last [default: as few as it takes for at most 1000
-    /// files].
+    /// With --iterations: every n-th iteration, and the last [default: the least n for at most 1000 files].
     #[arg(long, value_name = "NUMBER", requires = "iterations", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: Option<u32>,
 
@@ -192,7 +191,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) shape: Option<PathBuf>,
 
-    /// Tell nothing but errors.
+    /// Print only errors.
     #[arg(short, long)]
     pub(crate) quiet: bool,
 

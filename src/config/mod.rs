@@ -136,9 +136,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_JOBS", default_value_t = 10_000)]
     pub max_jobs: usize,
 
-    /// Most jobs of one client address that have not ended; further ones are refused with 429.
-    /// Behind a proxy that is not trusted, which is one address: as many as --max-jobs
-    /// [default: half of what other addresses leave of --max-jobs].
+    /// Most jobs of one client address that have not ended; further ones are refused with 429. A proxy that is not
+    /// trusted is one address: set it to --max-jobs [default: half of what other addresses leave of --max-jobs].
     #[arg(long, env = "PIAD_MAX_JOBS_PER_PEER")]
     pub max_jobs_per_peer: Option<usize>,
 
@@ -147,8 +146,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_CONNECTIONS")]
     pub max_connections: Option<usize>,
 
-    /// Most connections of one client address. Behind a proxy that is not trusted, which is one address: as
-    /// many as --max-connections [default: half of --max-connections].
+    /// Most connections of one client address. A proxy that is not trusted is one address: set it to --max-connections
+    /// [default: half of --max-connections].
     #[arg(long, env = "PIAD_MAX_CONNECTIONS_PER_PEER")]
     pub max_connections_per_peer: Option<usize>,
 

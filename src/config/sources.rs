@@ -29,7 +29,7 @@ pub struct Sources {
 ///
 /// # Errors
 ///
-/// If there is anything wrong with them, or help was requested. Errors show no passwords.
+/// If there are errors in them, or help was requested. Errors show no passwords.
 pub fn parse(arguments: Vec<OsString>) -> Result<(Cli, Sources), Error> {
     read(arguments).map_err(without_secrets)
 }

@@ -134,8 +134,8 @@ fn ignored_password(url: &str) -> Option<&str> {
     keys.find(|key| *key != "password" && redact::has_secret(&format!("{key}=")))
 }
 
-/// Returns true for a URL with an error and for a connection string such as `host=db user=piad`. As the name of a
-/// directory it would be shown with its password.
+/// Returns true for a mistyped URL and for a connection string such as `host=db user=piad`. As the name of a directory
+/// it would be shown with its password.
 fn is_meant_for_database(text: &str) -> bool {
     const KEYS: [&str; 5] = ["host", "hostaddr", "user", "dbname", "service"];
     let lower = text.to_ascii_lowercase();

@@ -1,8 +1,7 @@
-//! Levels of an iteration from which it can continue again, so that a level far back is not computed from the start
-//! each time somebody asks for it.
+//! Saved levels of an iteration, so that reading a level far back does not restart from level 0 each time.
 //!
-//! They are evenly spaced, and as many as there is room for in the cache: when there are more, every second
-//! one is dropped. Taking one costs as much as a few levels.
+//! They are evenly spaced, and their number is limited by the cache: when there are more, every second one is dropped.
+//! Taking one costs as much as a few levels.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -45,7 +44,7 @@ impl Default for Kept {
 }
 
 impl Checkpoints {
-    /// Keeps the level that an iteration has reached, if it is one of those and there is room for this many bytes.
+    /// Keeps the level that an iteration has reached, if it is at the spacing and there is room for this many bytes.
     pub(super) fn pass(&self, iteration: &Iteration, bytes: usize, cache: &Arc<Cache>) {
         let level = iteration.level().iteration;
         if level == 0 || !level.is_multiple_of(NEAR) || iteration.outcome().is_some() {
@@ -80,7 +79,7 @@ impl Checkpoints {
         NEAR - level % NEAR
     }
 
-    /// Returns true if it is quicker to begin at a checkpoint than to continue from this level, to get to another one.
+    /// Returns true if the way from this level to another one is shorter from a checkpoint.
     pub(super) fn shorten(&self, from: usize, to: usize) -> bool {
         let kept = self.0.lock();
         let last = kept.levels.range(..=to).next_back();

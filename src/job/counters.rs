@@ -51,7 +51,7 @@ pub(crate) struct Counters {
     running: Gauge,
 }
 
-/// What is counted for each tenant. There are as many as tokens name.
+/// Counters of one tenant. Their number is bounded by the tenants of the tokens.
 #[derive(Clone, Debug, Default)]
 struct PerTenant {
     /// Jobs accepted.

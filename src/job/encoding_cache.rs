@@ -56,8 +56,7 @@ impl<T> Default for EncodingCache<T> {
 }
 
 impl<T: Kept> EncodingCache<T> {
-    /// The content in this form, which `encode` makes if nobody has before. It is kept while there is
-    /// room in the cache.
+    /// The content in this form, made by `encode` if it is not cached. It is kept while there is room in the cache.
     pub(crate) async fn get<F: Future<Output = Made<T>> + Send + 'static>(
         &self,
         form: &Arc<str>,

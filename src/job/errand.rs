@@ -31,7 +31,7 @@ struct Awaited<E> {
 }
 
 impl Scheduler {
-    /// Works on an errand for the current peer until it pauses. It is left as it is if nobody waits any more.
+    /// Works on an errand for the current peer until it pauses. An abandoned one is left as it is.
     pub(crate) async fn run_errand<E: Errand>(
         &self,
         lane: WorkLane,
@@ -64,7 +64,7 @@ impl<E: Errand> Work for Awaited<E> {
         }
     }
 
-    // Whoever waits notices the closed channel.
+    // The waiting task sees the closed channel.
     fn broken(&self) {
         self.done.lock().take();
     }

@@ -9,7 +9,7 @@
 //! | `bodies` | ½ | large ones while they arrive, which small ones do not wait for |
 //! | `reading` | ¼ | large ones while they are read, which wait for no client |
 //! | `files` | ¾ | files that are made as a whole, and searches for foot points |
-//! | `numbers` | ½ | what readers have that are told differences alone |
+//! | `numbers` | ½ | what readers of difference streams have |
 //! | `cache` | 2 | recent frames, their encoded forms, jobs that have just ended |
 //!
 //! All but the last two are [shares](Share): those who need memory wait for it. A [cache](Cache) only counts its
@@ -106,7 +106,7 @@ impl Cache {
         self.used.load(Ordering::Relaxed) > self.limit
     }
 
-    /// Returns true if nothing more should be kept that nobody has read yet.
+    /// Returns true if unread frames should no longer be kept.
     pub(super) fn is_half_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit / 2
     }

@@ -8,7 +8,7 @@
 //! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
 //! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`reader_budget`]: how long readers wait
 //!   for each other; [`peer`]: the client machine that a reader belongs to;
-//! - [`checkpoints`]: levels from which an iteration can continue again;
+//! - [`checkpoints`]: levels from which an iteration can continue;
 //! - [`memory`]: how the memory is divided; [`replay`]: runs for readers that have missed frames;
 //!   [`resources`]: what all jobs share;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work; [`errand`]: work that pauses;
@@ -16,7 +16,7 @@
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
 //! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
-//! - [`peer`]: for whom work is done; [`tenant`]: to whom jobs belong; [`quota`]: how many;
+//! - [`peer`]: the client that work is done for; [`tenant`]: the owner of jobs; [`quota`]: limits of their number;
 //! - [`store`]: where jobs are kept; [`probation`]: those that were running in a crash; [`recent`]: ended jobs that
 //!   are still in memory;
 //! - [`counters`]: the metrics of the server; [`trace`]: the spans of a job.
@@ -95,10 +95,10 @@ pub(crate) struct Job {
     outline: Outline,
     /// How many crashes of the process are counted for it.
     crashes: u32,
-    /// For whom it is computed; of no one after a restart.
+    /// The peer it is computed for; `None` after a restart.
     peer: Option<Peer>,
     status: watch::Sender<Status>,
-    /// Where it is kept. Of an ephemeral edit there is nothing once nobody reads it.
+    /// The store that keeps it. An ephemeral edit is gone once it is not read any more.
     store: Option<Arc<Store>>,
     system: Mutex<Weak<SharedSystem>>,
     result: OnceLock<Option<LastGeometry>>,
@@ -106,7 +106,7 @@ pub(crate) struct Job {
     cancel: Notify,
     /// Another replica runs it, or may.
     elsewhere: AtomicBool,
-    /// It was not stored, or nobody knows.
+    /// It was not stored, or that is unknown.
     abandoned: AtomicBool,
     /// The run whose end is the end of the job; gone once the job has ended.
     primary: Mutex<Weak<Run>>,
@@ -173,7 +173,7 @@ impl Job {
         Ok(Arc::clone(self.system().await?.problem()))
     }
 
-    /// The system of the problem, shared by all who need it; read from the store if nobody has it.
+    /// The system of the problem, shared by its users; read from the store if it is not in memory.
     pub(crate) async fn system(&self) -> Result<Arc<SharedSystem>, StoreError> {
         if let Some(system) = self.system.lock().upgrade() {
             return Ok(system);
@@ -261,7 +261,7 @@ impl Job {
         self.elsewhere.load(Ordering::Acquire)
     }
 
-    /// Returns true if the run of this replica, if it was stopped, does not tell how the job continues or has ended.
+    /// Returns true if the run of this replica was stopped and does not decide how the job continues or has ended.
     pub(crate) fn goes_on_without_its_run(&self) -> bool {
         self.is_elsewhere() || self.status().state.is_final()
     }
@@ -298,7 +298,7 @@ impl Job {
         }
     }
 
-    /// Stops a job that was not stored, or may not have been: nobody is told of its end.
+    /// Stops a job that was not stored, or may not have been; its end is not published.
     fn abandon(&self) {
         self.cancel_requested.store(true, Ordering::Release);
         self.abandoned.store(true, Ordering::Release);

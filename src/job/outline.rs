@@ -20,7 +20,7 @@ use piad_fit::method::Method;
 pub(crate) struct Outline {
     /// The id; ids grow with time.
     pub(crate) id: Uuid,
-    /// To whom it belongs.
+    /// The tenant that owns it.
     pub(crate) tenant: Tenant,
     /// Name, parent and stream defaults, as the client gave them.
     pub(crate) label: Label,
@@ -74,7 +74,7 @@ pub(crate) struct Parent {
 }
 
 impl Outline {
-    /// The outline of a new job that a peer has requested.
+    /// The outline of a new job of a peer.
     pub(crate) fn new(label: Label, problem: &Problem, peer: Option<Peer>) -> Self {
         let adjusted = || {
             let all = problem.grid().count();

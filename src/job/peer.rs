@@ -17,7 +17,7 @@ task_local! {
     static CURRENT: Option<Peer>;
 }
 
-/// For whom work is done.
+/// The client that work is done for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Peer {
     /// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
@@ -57,12 +57,12 @@ impl Peer {
         }
     }
 
-    /// The tenant to whom belongs what is made for a peer.
+    /// The tenant that owns what is made for a peer.
     pub(crate) fn owner(peer: Option<Self>) -> Tenant {
         peer.and_then(Self::tenant).unwrap_or(Tenant::DEFAULT)
     }
 
-    /// The peer for whom the current task works.
+    /// The peer of the current task.
     pub(crate) fn current() -> Option<Self> {
         CURRENT.try_with(|peer| *peer).ok().flatten()
     }

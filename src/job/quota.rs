@@ -65,7 +65,7 @@ impl Quota {
         self.jobs.is_some() || self.points.is_some() || self.bytes.is_some()
     }
 
-    /// Returns true if a tenant who has so much may have a new job.
+    /// Refuses a new job that would exceed the quota of a tenant with this usage.
     pub(crate) fn admit(&self, tenant: Tenant, has: Amount, new: Amount) -> Result<(), Exceeded> {
         let with = has + new;
         let bytes = self.bytes.map(|it| it.as_u64());

@@ -13,7 +13,7 @@ use super::memory::{Cache, Charge};
 use super::run::{Run, SharedSystem};
 use piad_fit::engine::System;
 
-/// The last jobs to end, up to this many bytes.
+/// The last jobs to end, up to a number of bytes.
 #[derive(Debug)]
 pub(super) struct Recent {
     limit: usize,

@@ -11,7 +11,7 @@ use super::memory::{Permit, Share};
 use super::peer::Peer;
 use super::run::Run;
 
-/// A run from which nobody has read for this long gives its memory to those who wait.
+/// A run that has not been read for this long gives its memory to waiting runs.
 const IDLE: Duration = Duration::from_millis(500);
 
 /// A run that has served its readers for this long gives way, too; its readers then queue for memory

@@ -77,7 +77,7 @@ impl WorkLane {
         }
     }
 
-    /// The lane of reading a request or encoding an answer, which takes this many operations.
+    /// The lane of reading a request or encoding an answer with this many operations.
     pub(crate) fn of_wire(operations: usize) -> Self {
         match Self::of(operations) {
             Self::Quick => Self::Quick,
@@ -110,7 +110,7 @@ impl WorkLane {
     }
 }
 
-/// Whether work needs another turn.
+/// The need of work for another turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Turn {
     /// Queue it again on this lane, behind the others.
@@ -177,7 +177,7 @@ struct QueueState {
 
 /// Work that waits.
 struct Task {
-    /// For whom it is done.
+    /// The peer it is done for.
     peer: Option<Peer>,
     /// The multiplications of work on the long lane.
     multiplications: usize,
@@ -239,7 +239,7 @@ impl Scheduler {
         self.0.push(lane, peer, work);
     }
 
-    /// Computes a value for the current peer in the pool, off the threads that serve the network. It is given up if it
+    /// Computes a value for the current peer in the pool, off the threads that serve the network. It is dropped if it
     /// is abandoned.
     pub(crate) async fn compute<T: Send + 'static>(
         &self,

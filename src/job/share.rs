@@ -1,16 +1,14 @@
 //! A part of the memory, which is divided among those who need some.
 //!
-//! Whoever needs memory waits for it in the queue of its peer, and the peers take turns. A peer gets at most
-//! half of what the others leave, or a single piece of any size. So there is room for somebody who comes
-//! later, however much the first one asks for.
+//! A task that needs memory waits in the queue of its peer, and the peers take turns. A peer gets at most half of what
+//! the others leave, or a single piece of any size. So there is room for later peers, whatever the first one requests.
 //!
-//! A piece that takes more than is free lets smaller ones of other peers pass. When it has waited for long,
-//! only peers that have next to nothing pass any more, so that it gets its room; if it takes nearly all of
-//! the share, nobody does.
+//! A piece that takes more than is free lets smaller ones of other peers pass. When it has waited for long, only peers
+//! that have next to nothing pass, so that it gets its room; if it takes nearly all of the share, none passes.
 //!
-//! What grows holds memory while it waits for more. So that no two such pieces wait for each other, the first of
-//! them gets what it waits for at once, whoever has how much, and whatever it asks for from then on; the next one
-//! when that one has given everything back. So a share can be exceeded by one piece that grows.
+//! A growing piece holds memory while it waits for more. To prevent deadlocks between such pieces, the first of them is
+//! favoured: it gets all that it requests from then on at once; the next one when the first has given everything back.
+//! So a share can be exceeded by one growing piece.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -63,14 +61,14 @@ struct Waiter {
     granted: oneshot::Sender<Permit>,
 }
 
-/// The request.
+/// A request for memory.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     peer: Option<Peer>,
     pages: u32,
     /// Pages that are held already, which belong to the same piece.
     held: u32,
-    /// It gets what it asks for, whoever has how much.
+    /// It gets all that it requests, whatever others have.
     favoured: bool,
 }
 
@@ -137,12 +135,12 @@ impl Share {
         self.try_take(self.piece(peer, bytes))
     }
 
-    /// Waits until a peer gets this many bytes. There is always a permit at the end.
+    /// Waits until a peer gets this many bytes.
     pub(crate) async fn take(&self, peer: Option<Peer>, bytes: usize) -> Option<Permit> {
         self.wait(self.piece(peer, bytes)).await
     }
 
-    /// Waits until a permit is for this many bytes more, or for all of the share.
+    /// Waits until a permit has this many more bytes, or all of the share.
     pub(crate) async fn extend(&self, permit: &mut Permit, bytes: usize) {
         let more = self.piece(permit.peer, bytes);
         let piece = Piece {
@@ -201,7 +199,7 @@ fn grant(share: &Arc<Mutex<ShareState>>) {
         let Some(Waiter { piece, granted, .. }) = next else {
             return;
         };
-        // Whoever does not wait any more gives it back.
+        // A task that does not wait any more gives it back.
         let _ = granted.send(permit(share, piece));
     }
 }
@@ -406,7 +404,7 @@ mod tests {
             assert!(one.now_or_never().is_some(), "it came first");
             assert!(other.now_or_never().is_none());
         }
-        // Whatever it asks for, as often as it does, and nobody else.
+        // Only for the favoured piece, however often it requests more.
         assert!(share.extend(first, PAGE).now_or_never().is_some());
         assert_eq!(share.used(), (57 + 16 + 16) * PAGE);
         let mut one = Box::pin(share.extend(second, 30 * PAGE));
@@ -468,7 +466,7 @@ mod tests {
         let passes = |last, pages| state().usage.admits(piece(last, pages), overdue);
         assert!(passes(3, 2) && !passes(3, 3) && !passes(1, 1));
         assert!(passes(2, 34), "it does not wait for itself");
-        // What is more than the part of its peer keeps nobody waiting.
+        // A piece beyond the part of its peer does not block others.
         drop(large);
         let mut own = Box::pin(share.take(peer(1), 10 * PAGE));
         assert!(own.as_mut().now_or_never().is_none());

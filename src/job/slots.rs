@@ -44,7 +44,7 @@ pub(crate) struct Slot {
 pub enum NoSlot {
     /// All slots are taken; this is their number.
     All(usize),
-    /// The peer has taken as many as it may have now; this is that number.
+    /// The peer has reached its limit, which is this number.
     PerPeer(usize),
 }
 

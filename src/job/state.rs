@@ -24,7 +24,7 @@ pub(crate) enum State {
     Stalled,
     /// Ended because of an error.
     Failed,
-    /// Ended because a client requested it.
+    /// Ended because a client cancelled it.
     Cancelled,
 }
 

@@ -14,7 +14,7 @@ use crate::telemetry::request::RequestTrace;
 /// How many slices of a job have spans, and how many encodings: endless jobs have endlessly many.
 const MOST: usize = 32;
 
-/// The span of a job, shared by all who work on it. It ends with the job, whoever still holds this.
+/// The span of a job, shared by all tasks that work on it. It ends with the job, whatever still holds this.
 #[derive(Debug)]
 pub(crate) struct JobTrace {
     span: Mutex<Span>,
@@ -105,7 +105,7 @@ impl JobTrace {
         }
     }
 
-    /// Encoding this many numbers off the network threads, for this request if the job has ended.
+    /// The encoding of this many numbers off the network threads, for this request if the job has ended.
     pub(crate) fn encode(&self, numbers: usize) -> Span {
         let encode = |parent: &Span| debug_span!(target: TARGET, parent: parent, "encode", piad.numbers = integer(numbers));
         let job = self.span.lock().clone();

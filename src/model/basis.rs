@@ -1,4 +1,4 @@
-//! Bases, knots and parameters as requested.
+//! Requested bases, knots and parameters.
 
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
@@ -11,7 +11,7 @@ use piad_fit::basis::{BasisChoice, Knots, MAX_DEGREE, Polynomial};
 use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::parameters::Parametrization;
 
-/// The degree of a B-spline if nobody says it.
+/// The default degree of a B-spline.
 pub(crate) const DEFAULT_DEGREE: usize = 3;
 
 /// A kind of basis.
@@ -35,7 +35,7 @@ names!(BasisKind, "kind of basis", [
 ]);
 
 rules!(
-    /// The knots of a B-spline as requested.
+    /// The requested knots of a B-spline.
     KnotsInput(Knots), "rule for knots", [
     "data" => Data,
     "averaged" => Averaged,
@@ -44,7 +44,7 @@ rules!(
 ]);
 
 rules!(
-    /// The parameters of data points as requested.
+    /// The requested parameters of data points.
     ParametersInput(Parametrization), "rule for parameters", [
     "chord_length" => ChordLength,
     "centripetal" => Centripetal,

@@ -1,4 +1,4 @@
-//! The corners of a curve, and the creases of a surface, as requested.
+//! The requested corners of a curve, and creases of a surface.
 
 use std::fmt;
 

@@ -1,4 +1,4 @@
-//! An edit as requested, and its way from the parent's problem to a new one.
+//! A requested edit, and its way from the parent's problem to a new one.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -311,7 +311,7 @@ fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
     Ok(Arc::new(Points::from_lanes(lanes)))
 }
 
-/// Where a fit that chooses its knots continues from: the knots of its parent.
+/// The initial knots of a fit that chooses its knots: those of its parent.
 fn start_breaks(
     parent: &ParentFit<'_>,
     request: &Request,

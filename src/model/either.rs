@@ -25,7 +25,7 @@ pub(crate) fn below<E: Error>(pointer: &str, error: impl fmt::Display) -> E {
     E::custom(format_args!("{MARK}{pointer}{MARK}{error}"))
 }
 
-/// A JSON pointer (RFC 6901) to a place as serde_path_to_error tells it.
+/// A JSON pointer (RFC 6901) to a location of serde_path_to_error.
 pub(crate) fn pointer(path: &serde_path_to_error::Path) -> String {
     use serde_path_to_error::Segment;
     let step = |segment: &Segment| match segment {
@@ -218,7 +218,7 @@ pub(crate) struct Kept<'de, A> {
     map: A,
 }
 
-/// The most fields before the `kind` of an object; none has so many.
+/// The most fields before the `kind` of an object; no valid object has more.
 const MOST_BEFORE: usize = 100;
 
 impl<'de, A: MapAccess<'de>> Kept<'de, A> {
@@ -333,7 +333,7 @@ pub(crate) fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>
     deserializer.deserialize_any(NumberVisitor(word, expected, PhantomData))
 }
 
-/// A list of at most this many elements, which is longer in no request that could be right.
+/// A list of at most `MOST` elements, which no valid request exceeds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct AtMost<T, const MOST: usize>(pub Vec<T>);

@@ -1,4 +1,4 @@
-//! A job as requested, and its way to a fitting problem.
+//! A requested job, and its way to a fitting problem.
 
 use std::sync::Arc;
 
@@ -122,7 +122,7 @@ impl JobRequest {
         }
     }
 
-    /// The problem that is requested, with at most this many points and iterations.
+    /// The requested problem, with at most this many points and iterations.
     fn problem(
         self,
         most_points: usize,
@@ -180,9 +180,8 @@ impl JobRequest {
     }
 }
 
-/// Returns true if only least squares with as few control points as the tolerance needs fits what is requested: the
-/// edges of a polyline, sections, meshes, and scattered points and grids with missing points for which there is a
-/// tolerance.
+/// Returns true if only least squares with as few control points as the tolerance needs fits the request: the edges of
+/// a polyline, sections, meshes, and scattered points and grids with missing points for which there is a tolerance.
 fn has_one_method(request: &Request, tolerance: Option<Tolerance>) -> bool {
     let scattered = request.scattered.as_ref();
     let is_one_kind =

@@ -78,7 +78,7 @@ pub(super) fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<
     read(deserializer, most_numbers(current(), 1))
 }
 
-/// Reads a list of at most this many elements.
+/// Reads a list of at most `MOST` elements.
 fn read<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
     most: usize,

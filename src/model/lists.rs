@@ -49,7 +49,7 @@ impl Lists {
         Ok(lists)
     }
 
-    /// Notes that a list of a level has ended, which has this many entries.
+    /// Notes the end of a list of a level, with its number of entries.
     fn end<E: Error>(&mut self, level: usize, length: usize, before: usize) -> Result<(), E> {
         let has_numbers = self.values.len() == before + length;
         if self.lengths.is_empty() && has_numbers && (length > 0 || level == 0) {

@@ -8,7 +8,7 @@ use std::fmt;
 use super::stream::Choice;
 use piad_fit::invalid as fit;
 
-/// The most errors that are told at once.
+/// The most errors that are reported at once.
 pub(crate) const MOST_MISTAKES: usize = 16;
 
 /// A part of a job or an edit.
@@ -84,7 +84,7 @@ impl Mistake {
         }
     }
 
-    /// An error at a place that only the language of the request has.
+    /// An error at a location that only the encoding of the request has.
     pub fn at_text(text: impl Into<String>, detail: impl Into<String>) -> Self {
         Self {
             site: Site::Text(text.into()),
@@ -96,24 +96,24 @@ impl Mistake {
 /// What was read of a part of a request, or all that is wrong with it.
 pub(crate) type OrMistakes<T> = Result<T, Mistakes>;
 
-/// All errors that were found, as far as one does not follow from another.
+/// The independent errors that were found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mistakes(Vec<Mistake>);
 
 impl Mistakes {
-    /// One error more.
+    /// Adds an error.
     pub fn push(&mut self, mistake: Mistake) {
         self.0.push(mistake);
     }
 
-    /// Adds to the last one, where no more are told.
+    /// Adds to the last one, after which no more are reported.
     pub fn more(&mut self, detail: &str) {
         if let Some(last) = self.0.last_mut() {
             last.detail = format!("{}; {detail}", last.detail);
         }
     }
 
-    /// The value, or its errors more.
+    /// The value; its errors are added.
     pub fn keep<T>(&mut self, read: Result<T, impl Into<Self>>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
@@ -129,7 +129,7 @@ impl Mistakes {
         self.0.is_empty()
     }
 
-    /// Returns true if there are as many as are told.
+    /// Returns true if no more are reported.
     pub fn full(&self) -> bool {
         self.0.len() >= MOST_MISTAKES
     }

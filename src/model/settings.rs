@@ -48,7 +48,7 @@ impl Thresholds {
         })
     }
 
-    /// As they would be requested.
+    /// Thresholds in the form of a request.
     pub(super) fn of(threshold: &Threshold, grid: Grid, surface: bool) -> Self {
         match threshold {
             Threshold::All(threshold) => Self::All(*threshold),
@@ -83,7 +83,7 @@ pub(crate) enum Index {
 const _: () = assert!(size_of::<Index>() == 8);
 
 impl Index {
-    /// The index of a point in rows of this many `columns`, or without rows.
+    /// The index of a point in rows of `columns` points, or without rows.
     pub(crate) fn new(index: usize, columns: Option<usize>) -> Self {
         match columns {
             None => Self::Single(clamped(index)),

@@ -1,4 +1,4 @@
-//! A curve as requested, and what curves and surfaces have in common.
+//! A requested curve, and what curves and surfaces have in common.
 
 use std::sync::Arc;
 
@@ -112,7 +112,7 @@ pub(super) struct DirectionInput {
 }
 
 impl DirectionInput {
-    /// The direction with all that is usual where nothing is said, but for weights.
+    /// The direction with defaults filled in, but for weights.
     pub(super) fn choice(
         self,
         axis: Axis,
@@ -175,7 +175,7 @@ pub(super) fn problem(
 }
 
 impl CurveInput {
-    /// The problem of fitting it, also if there are errors beside the points.
+    /// The problem of fitting it, also if there are errors outside the points.
     pub(super) fn request(
         self,
         rational: Option<Rational>,

@@ -1,4 +1,4 @@
-//! A surface as requested.
+//! A requested surface.
 
 use std::sync::Arc;
 
@@ -164,7 +164,7 @@ impl SurfaceInput {
         points.or(scattered)
     }
 
-    /// The same with sections as scattered points, and with what is usual of them.
+    /// The same with sections as scattered points, and with their defaults.
     fn with_sections_scattered(mut self) -> Result<Self, Mistake> {
         let wrong = |detail| Err(Mistake::at_text("/surface/sections", detail));
         if let Some(SectionList { points, counts }) = self.sections.take() {
@@ -201,7 +201,7 @@ impl SurfaceInput {
         }
     }
 
-    /// The problem of fitting it, also if there are errors beside the points; foot points get their parameters later.
+    /// The problem of fitting it, also if there are errors outside the points; foot points get their parameters later.
     pub(super) fn request(
         self,
         rational: Option<Rational>,

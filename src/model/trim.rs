@@ -1,4 +1,4 @@
-//! How a surface is trimmed, as requested.
+//! The requested trimming of a surface.
 
 use std::fmt;
 

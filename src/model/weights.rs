@@ -1,4 +1,4 @@
-//! Weights as requested: of the data points, or fixed ones.
+//! Requested weights: of the data points, or fixed ones.
 
 use schemars::JsonSchema;
 

@@ -35,7 +35,7 @@ const RATIONALS: [(Rational, pb::Rational); 2] = [
     (Rational::Fixed, pb::Rational::Fixed),
 ];
 
-/// The job that a message asks for, with at most this many points.
+/// The job of a message, with at most this many points.
 pub(crate) fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<JobRequest> {
     let mut mistakes = Mistakes::default();
     let mut request = JobRequest {

@@ -181,7 +181,7 @@ fn points(vectors: &[m::Vector]) -> Option<Points> {
 
 /// The settings, without lists.
 pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares {
-    // Zero: as many as there are data points.
+    // Zero means the number of data points.
     let number = |most| {
         if most == AS_MANY_AS_DATA {
             0

@@ -39,7 +39,7 @@ pub(crate) fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
     (!list.is_empty()).then_some(list)
 }
 
-/// The value of an enumeration; values that are not known are errors of this field.
+/// The value of an enumeration; unknown values are errors of this field.
 pub(crate) fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
     E::try_from(value).map_err(|_| {
         let detail = format!("{value} is no value of this enumeration");

@@ -78,7 +78,7 @@ impl Doors {
         }
     }
 
-    /// Serves a connection; one of a trusted proxy may tell first whose it is.
+    /// Serves a connection; a trusted proxy may first send the address of its client.
     async fn take_in(self: Arc<Self>, mut incoming: Incoming) {
         let _open = self.counters.open_connection();
         let proxy = Peer::at(incoming.address);

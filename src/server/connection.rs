@@ -20,7 +20,7 @@ use crate::job::peer::Peer;
 #[derive(Clone, Copy)]
 pub(super) struct Caller {
     pub(super) peer: Peer,
-    /// It is a trusted proxy, whose requests tell whose they are.
+    /// It is a trusted proxy, whose requests name their clients.
     is_proxy: bool,
     /// It is beyond the limits.
     pub(super) crowded: Option<Crowded>,

@@ -1,7 +1,7 @@
 //! HTTP on a connection, in the version that the client speaks.
 //!
-//! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So one on which
-//! nothing is requested some time is taken back from hyper, which gets it again with the next request.
+//! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So an idle
+//! connection is taken back from hyper, which gets it again with the next request.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ const STREAMS: u32 = 100;
 const STREAM_WINDOW: u32 = 64 << 10;
 const CONNECTION_WINDOW: u32 = 256 << 10;
 
-/// Serves a connection until it ends, is told to stop, or does nothing for too long.
+/// Serves a connection until it ends, is stopped, or is idle for too long.
 pub(super) async fn serve(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
     let served = converse(stream, caller, doors, times);
     Peer::scope(Some(caller.peer), served).await;
@@ -70,7 +70,7 @@ async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Time
             _ = watch.end() => None,
         };
         match begins {
-            // Whoever does not take the end of the connection gets none.
+            // A client that does not read the end of the connection gets none.
             None => return drop(timeout(LINGER, io.shutdown()).await),
             Some(true) => {
                 let streams = Streams {
@@ -132,7 +132,7 @@ impl Watch {
         }
     }
 
-    /// Serves requests until the connection ends, or nothing is requested some time.
+    /// Serves requests until the connection ends, or is idle for some time.
     async fn serve<C>(&mut self, mut connection: Pin<&mut C>) -> Served
     where
         C: GracefulConnection<Error = hyper::Error>,

@@ -20,7 +20,7 @@ pub(super) struct Doors {
     /// How long connections may do nothing.
     pub(super) times: Times,
     pub(super) connections: Connections,
-    /// Proxies that tell the addresses of their clients.
+    /// Proxies that report the addresses of their clients.
     pub(super) proxies: Vec<IpNet>,
     /// What connections from the network are encrypted with.
     pub(super) tls: Option<Arc<Tls>>,

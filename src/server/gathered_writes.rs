@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Writes this many bytes and flushes, as often as there are numbers; gives the writes that were passed on.
+    /// Writes and flushes these numbers of bytes; returns the writes that were passed on.
     fn passed_on(writes: &[usize]) -> Vec<usize> {
         let mut stream = GatheredWrites::new(Calls::default());
         let mut context = Context::from_waker(Waker::noop());

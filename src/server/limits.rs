@@ -22,7 +22,7 @@ const BEYOND: usize = 32;
 /// File descriptors for everything but connections: files, listeners, the runtime.
 const OTHERS: usize = 32;
 
-/// The assumed number of file descriptors if the system does not tell.
+/// The assumed number of file descriptors if the system does not report it.
 const USUAL_DESCRIPTORS: usize = 1024;
 
 /// How many connections there may be.

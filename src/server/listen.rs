@@ -16,7 +16,7 @@ impl Listen {
     ///
     /// # Errors
     ///
-    /// If nobody can listen there.
+    /// If the address cannot be bound.
     pub async fn bind(&self) -> io::Result<Vec<Listener>> {
         match self {
             Self::Tcp(host) => host.bind().await,

@@ -147,7 +147,7 @@ mod unix_socket {
         }
     }
 
-    /// Returns true if this is a socket at which nobody listens.
+    /// Returns true if this is a socket without a listener.
     fn is_left(path: &Path) -> bool {
         let is_socket = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_socket());
         is_socket

@@ -55,7 +55,7 @@ use limits::{ConnectionLimits, Connections};
 use listener::Listener;
 use tls::Tls;
 
-/// How long a server waits for the one before it to let go of the data directory: its last reads may continue for a
+/// How long a server waits for its predecessor to release the data directory, whose last reads may continue for a
 /// moment after it has stopped.
 const HANDOVER: Duration = Duration::from_secs(3);
 

@@ -1,9 +1,9 @@
-//! Clients behind proxies that are trusted: their addresses, as the proxy tells them.
+//! Clients behind trusted proxies: their addresses, as the proxy reports them.
 //!
-//! A proxy tells the address of a connection in a header of the [PROXY protocol] before its first byte, in
-//! version 1 or 2, or that of each request in `Forwarded` (RFC 7239) or `X-Forwarded-For`; after such a header of the
-//! connection the others are those of the client, and are not believed. Nobody else is believed: a client that could
-//! choose its address would have no limits. Clients that a proxy does not name share limits of their own.
+//! A proxy reports the address of a connection in a header of the [PROXY protocol] before its first byte, in version 1
+//! or 2, or that of each request in `Forwarded` (RFC 7239) or `X-Forwarded-For`; after a PROXY header the others come
+//! from the client, and are ignored. Headers from any other peer are ignored: a client that could choose its address
+//! would have no limits. Clients that a proxy does not name share limits of their own.
 //!
 //! [PROXY protocol]: https://www.haproxy.org/download/3.0/doc/proxy-protocol.txt
 

@@ -13,8 +13,8 @@ use super::stream_timeout;
 use crate::job::peer::Peer;
 use crate::job::slots::Slot;
 
-/// The most bytes that an HTTP/2 stream is given at once: those of a frame. A client is stalled that does not take this
-/// many within the time limit.
+/// The most bytes that an HTTP/2 stream is given at once: those of a frame. A client that does not read this many
+/// within the time limit is stalled.
 const PIECE: usize = 16 * 1024;
 
 /// The request of an answer.

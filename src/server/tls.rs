@@ -68,14 +68,14 @@ impl Reload for Tls {
         }
         let loaded = Loaded::from(&self.files);
         let mut current = self.loaded.lock();
-        // What is wrong with files is told once.
+        // Errors of files are reported once.
         current.seen = seen;
         *current = loaded?;
         Ok(true)
     }
 }
 
-/// Tells a client that this is no place for plain HTTP.
+/// Answers plain HTTP on a TLS port with an error.
 async fn refuse_plain(mut stream: Stream, first: [u8; 1]) -> io::Error {
     if first[0].is_ascii_uppercase() {
         let body = "This server speaks HTTPS: its address begins with https://\n";

@@ -1,7 +1,7 @@
 //! Traces of requests and jobs, for a collector that speaks OTLP (OpenTelemetry) over gRPC.
 //!
 //! - [`endpoint`]: where the collector is; `exports`: how many spans it has got;
-//! - `request`: the span of a request, and what clients are told about it; those of jobs are in `job::trace`.
+//! - `request`: the span of a request, and its ids for clients; those of jobs are in `job::trace`.
 //!
 //! Spans are those of `tracing` with the target `TARGET`, which the log never shows. Each is made with its
 //! parent, as work moves between tasks and threads. Without a collector they are disabled, which costs a
@@ -97,7 +97,7 @@ impl Telemetry {
     /// Exports what is left, within two seconds and the grace period. Must be called outside of any runtime, as
     /// it blocks the thread.
     pub fn stop(self, grace: Duration) {
-        // Whether it has worked is seen at the collector; there is nobody left to tell.
+        // Success is visible at the collector; the log has ended.
         let _ = self.provider.shutdown_with_timeout(grace.min(LAST_EXPORT));
         self.runtime.shutdown_background();
     }
@@ -110,7 +110,7 @@ impl Telemetry {
 ///
 /// # Errors
 ///
-/// If spans cannot be told from the rest.
+/// If spans cannot be set up.
 pub fn start_log(
     log: Box<dyn Layer<Registry> + Send + Sync>,
     filter: EnvFilter,

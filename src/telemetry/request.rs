@@ -1,5 +1,5 @@
-//! The span of a request: its parent is what `traceparent` names (W3C Trace Context), and the client is told its
-//! ids. It is a task-local variable of the task that answers the request.
+//! The span of a request: its parent is what `traceparent` names (W3C Trace Context), and its ids are returned to the
+//! client. It is a task-local variable of the task that answers the request.
 
 use std::collections::HashMap;
 
@@ -35,7 +35,7 @@ pub(crate) struct RequestTrace {
     context: SpanContext,
 }
 
-/// What the metrics tell about one request among those of a bucket.
+/// A request among those of a bucket of the metrics.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub(crate) struct Exemplar {
     trace_id: String,
@@ -76,7 +76,7 @@ impl RequestTrace {
         CURRENT.scope(self, future)
     }
 
-    /// Notes how the request was answered, and tells the client.
+    /// Notes how the request was answered, and adds the trace ids to the answer.
     pub(crate) fn answer(&self, response: &mut Response) {
         let status = response.status();
         self.span

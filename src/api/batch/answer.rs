@@ -129,7 +129,7 @@ pub(super) fn quiet(framing: Framing) -> Bytes {
     }
 }
 
-/// The last line; what has ended a batch early is told by the status of a call.
+/// The last line; the status of a call reports why a batch ended early.
 pub(super) fn last(settings: &Settings, end: &Result<BatchTotals, Problem>) -> Bytes {
     let (name, data) = match (end, settings.framing) {
         (Ok(totals), Framing::Protobuf) => {

@@ -70,7 +70,7 @@ pub(in crate::api) struct Batch {
     _place: BatchPlace,
 }
 
-/// Ends what is computed for a batch when nobody drives it any more.
+/// Cancels the computation of a batch when it is dropped.
 struct CancelledAtEnd(Arc<Settings>);
 
 impl Drop for CancelledAtEnd {

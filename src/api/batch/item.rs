@@ -1,4 +1,4 @@
-//! An item of a batch: a job, read and checked like a job of its own, whose errors are at their places in the batch.
+//! An item of a batch: a job, read and checked like any job, with errors located in the batch.
 
 use bytes::Bytes;
 use serde::Deserialize;

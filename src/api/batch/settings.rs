@@ -111,7 +111,7 @@ pub(in crate::api) struct Settings {
     /// The id of the request, which problems have.
     request_id: Option<String>,
     trace_id: Option<String>,
-    /// Nobody waits for the batch any more.
+    /// The batch was abandoned.
     pub(super) cancelled: Arc<AtomicBool>,
 }
 
@@ -189,7 +189,7 @@ impl Settings {
         body
     }
 
-    /// Returns true if the batch is abandoned.
+    /// Returns true if the batch was abandoned.
     pub(super) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Acquire)
     }

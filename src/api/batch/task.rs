@@ -1,7 +1,7 @@
 //! A group of items from its turn to its end: what it waits for, and the memory that it takes.
 //!
-//! Whoever holds memory computes, and waits neither for another item nor for a client: a group gives its memory back
-//! before it waits for its lines to be sent. So items that wait for memory get it, in whatever order.
+//! A group that holds memory computes, and waits neither for another item nor for a client: it gives its memory back
+//! before it waits for its lines to be sent. So items that wait for memory get it, in any order.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -53,7 +53,7 @@ impl Running {
         self.lines.recv().await
     }
 
-    /// After its end: how long an item has taken on average; `None` if it broke off.
+    /// After its end: how long an item has taken on average; `None` if the batch was cut short.
     pub(super) async fn pace(mut self) -> Option<Duration> {
         let busy = (&mut self.task).await.ok()?;
         Some(busy / u32::try_from(self.items).unwrap_or(u32::MAX).max(1))
@@ -133,7 +133,7 @@ impl Task {
     }
 }
 
-/// Waits for what it takes to read this many bytes of items, with this much memory beside them.
+/// Waits for the memory to read this many bytes of items, with `more` memory beside them.
 async fn take_for_reading(app: &App, (bytes, more): (usize, usize)) -> Reading {
     let memory = &app.jobs.resources().memory;
     let is_large = bytes > 2 * SMALL;

@@ -1,5 +1,5 @@
-//! `FitBatch`: the call whose messages are read and written here as they arrive, and not by the gRPC library, which
-//! would keep whole messages that nobody counts.
+//! `FitBatch`: a call whose messages are read and written here as they arrive. The gRPC library would buffer whole
+//! messages outside the memory accounting.
 
 use std::sync::Arc;
 

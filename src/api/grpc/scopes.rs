@@ -6,7 +6,7 @@ use crate::api::needs::Needs;
 /// The path before the name of a call.
 const SERVICE: &str = "/piad.v1.FittingService/";
 
-/// What a call needs by its path. Health and reflection tell nobody's secrets.
+/// The scopes that a call needs, by its path. Health and reflection reveal no secrets.
 pub(in crate::api) fn needs(path: &str) -> Needs {
     let Some(call) = path.strip_prefix(SERVICE) else {
         return Needs::Nothing;

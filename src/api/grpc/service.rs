@@ -151,7 +151,7 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
     }
 }
 
-/// The form in which a single level is requested.
+/// The form of a single requested level.
 fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Problem> {
     let options = pb::StreamOptions {
         view,

@@ -23,12 +23,12 @@ pub(crate) struct Asset {
     hash: &'static str,
     /// Its bytes, compressed: the program would be two megabytes larger with the others.
     gzip: &'static [u8],
-    /// Its bytes, once somebody has requested them who does not unpack.
+    /// Its uncompressed bytes, once a client has needed them.
     plain: OnceLock<Bytes>,
 }
 
 impl Asset {
-    /// A file that nobody has requested yet.
+    /// A file that has not been requested yet.
     pub(crate) const fn new(name: &'static str, hash: &'static str, gzip: &'static [u8]) -> Self {
         let plain = OnceLock::new();
         Self {

@@ -34,11 +34,11 @@ pub(super) struct Guard {
     pub(super) access: Access,
     pub(super) methods: Arc<Methods>,
     pub(super) counters: Counters,
-    /// Requests of nobody knows whom.
+    /// Requests without a known tenant.
     pub(super) strangers: Arc<Mutex<LogThrottle>>,
 }
 
-/// How often the log tells of strangers at most: whoever asks without end must not fill it.
+/// The shortest time between log lines about unauthenticated requests, so that these do not flood the log.
 pub(super) const TELLING: Duration = Duration::from_secs(1);
 
 /// Answers a request for the tenant of its token, or says why not.
@@ -95,7 +95,7 @@ impl Guard {
         found.map_or(Needs::Nothing, |(_, needs)| *needs)
     }
 
-    /// Turns a request away, which is counted and logged. Neither tells a token.
+    /// Denies a request, counts it and logs it. Neither reveals a token.
     fn deny(&self, denial: &Denial, route: &str, request: &Request) -> Response {
         let (reason, method) = (denial.name(), request.method());
         self.counters.count_denial(reason);

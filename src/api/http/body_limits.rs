@@ -101,7 +101,7 @@ pub(crate) async fn take_in(
 struct Intake<'a> {
     app: &'a App,
     limit: usize,
-    /// How many bytes there will be by the Content-Length; the largest number if nobody knows.
+    /// The number of bytes by the Content-Length; the largest number if it is unknown.
     announced: usize,
     begun: Instant,
     /// The number of bytes that have come.
@@ -133,7 +133,7 @@ impl Intake<'_> {
         while let Some(mut data) = self.receive(&mut body).await? {
             let mut more = !data.is_empty();
             while more {
-                // One byte too many tells that there are too many.
+                // One extra byte shows that there are too many.
                 let left = self.limit.saturating_add(1) - self.bytes.len();
                 let most = left.min(if self.bytes.is_empty() { SMALL } else { STEP });
                 self.grow(most).await?;
@@ -255,7 +255,7 @@ pub(in crate::api) async fn receive(
     Ok(Some(frame.into_data().unwrap_or_default()))
 }
 
-/// Refuses bodies that come so slowly that they keep memory from others: this many bytes since then.
+/// Refuses bodies that arrive so slowly that they keep memory from others: this many bytes since then.
 pub(in crate::api) fn check_rate(
     config: &Config,
     since: Instant,

@@ -61,7 +61,7 @@ pub(crate) fn of_body(headers: &HeaderMap) -> Result<Option<Coding>, Problem> {
     Ok(found)
 }
 
-/// Returns true if a client likes an answer in this coding as much as one without (RFC 9110, 12.5.3).
+/// Returns true if a client prefers no other coding to this one (RFC 9110, 12.5.3).
 pub(crate) fn accepts(headers: &HeaderMap, coding: Coding) -> bool {
     let named = |name: &str| Coding::of_name(name) == Some(coding);
     let plain = quality(headers, |name| name.eq_ignore_ascii_case("identity")).unwrap_or(0.0);

@@ -23,8 +23,8 @@ pub(super) fn layer() -> CompressionLayer<Worthwhile> {
         .compress_when(Worthwhile)
 }
 
-/// Whether an answer is long enough, and neither compressed yet, nor an event stream or one of gRPC,
-/// which compresses by itself.
+/// Selects answers that are long enough, not compressed yet, and neither an event stream nor gRPC, which compresses by
+/// itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Worthwhile;
 

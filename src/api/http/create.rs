@@ -236,7 +236,7 @@ impl Posted {
         let stream = match self.answer {
             Answer::Events(framing) => {
                 order.check_stream(&spec, framing)?;
-                // Before the job is made: it is not requested without its stream.
+                // Before the job is made: an ephemeral edit needs its stream.
                 Some(app.open_stream()?)
             }
             Answer::Job(_) => None,

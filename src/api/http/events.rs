@@ -39,7 +39,7 @@ use crate::model::stream::options::{self, StreamOptions};
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
-/// What is told in a `job` event of a stream that begins again.
+/// A field of the `job` event of a stream that restarts.
 const RESTARTED: &str = r#""resumed":"restarted""#;
 
 /// `GET /v1/jobs/{id}/events`
@@ -114,7 +114,7 @@ pub(crate) fn stream(framing: Framing, feed: Feed) -> Response {
     unstored(framing, Body::from_stream(body))
 }
 
-/// A body that is framed like this, and that nobody stores or changes on its way.
+/// A body with this framing, which must not be stored or changed on its way.
 pub(super) fn unstored(framing: Framing, body: Body) -> Response {
     let mut response = Response::new(body);
     let headers = response.headers_mut();

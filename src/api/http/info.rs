@@ -34,7 +34,7 @@ pub(crate) struct ServiceIndex {
     version: &'static str,
     /// What it does.
     description: &'static str,
-    /// Where to continue.
+    /// Links to related resources.
     #[schemars(with = "HashMap<String, String>")]
     links: Value,
 }

@@ -11,7 +11,7 @@
 //! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
 //! - [`body`]: a request body by its media type; [`body_limits`]: how it arrives, with limits of size, memory and time; [`unpacking`]: what comes compressed;
 //! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: how JSON ends; [`compression`]: what goes compressed; [`coding`]: how bodies are;
-//! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
+//! - [`cors`]: what browsers let pages of other origins do; [`host`]: checks of the requested host;
 //!   [`request_id`]: what it is called; [`overload`]: what is answered on connections beyond the limits.
 
 mod answer;

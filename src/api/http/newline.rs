@@ -58,7 +58,7 @@ impl http_body::Body for Ended {
         }
         let frame = match ready!(Pin::new(&mut self.body).poll_frame(context)) {
             None => self.newline.take().map(|newline| Ok(Frame::data(newline))),
-            // A body that breaks off has no end.
+            // A body that is cut short has no end.
             Some(Err(error)) => {
                 self.newline = None;
                 Some(Err(error))

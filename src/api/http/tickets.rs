@@ -22,7 +22,7 @@ use crate::api::problem::{Kind, Problem};
 pub(in crate::api) struct TicketView {
     /// The value of the query parameter `ticket`.
     ticket: String,
-    /// Until when a stream can be opened with it; one that is open continues.
+    /// The time until which it can open a stream; an open stream continues.
     expires: Timestamp,
 }
 

@@ -62,7 +62,7 @@ impl Unpacker {
         self.ended
     }
 
-    /// Adds at most this many bytes, taking them from `packed`. Returns true if there may be more to add.
+    /// Moves at most `most` bytes from `packed` to `bytes`, unpacked. Returns true if there may be more to add.
     pub(in crate::api) fn add(
         &mut self,
         packed: &mut Bytes,

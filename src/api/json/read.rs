@@ -12,8 +12,8 @@ use crate::model::list_limits::within;
 use piad_files::json::ListLimits;
 use piad_files::short::{cut, plain, quoted, without_mark};
 
-/// Reads a body, which is about at most this many points. Only if that fails it is read once more, for the place of the
-/// error.
+/// Reads a body with at most about `most_points` points. If that fails, it is read once more to find the location of
+/// the error.
 pub(crate) fn parse<T: DeserializeOwned>(body: &[u8], most_points: usize) -> Result<T, Problem> {
     let body = without_mark(body);
     if body.trim_ascii().is_empty() {
@@ -62,8 +62,8 @@ fn problem(body: &[u8], error: &Error, mut pointer: String) -> Problem {
     Problem::at_pointer(Kind::InvalidFit, pointer, words(text))
 }
 
-/// How the texts of syntax errors begin, and how they begin in plain words. The texts are all that serde_json tells
-/// about an error beyond its [`Category`]: its code is private. Other texts are passed on as they are.
+/// Beginnings of serde_json's syntax errors, and their replacements. The texts are all that serde_json reveals of an
+/// error beyond its [`Category`]: its code is private. Other texts are passed on as they are.
 const SYNTAX: [(&str, &str); 8] = [
     (
         "EOF while parsing a string",

@@ -6,8 +6,7 @@ use serde::Serialize;
 use crate::model::schema::schema_of;
 use piad_files::short;
 
-/// The most characters of a detail. What clients have written is repeated in part already; this is
-/// for what nobody has thought of.
+/// The most characters of a detail. What clients have written is repeated in part only; this is a last safeguard.
 pub(super) const LONGEST_DETAIL: usize = 1000;
 
 /// The most characters of a place.

@@ -3,7 +3,7 @@
 use axum::http::StatusCode;
 use tonic::Code;
 
-/// What a server tells about a kind of problem.
+/// The documentation of a kind of problem.
 #[derive(Debug)]
 pub struct Entry {
     /// The last part of `type`.
@@ -236,7 +236,7 @@ kinds! {
 }
 
 impl Kind {
-    /// What a server tells about this kind.
+    /// The documentation of this kind.
     pub fn entry(self) -> &'static Entry {
         &ENTRIES[self as usize]
     }

@@ -121,7 +121,7 @@ impl Problem {
         Self::at(Kind::InvalidRequest, place, &detail.into())
     }
 
-    /// A problem with a field of a message, of which the path is told.
+    /// A problem with a field of a message, located by its path.
     pub fn at_field(field: impl Into<String>, detail: impl Into<String>) -> Self {
         Self::at(
             Kind::InvalidFit,
@@ -130,7 +130,7 @@ impl Problem {
         )
     }
 
-    /// All errors of a job or an edit, at their places in the language of the request.
+    /// All errors of a job or an edit, located in the encoding of the request.
     pub fn of_mistakes(mistakes: Mistakes, words: &impl Words) -> Self {
         let problems = mistakes.into_iter().map(|mistake| {
             let text = match mistake.site {
@@ -210,7 +210,7 @@ impl Problem {
         )
     }
 
-    /// The same problem, to be tried again after this many seconds.
+    /// The same problem, with a `Retry-After` of this many seconds.
     pub fn retry_after(mut self, seconds: u32) -> Self {
         self.retry_after = Some(seconds);
         self

@@ -56,7 +56,7 @@ pub(crate) fn item(item: &ItemEnd<'_>, shown: Option<(&Frame, &Form)>) -> Conten
     framed(fields, result, length)
 }
 
-/// An item of these fields, the last of which ends with this many bytes of `rest`.
+/// An item of these fields, the last of which ends with the first `length` bytes of `rest`.
 fn framed(fields: BytesMut, mut rest: Content, length: usize) -> Content {
     let inner = fields.len() + length;
     let mut head = BytesMut::with_capacity(fields.len() + rest.head.len() + 32);

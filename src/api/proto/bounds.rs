@@ -14,7 +14,7 @@ use piad_fit::method::{LARGEST, MOST_CONDITIONS};
 /// in a table of those that change.
 const INDEX: usize = 160;
 
-/// The corners of triangles that take about as much as an index: each is kept twice, in four bytes.
+/// The corners of triangles that take about as much memory as an index: each is kept twice, in four bytes.
 const CORNERS_OF_INDEX: usize = 16;
 
 /// What a field has.
@@ -24,7 +24,7 @@ enum Content {
     Indices,
     /// Three indices of points for each triangle of a mesh, at most four triangles for each point.
     Corners,
-    /// At most this many numbers for each point, and as many as knot vectors have more.
+    /// At most this many numbers for each point, and as many more as knot vectors have.
     Numbers(usize),
     /// The entries of a matrix.
     Matrix,

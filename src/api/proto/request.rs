@@ -17,8 +17,8 @@ pub(crate) fn decode<M: Bounded>(body: Bytes, most_points: usize) -> Result<M, P
     M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, unreadable(&error)))
 }
 
-/// How the texts of decoding errors end, and what they mean. The texts are all that prost tells about an error:
-/// its kind is private. Where a later version says something else, the reason is given in general words.
+/// Endings of prost's decoding errors, and what they mean. The texts are all that prost reveals of an error: its kind
+/// is private. Unknown texts get a general reason.
 const BROKEN: [(&str, &str); 6] = [
     ("buffer underflow", "it ends too soon"),
     (

@@ -52,8 +52,8 @@ impl Chain {
         })
     }
 
-    /// The next event. It is complete at first and at last, where it tells knots, and where numbers are too far from
-    /// those before.
+    /// The next event. It is complete at the start and the end, where knots are new, and where numbers differ too much
+    /// from those before.
     pub(super) async fn event(
         &mut self,
         job: &Arc<Job>,
@@ -77,7 +77,7 @@ impl Chain {
         self.complete(job, frame, form).await
     }
 
-    /// A complete event, from which the reader continues.
+    /// A complete event, from which later events count differences.
     async fn complete(
         &mut self,
         job: &Arc<Job>,

@@ -83,7 +83,7 @@ pub(crate) struct Feed {
     again: bool,
     /// The last iteration that the client has.
     seen: Option<usize>,
-    /// The last iteration that this stream has told, with its knots if they were new.
+    /// The last iteration that this stream has reported, with its knots if they were new.
     told: Option<usize>,
     /// The client has received complete control points, to which changes can be applied.
     complete: bool,
@@ -189,7 +189,7 @@ impl Feed {
         }
     }
 
-    /// What it tells the events of.
+    /// The job of the events.
     pub(crate) fn job(&self) -> &Arc<Job> {
         &self.job
     }
@@ -299,7 +299,7 @@ impl Feed {
         let form = changes
             .filter(|_| self.complete && frame.moved.is_some())
             .unwrap_or(&self.options.form);
-        // Whoever resumes a stream has the knots of level 0, from the `job` event.
+        // Clients that resume a stream have the knots of level 0, from the `job` event.
         let known = self.told.unwrap_or(0);
         let tells_knots = frame.knots_since > known;
         let data = match &mut self.chain {

@@ -1,7 +1,7 @@
 //! Event streams: what they show, and in which order and form.
 //!
-//! - [`feed`]: a job as a sequence of events; [`milestones`]: which iterations a stream shows that is requested the
-//!   progress alone;
+//! - [`feed`]: a job as a sequence of events; [`milestones`]: the iterations that a stream of the progress alone
+//!   reports;
 //! - [`encode`]: their data, made once for all readers and off the network threads; `chain`: as changes of what a
 //!   reader has; [`encoded`]: events as
 //!   messages;

@@ -19,7 +19,7 @@ use super::shells;
 use crate::config::StoreCommand;
 use crate::terminal::say;
 
-/// Does what is requested; the status says whether it has succeeded.
+/// Runs the command; the exit status says whether it has succeeded.
 pub fn run(command: &StoreCommand) -> ExitCode {
     let done = Runtime::new()
         .map_err(|reason| reason.to_string())

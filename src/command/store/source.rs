@@ -89,7 +89,7 @@ pub(super) async fn read_file(
     Ok(reading)
 }
 
-/// Damage makes the database panic at times, which is told in other words.
+/// Damage makes the database panic at times, which is reported in other words.
 fn be_silent_of_damage() {
     let usual = panic::take_hook();
     panic::set_hook(Box::new(move |what| {
@@ -130,12 +130,12 @@ impl Reading {
         self.reasons.push(plain(error));
     }
 
-    /// Tells what is wrong with which job.
+    /// Prints the damaged jobs and what is wrong with them.
     pub(super) fn tell_reasons(&self) {
         self.reasons.iter().for_each(say);
     }
 
-    /// That a store is whole; if it is not, tells why and gives what could be read.
+    /// Reports whether a store is whole; if it is not, says why and lists what could be read.
     pub(super) fn verdict(&self, storage: &Storage) -> Result<String, String> {
         self.tell_reasons();
         let summary = self.summary();

@@ -131,7 +131,7 @@ impl Drop for Attached {
         let mut state = self.run.state.lock();
         let gone = state.readers.remove(&self.reader);
         if state.readers.is_empty() && !state.to_the_end {
-            // Nobody is left to read what was wanted.
+            // The readers of what was wanted are gone.
             state.wanted = None;
         }
         // Others may be waiting for this reader, if its next frame is there.

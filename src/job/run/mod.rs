@@ -138,8 +138,8 @@ impl Run {
         }
     }
 
-    /// Returns true if it may be ended for others that need its memory: nobody has read from it for the time `idle`, or
-    /// it has served its readers for the time `fair`.
+    /// Returns true if it may be ended when others need its memory: it has not been read for the time `idle`, or it has
+    /// served its readers for the time `fair`.
     pub(super) fn is_revocable(&self, idle: Duration, fair: Duration) -> bool {
         let state = self.state.lock();
         let is_idle = !state.scheduled && state.touched.elapsed() >= idle;
@@ -274,7 +274,7 @@ impl Run {
         }
     }
 
-    /// Returns true if frames are kept now that nobody has requested yet.
+    /// Returns true if frames are kept before they are requested.
     fn keeps_unread(&self) -> bool {
         self.keeps_unread && !self.resources.memory.cache.is_half_full()
     }

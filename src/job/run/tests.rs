@@ -53,7 +53,8 @@ async fn readers_of_large_frames_wait_for_each_other() {
     assert_eq!(resources.counters.iterations.get(), 4);
 }
 
-/// A run that was stopped delivers what it has, and is left where the job continues without it.
+/// A run that was stopped delivers what it has. Readers that want more leave it when the job
+/// continues elsewhere.
 #[tokio::test]
 async fn a_stopped_run_is_left_by_readers_that_want_more() {
     let scheduler = Scheduler::new(1).unwrap();

@@ -80,7 +80,7 @@ impl Jobs {
             None => Status::QUEUED,
         };
         let record = Record::new(outline, status);
-        // In memory before it is in the store, so that whoever finds it there finds this one.
+        // In memory before it is in the store, so that a reader that finds it there finds this one.
         let job = self.bring_to_life(record.clone(), peer, false);
         job.trace.begin(job.outline(), request);
         let quota = self.resources.quotas.of(record.outline.tenant);

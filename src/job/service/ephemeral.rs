@@ -19,12 +19,12 @@ use crate::job::trace::JobTrace;
 use crate::telemetry::request::RequestTrace;
 use piad_fit::engine::{Problem, System};
 
-/// A fit for one answer. Whoever drops it has to ask the job to end.
+/// A fit for one answer. Its owner has to cancel the job when dropping it.
 pub(crate) struct Ephemeral {
     pub job: Arc<Job>,
     /// The run, held from before its first level: no frame is lost.
     pub run: Attached,
-    /// Held by nobody else once the run has ended.
+    /// Held only here once the run has ended.
     pub system: Arc<SharedSystem>,
     /// It counts as a stream of its tenant.
     pub stream: OpenStream,

@@ -113,7 +113,7 @@ impl Jobs {
             }
             None => Ok(true),
         };
-        // With other replicas, it is the store that says who ends a job; alone, nobody else can.
+        // With other replicas the store decides who ends a job; alone, only this one can.
         let is_alone = self.store.shared().is_none();
         let before = job.status.borrow().clone();
         let mut finished = finish().await;
@@ -141,7 +141,7 @@ impl Jobs {
         }
     }
 
-    /// Tells clients that a job has ended.
+    /// Notifies clients that a job has ended.
     fn publish(&self, job: &Job, status: &Status, result: &Option<LastGeometry>) {
         if job.is_kept() {
             let state = status.state;
@@ -187,7 +187,7 @@ impl Jobs {
             return Ok(Turn::Cancelled);
         };
         let (status, store) = (Status::running(), job.store()?);
-        // After a crash the store must tell which jobs were running.
+        // After a crash the store must show which jobs were running.
         let on_probation = probation.is_some();
         let start = || store.start(job.id(), status.clone(), on_probation);
         let started = job.trace.store("start", patiently(start));

@@ -90,7 +90,7 @@ pub(crate) struct Jobs {
     deletions: AtomicUsize,
     /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
-    /// Drags that continue.
+    /// Open drags.
     sessions: Sessions,
 }
 
@@ -293,7 +293,7 @@ impl Jobs {
         Ok(existed)
     }
 
-    /// Drops jobs that are no longer in the store. Those who hold them can continue with them.
+    /// Drops jobs that are no longer in the store. Holders of them can still use them.
     fn forget(&self, ids: &[Uuid]) {
         self.deletions.fetch_add(1, Ordering::AcqRel);
         for id in ids {
@@ -348,7 +348,7 @@ impl Jobs {
         self.recent.held(&self.live)
     }
 
-    /// Removes jobs that are beyond the retention and that nobody holds; gives those that were held.
+    /// Removes jobs that are beyond the retention and not in use; returns those that are in use.
     async fn retain(&self) -> HashSet<Uuid> {
         loop {
             // Jobs that end from here on are not known to be held.

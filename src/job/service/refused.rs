@@ -16,7 +16,7 @@ pub enum Refused {
     /// The peer has as many unfinished jobs as one may have.
     #[error("{limit} of your jobs are unfinished, as many as one client may have now")]
     PeerFull { limit: usize },
-    /// The tenant has as much as it may have.
+    /// The tenant has reached its quota.
     #[error(transparent)]
     Quota(#[from] Exceeded),
     /// The idempotency key was used for another request.

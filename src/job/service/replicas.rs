@@ -1,8 +1,8 @@
-//! One replica among several: it renews the leases of its jobs, follows those that others run and that are
-//! read here, and takes over what waits where nobody has room for it.
+//! One replica among several: it renews the leases of its jobs, follows jobs of others that are read here, and takes
+//! over jobs that wait for a replica with room.
 //!
-//! A job that waits is in the queue of the replica that has accepted it, and in the store. Whoever has room for
-//! it first claims it when it starts; so a replica that has nothing to do looks for jobs that wait elsewhere.
+//! A job that waits is in the queue of the replica that has accepted it, and in the store. The first replica with room
+//! for it claims it and starts it; so an idle replica looks for jobs that wait elsewhere.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Weak};
@@ -32,7 +32,7 @@ impl Jobs {
         tokio::spawn(look(Arc::downgrade(self), Arc::clone(shared)));
     }
 
-    /// The job of this id, whoever runs it.
+    /// The job of this id, on any replica.
     pub(super) async fn find_among_replicas(
         &self,
         shared: &Shared,
@@ -150,8 +150,8 @@ impl Jobs {
         if job.is_elsewhere() {
             return self.refresh(shared, vec![job]).await;
         }
-        // One that this replica has ended tells so itself in a moment; one that was cancelled or deleted
-        // elsewhere need not wait or run any longer.
+        // A job that this replica has ended is reported in a moment; one that was cancelled or deleted elsewhere need
+        // not wait or run any longer.
         job.request_cancel();
         Ok(())
     }

@@ -8,8 +8,7 @@ use uuid::Uuid;
 
 use crate::job::peer::Peer;
 
-/// The drags that continue, each with its newest edit: a sender of nothing, which is dropped when a newer edit takes
-/// its place.
+/// The open drags, each with its newest edit: a sender of nothing, which is dropped when a newer edit replaces it.
 #[derive(Debug, Default)]
 pub(crate) struct Sessions(Mutex<HashMap<Session, oneshot::Sender<()>>>);
 

@@ -23,8 +23,8 @@ pub(crate) struct WholeJob {
     pub key: Option<IdempotencyKey>,
 }
 
-/// Copies all jobs, and tells how many there are so far; gives the number at the end. Those that had not ended wait in
-/// the copy. A job that is in the copy already stays there as it is.
+/// Copies all jobs, and reports the number so far; returns the final number. Those that had not ended wait in the copy.
+/// A job that is in the copy already stays as it is.
 pub(crate) async fn copy(
     from: &Store,
     to: &Store,

@@ -49,7 +49,7 @@ impl Record {
                 state: State::Failed,
                 finished: Some(Timestamp::now()),
                 failure: Some(Failure::Crashes),
-                // Nobody computes them again.
+                // They are not computed again.
                 levels: None,
                 ..self.status.clone()
             },

@@ -8,7 +8,7 @@ use uuid::Uuid;
 
 use crate::job::scheduler::Broken;
 
-/// The store did not do what it was requested.
+/// The store has failed to carry out a request.
 #[derive(Clone, Debug, Error)]
 pub enum StoreError {
     /// There is no space for what was to be kept. It may succeed later.

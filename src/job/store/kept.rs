@@ -1,4 +1,4 @@
-//! What stores keep of jobs, and what they are requested.
+//! What stores keep of jobs, and their requests.
 
 use std::collections::HashSet;
 use std::time::Duration;
@@ -48,8 +48,7 @@ impl Record {
     }
 }
 
-/// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of what was
-/// requested with it.
+/// An idempotency key: the name by which a client recognises its request, with the owner, and a digest of the request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct IdempotencyKey {
     /// The name.
@@ -108,7 +107,7 @@ pub(crate) struct Selection {
     pub state: Option<State>,
     /// Only jobs older than this one.
     pub before: Option<Uuid>,
-    /// At most so many.
+    /// The page size.
     pub limit: usize,
 }
 

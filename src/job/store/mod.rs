@@ -2,7 +2,7 @@
 //!
 //! - [`embedded`]: in a file or in the memory of one process; [`shared`]: in PostgreSQL, for any number of
 //!   replicas;
-//! - `kept`: what is kept of a job, and what is requested; [`record`]: its bytes; `error`: what can go wrong;
+//! - `kept`: what is kept of a job, and requests; [`record`]: its bytes; `error`: failures;
 //! - [`crash_recovery`]: what becomes of jobs that were running in a crash;
 //! - [`copy`]: from one store to another.
 
@@ -44,8 +44,8 @@ pub(crate) use kept::{
 ///
 /// - **Order.** Changes of a job take effect in the order in which the methods are called, whether or not
 ///   anybody waits for their acknowledgements.
-/// - **Atomicity.** A change happens as a whole or not at all. One that has failed can be requested again. In a store
-///   of one process, a job whose insertion has failed is not there.
+/// - **Atomicity.** A change happens as a whole or not at all. A change that has failed can be retried. In a store of
+///   one process, a job whose insertion has failed is not there.
 /// - **Durability.** A change that was acknowledged survives whatever happens to the process, and in a store
 ///   on a disk also a loss of power. A crash may lose changes that were not acknowledged yet, of each job
 ///   the latest ones first. A store in memory ends with the process.

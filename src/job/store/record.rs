@@ -127,7 +127,7 @@ impl Input {
     }
 }
 
-/// The problem of this job: what follows from what was requested is computed again.
+/// The problem of this job: what follows from the request is computed again.
 pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
     let what = format!("the problem of job {id}");
     let (start, message) =

@@ -139,7 +139,7 @@ fn key(name: &str) -> IdempotencyKey {
     }
 }
 
-/// The status of a job that has converged this many seconds ago.
+/// The status of a job that converged this many seconds ago.
 fn converged(seconds_ago: i64) -> Status {
     Status {
         state: State::Converged,
@@ -154,7 +154,7 @@ fn control_points() -> Arc<Points> {
     Arc::new(points)
 }
 
-/// Inserts a job that has ended this many seconds ago.
+/// Inserts a job that ended this many seconds ago.
 async fn ended(store: &Store, seconds_ago: i64) -> Uuid {
     let id = insert(store).await.outline.id;
     let finished = store.finish(id, converged(seconds_ago), Some(control_points().into()));

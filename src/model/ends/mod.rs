@@ -1,4 +1,4 @@
-//! How a curve or a surface ends, as requested: a word, or an end for each side, which is a word or has vectors.
+//! Requested ends of a curve or a surface: a word, or an end for each side, which is a word or has vectors.
 
 mod schema;
 
@@ -154,7 +154,7 @@ impl Serialize for EndsInput {
     }
 }
 
-/// How ends are written, for the places of errors.
+/// The form of ends, for the locations of errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EndsForm {
     /// One word for both sides.

@@ -1,4 +1,4 @@
-//! The settings of a least-squares fit as requested.
+//! The requested settings of a least-squares fit.
 
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ControlPoints>")]
     pub control_points: Option<PerDirection<ControlPointCount>>,
-    /// With control_points `auto`: the most control points. Without it as many as data points.
+    /// With control_points `auto`: the most control points. Default: the number of data points.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<MostControlPoints>")]
     pub max_control_points: Option<PerDirection<Whole>>,
@@ -61,7 +61,7 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mu: Option<f64>,
-    /// Whether it passes through its end points at every iteration.
+    /// Interpolation of the end points at every iteration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end_points: Option<EndPointsInput>,
     /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
@@ -189,7 +189,7 @@ impl LeastSquaresInput {
         Ok((u, v, None))
     }
 
-    /// Settings that are not the usual ones, in the form of a request.
+    /// Settings that are not defaults, in the form of a request.
     pub(crate) fn of(settings: &LeastSquares, grid: Grid, surface: bool) -> Self {
         let counts = match surface {
             false => PerDirection::Both(Whole(settings.u)),
@@ -249,7 +249,7 @@ names!(VariantKind, "variant of the method least_squares", [
     "direct" => Direct,
 ]);
 setting!(
-    /// The end points as requested.
+    /// The requested choice of end points.
     EndPointsInput(EndPoints), "choice of end points of the method least_squares", [
     "interpolated" => Interpolated,
     "free" => Free,

@@ -1,4 +1,4 @@
-//! Methods as requested, and what they are for a fit.
+//! Requested methods, and their form for a fit.
 //!
 //! - `settings`: their settings; `least_squares`: those of least squares, with `constraint` and `counts`;
 //! - `choice`: what they are for a fit; `form`: where their settings stand; `schema`: their schema.

@@ -1,4 +1,4 @@
-//! The settings of methods as requested, and what they are for a fit.
+//! Requested settings of methods, and their form for a fit.
 
 use std::sync::Arc;
 
@@ -69,7 +69,7 @@ pub(crate) struct ExtendedInput {
     /// What iteration 0 is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<StartInput>,
-    /// True if each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a control point
+    /// True if each iteration also reports the largest length of U Δ, as `error.transformed`: how far a control point
     /// moves in the next one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
@@ -96,13 +96,13 @@ pub(crate) struct CustomInput {
 }
 
 setting!(
-    /// A start as requested.
+    /// A requested start.
     StartInput(Start), "start of the method extended", [
     "transformed" => Transformed,
     "data" => Data,
 ]);
 setting!(
-    /// Sweeps as requested.
+    /// Requested sweeps.
     SweepsInput(Sweeps), "kind of sweeps", [
     "rows" => Rows,
     "columns" => Columns,

@@ -1,4 +1,4 @@
-//! The parameters of a surface as requested: of points in a grid, or of scattered ones.
+//! The requested parameters of a surface: of points in a grid, or of scattered ones.
 
 mod domains;
 mod foot_points;

@@ -132,7 +132,7 @@ impl<'a> Choices<'a> {
     }
 }
 
-/// The value that a choice has if nobody makes it.
+/// The default value of a choice.
 fn usual(choice: Choice) -> &'static str {
     match choice {
         Choice::View => "control_points",

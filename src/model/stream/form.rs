@@ -58,7 +58,7 @@ pub(crate) struct Form {
     pub encoding: Encoding,
     /// How many digits coordinates have.
     pub digits: Digits,
-    /// True if fits that choose their knots by themselves tell them.
+    /// True if fits that choose their knots report them.
     pub knots: bool,
     key: Arc<str>,
 }
@@ -112,7 +112,7 @@ impl Form {
         Ok(Self::new(view, encoding, digits))
     }
 
-    /// What tells this form from others: what is made in one form is shared by all who want it.
+    /// Identifies the form: content made in one form is shared by all readers of that form.
     pub(crate) fn key(&self) -> &Arc<str> {
         &self.key
     }

@@ -166,7 +166,7 @@ impl StreamSpec {
         Ok(())
     }
 
-    /// Checks that numbers of 32 bits, where they are requested, have room for the data of a job.
+    /// Checks that the data of a job fit in numbers of 32 bits, if requested.
     pub fn check_range(&self, problem: &Problem) -> Result<(), Mistake> {
         Ok(check_range(&Self::default(), Some(self), problem)?)
     }
@@ -187,7 +187,7 @@ pub(crate) fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, 
     Ok(json_form(request, surface)?.in_protobuf())
 }
 
-/// Checks that numbers of 32 bits, where they are requested, have room for the data.
+/// Checks that the data fit in numbers of 32 bits, if requested.
 pub(crate) fn check_range(
     request: &StreamSpec,
     job: Option<&StreamSpec>,

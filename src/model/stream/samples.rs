@@ -12,7 +12,7 @@ use piad_fit::data::Grid;
 /// The most points that are sampled.
 pub(crate) const MOST_SAMPLES: usize = 1_000_000;
 
-/// A number of samples, as requested: of a curve one number, of a surface one for each direction.
+/// A requested number of samples: of a curve one number, of a surface one for each direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Samples {
     /// This many points of a curve.

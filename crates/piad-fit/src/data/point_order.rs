@@ -8,7 +8,7 @@ use super::points::Points;
 /// The most points that are looked at, at equal distances in the list.
 const MOST_SAMPLES: usize = 96;
 
-/// In long lists fewer points are examined, for about this many distances in all, but at least [`LEAST_POINTS`].
+/// In long lists fewer points are examined, for about this many distances in all, but at least [`LEAST_SAMPLES`].
 const MOST_DISTANCES: usize = 1 << 22;
 const LEAST_SAMPLES: usize = 12;
 

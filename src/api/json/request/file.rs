@@ -1,7 +1,7 @@
 //! A job whose points are in a file, and whose other fields are not.
 //!
-//! The fields are read as the JSON that they are, without points; the points take their place. What is
-//! wrong is told at the line of a point, or at the parameter that a field was given in.
+//! The fields are read as the JSON that they are, without points; the points take their place. Errors are located at
+//! the line of a point, or at the parameter of a field.
 
 use std::sync::Arc;
 

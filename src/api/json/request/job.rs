@@ -18,7 +18,7 @@ const LONG: usize = 2 * 1024;
 /// How many bytes of points one thread reads at a time.
 const PART: usize = 1 << 20;
 
-/// The job that a body asks for, with at most this many points, and where its parts stand.
+/// The job of a body, with at most this many points, and the locations of its parts.
 pub(crate) fn read(body: Bytes, most_points: usize) -> Result<(JobRequest, Places), Problem> {
     let quick = (body.len() >= LONG)
         .then(|| read_quickly(&body, PART, most_points))

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use piad_fit::data::{Grid, MAX_DIMENSION, MAX_SURFACE_DIMENSION, Points};
 use piad_fit::parameters::Mesh;
 
-/// The most lists within each other that are told apart.
+/// The most nested lists that are distinguished.
 const DEEP: usize = 4;
 
 /// How many parts each thread reads, before what was read is put where it stays.
@@ -37,8 +37,8 @@ pub(crate) enum Data {
     Mesh(Points, Mesh),
 }
 
-/// Takes the points out of the JSON of a job, at most as many as `most`: what is left has an empty list in their
-/// place. Lists that are longer than `part`, in bytes, are read in parts by several threads.
+/// Takes at most `most` points out of the JSON of a job, and leaves an empty list in their place. Lists that are longer
+/// than `part`, in bytes, are read in parts by several threads.
 pub(super) fn take_out(body: &[u8], part: usize, most: usize) -> Option<(Vec<u8>, Data)> {
     let after = |name: &[u8]| Some(memmem::find(body, name)? + name.len());
     let points = after(POINTS);

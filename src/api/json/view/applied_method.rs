@@ -41,7 +41,7 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "StartInput")]
     start: Option<StartInput>,
-    /// Extended: whether `error.transformed` is told.
+    /// Extended PIA: true if `error.transformed` is reported.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
     transformed_error: Option<bool>,

@@ -103,7 +103,7 @@ struct JobEvent<'a> {
     parameters: Option<PerDirection<NumberArray>>,
 }
 
-/// How a stream has been resumed, where it does not simply continue.
+/// How a stream was resumed, unless it simply continues.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Restarted)]
@@ -181,7 +181,7 @@ struct EndEvent {
     elapsed: Option<f64>,
     /// All warnings, also those that were found while it ran.
     warnings: Vec<WarningView>,
-    /// Where to continue. Ephemeral edits leave nothing behind.
+    /// Links to related resources. Ephemeral edits leave nothing behind.
     links: Option<EndLinks>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,4 +1,4 @@
-//! A job as requested.
+//! A job as it was requested.
 
 use bytes::Bytes;
 

@@ -182,7 +182,7 @@ pub(super) fn stream(outline: &Outline) -> Option<&StreamSpec> {
 pub(super) struct Prediction {
     /// The factor by which the error shrinks in each iteration, in the long run.
     rate: Option<f64>,
-    /// About how many iterations it takes in all; null where nobody knows.
+    /// The approximate total number of iterations; null if unknown.
     iterations: Option<usize>,
 }
 
@@ -217,7 +217,7 @@ pub(super) struct Links {
     /// Its event stream.
     #[schemars(extend("format" = "uri-reference"))]
     events: String,
-    /// The job as requested.
+    /// The job as it was requested.
     #[schemars(extend("format" = "uri-reference"))]
     input: String,
     /// The final curve or surface.

@@ -39,7 +39,7 @@ pub(crate) struct IterationEvent {
     /// The factor of the error in the last step.
     #[serde(skip_serializing_if = "Option::is_none")]
     rate: Option<f64>,
-    /// About how many iterations it takes in all, by what is known here; absent where nobody knows.
+    /// The approximate total number of iterations, by the errors so far; absent if unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted: Option<usize>,
     /// How many control points the last step has moved.

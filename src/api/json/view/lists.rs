@@ -42,8 +42,8 @@ pub(super) fn decimals(
     )
 }
 
-/// Writes this many numbers from `start` on, with the brackets and commas between and after them; returns how many
-/// bytes they are.
+/// Writes this many numbers from `start` on, with the brackets and commas between and after them; returns the number of
+/// bytes.
 #[inline(always)]
 fn lists(
     shape: NestedShape,

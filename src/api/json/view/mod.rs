@@ -7,7 +7,7 @@
 //!   [`limit`]: the limit of local fits;
 //! - [`batch`]: the lines of a batch;
 //! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`curvature`]: the shape; [`warning`]: what is doubtful about a job;
-//! - [`input`](mod@input): a job as requested;
+//! - [`input`](mod@input): a job as it was requested;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
 //! - [`decimal`] and [`rounding`]: numbers with as many digits as they deserve; [`lists`] of them;
 //! - [`examples`]: what descriptions show.

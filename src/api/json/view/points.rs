@@ -42,7 +42,7 @@ struct CurvePoints {
     /// The curve is closed: the file had the first point at its end again, which is not among these.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     closed: bool,
-    /// The parameters of the points: their times, where these were requested.
+    /// The parameters of the points: their times, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<Vec<f64>>,
 }

@@ -11,7 +11,7 @@ use piad_fit::invalid::Axis;
 
 /// An array of numbers. It is shared between threads and lives until all of it has been sent.
 pub(crate) trait Source: Send + Sync + 'static {
-    /// Copies the numbers from `start` on, as many as there is room for.
+    /// Copies the numbers from `start` on, until `numbers` is full.
     fn fill(&self, start: usize, numbers: &mut [f64]);
 
     /// Returns true if numbers are computed when they are copied, rather than at hand.
@@ -19,7 +19,8 @@ pub(crate) trait Source: Send + Sync + 'static {
         false
     }
 
-    /// Returns true if all finite numbers stay finite in 32 bits, if that can be told without looking at each of them.
+    /// Returns true if all finite numbers stay finite in 32 bits; `None` if that is unknown without a look at each of
+    /// them.
     fn fits_32_bits(&self) -> Option<bool> {
         None
     }

@@ -132,8 +132,8 @@ fn chunk(shape: NestedShape) -> usize {
     }
 }
 
-/// How many points with this many coordinates are written at a time. Samples of surfaces differ in the last bit with
-/// how many are evaluated together.
+/// The number of points with this many coordinates that are written at a time. Samples of surfaces differ in the last
+/// bit with the number that is evaluated together.
 pub(crate) fn points_at_once(dimension: usize) -> usize {
     chunk([usize::MAX / dimension.max(1), dimension].as_slice().into()) / dimension.max(1)
 }

@@ -144,7 +144,7 @@ impl JobDatabase {
         *was = is;
     }
 
-    /// Why no more jobs are accepted: they would be in a file that nobody finds.
+    /// Why no more jobs are accepted: they would be in a file that cannot be found again.
     pub(super) fn check_place(&self) -> Result<(), StoreError> {
         let reason = self.misplaced.lock().clone();
         reason.map_or(Ok(()), |reason| Err(StoreError::Unusable(reason)))

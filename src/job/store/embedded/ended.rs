@@ -27,8 +27,8 @@ impl Ended {
         self.bytes -= self.jobs.remove(&(at, id)).unwrap_or(0);
     }
 
-    /// The jobs to be forgotten, without those that are spared. Younger jobs do not have to go instead of these: until
-    /// nobody holds them any more, there are this many jobs more.
+    /// The jobs to be forgotten, without those that are in use. Younger jobs are not removed in their place: until they
+    /// are released, the store has more jobs than its limit.
     pub(crate) fn surplus(
         &self,
         retention: Retention,

@@ -1,7 +1,7 @@
 //! What stands before each value in the file: what it is, of which job, how long, and a checksum of all this.
 //!
-//! By it a value of which a bit has changed is told from a good one when it is read, and values are found in a
-//! file whose pages do not lead to them any more ([`salvage`](super::salvage)).
+//! The envelope shows on reading that a bit of a value has changed, and lets values be found in a file whose pages do
+//! not lead to them any more ([`salvage`](super::salvage)).
 
 use std::fmt::Display;
 

@@ -89,7 +89,7 @@ pub(super) fn open_or_make(
     }
 }
 
-/// Opens the database in a file without changing the file; tells what is wrong with its pages.
+/// Opens the database in a file without changing the file; returns what is wrong with its pages.
 pub(super) fn open_below(
     path: &Path,
     file: &File,
@@ -166,8 +166,8 @@ fn make_tables(database: &Database) -> Result<(), redb::Error> {
     Ok(())
 }
 
-/// Reads the whole file and compares the checksums of its pages. What redb tells beside, that it has counted the
-/// free pages again, happens after each start and says nothing of the jobs.
+/// Reads the whole file and compares the checksums of its pages. redb's other finding, that it has counted the free
+/// pages again, happens after each start and does not concern the jobs.
 fn check(database: &mut Database) -> Result<(), redb::Error> {
     let _counted_again = database.check_integrity()?;
     Ok(())

@@ -1,9 +1,9 @@
 //! What can be read of a file that may be damaged, without changing it.
 //!
-//! The database is asked first, with an [`Overlay`] above the file. What it does not give is looked for in the
-//! whole file by the [envelopes](super::envelope) of the values, which tell good values from damaged ones. There
-//! may be values of jobs that were deleted and whose pages were not used again; they count only where the
-//! database does not say any more which jobs there are.
+//! The database is read first, with an [`Overlay`] above the file. What it does not yield is searched in the whole file
+//! by the [envelopes](super::envelope) of the values, which separate good values from damaged ones. There may be values
+//! of jobs that were deleted and whose pages were not used again; they count only where the database does not say any
+//! more which jobs there are.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fs::{self, File, TryLockError};
@@ -34,7 +34,7 @@ const REPAIRED: &str = "piad.repaired";
 /// Bytes of the file that are looked at together.
 const CHUNK: usize = 8 << 20;
 
-/// A file of jobs that nobody changes meanwhile.
+/// A file of jobs that is not changed meanwhile.
 pub(crate) struct Salvage {
     path: PathBuf,
     /// Locked as long as it is open.
@@ -282,7 +282,7 @@ fn find(file: &File) -> io::Result<Found> {
     Ok(found)
 }
 
-/// Notes a value if it is good. Of several headers one counts that tells of the end.
+/// Notes a value if it is good. Of several headers one that has the end of the job counts.
 fn note(found: &mut Found, kind: Kind, id: Uuid, begin: u64, whole: &[u8]) {
     let Ok(value) = envelope::opened(kind, id, "", whole) else {
         return;

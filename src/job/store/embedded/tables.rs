@@ -14,7 +14,7 @@ pub(super) const VERSION: u64 = 2;
 /// Facts about the file itself.
 pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");
 pub(super) const VERSION_FACT: &str = "version";
-/// The number of the last commit: it tells if one that has failed was done nonetheless.
+/// The number of the last commit: it shows if one that has failed was done nonetheless.
 pub(super) const COMMIT_FACT: &str = "commit";
 
 /// Values by the id of their job, each in its envelope.

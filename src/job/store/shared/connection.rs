@@ -127,7 +127,7 @@ impl Connections {
         (status.size, status.size.saturating_sub(status.available))
     }
 
-    /// Runs a statement that moves this many bytes, and gives its rows. See [`Self::work`].
+    /// Runs a statement that moves this many bytes, and returns its rows. See [`Self::work`].
     pub(super) async fn run<'q>(
         &self,
         bytes: usize,
@@ -147,8 +147,8 @@ impl Connections {
         self.work(bytes, &Plain { statement, value }).await
     }
 
-    /// Does work that moves this many bytes. What fails as the database cannot be reached is done again on another
-    /// connection for a while, so it must do no harm a second time: the first may have succeeded without an answer.
+    /// Does work that moves this many bytes. If the database cannot be reached, it is retried on another connection for
+    /// a while, so it must be idempotent: the first attempt may have succeeded without an answer.
     pub(super) async fn work<W: Work>(
         &self,
         bytes: usize,

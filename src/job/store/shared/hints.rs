@@ -1,4 +1,4 @@
-//! Hints: what replicas tell each other.
+//! Hints: notifications between replicas.
 
 use std::fmt;
 

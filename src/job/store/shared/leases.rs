@@ -1,4 +1,4 @@
-//! Leases: how replicas tell each other which jobs they run, and take over those of one that is gone.
+//! Leases: how replicas publish which jobs they run, and take over those of a dead one.
 
 use std::collections::HashSet;
 use std::time::{Duration, Instant};
@@ -37,7 +37,7 @@ WHERE state = 'running' AND lease_until < now() AND owner = (
     GROUP BY owner HAVING max(lease_until) < now() LIMIT 1
 )";
 
-/// Back into the queue, or failed, if nobody was quicker.
+/// Back into the queue, or failed, unless another replica was quicker.
 const RECOVER: &str = "
 UPDATE jobs SET state = $3, status = $4, crashes = $5, on_probation = false, epoch = epoch + 1,
     owner = NULL, lease_until = NULL, finished = CASE WHEN $6 THEN now() END
@@ -57,8 +57,8 @@ impl Shared {
         self.lease / 3
     }
 
-    /// Renews the leases of all jobs that this replica runs, and tells how far they have come; gives those that
-    /// a client of another replica wants to end.
+    /// Renews the leases of all jobs that this replica runs, and writes their progress; returns those that a client of
+    /// another replica wants to end.
     pub(crate) async fn renew(
         &self,
         running: impl Fn(Uuid) -> Option<Status>,
@@ -133,8 +133,8 @@ impl Shared {
         lost
     }
 
-    /// Puts the jobs of replicas that are gone back into the queue, or fails those that have been in too many crashes.
-    /// A replica that only was away may continue with its jobs, and writes nothing of them.
+    /// Puts the jobs of dead replicas back into the queue, or fails those that have been in too many crashes. A replica
+    /// that was only disconnected may continue its jobs, but writes nothing of them.
     pub(crate) async fn recover(&self) -> Result<(), StoreError> {
         loop {
             let rows = self.connections.run(0, || sqlx::query(ABANDONED)).await?;
@@ -179,7 +179,7 @@ impl Shared {
         Ok(())
     }
 
-    /// The first jobs that wait, at most this many.
+    /// The first jobs that wait, at most `most`.
     pub(crate) async fn waiting(&self, most: usize) -> Result<Vec<Record>, StoreError> {
         let waiting = || sqlx::query(WAITING).bind(most as i64);
         let rows = self.connections.run(0, waiting).await?;

@@ -7,7 +7,7 @@
 //!   [`pieces`]: long values;
 //! - [`order`]: changes of one job, one after the other;
 //! - [`leases`]: which replica runs a job, and what becomes of the jobs of one that is gone;
-//! - [`hints`], [`telling`]: what replicas tell each other at once.
+//! - [`hints`], [`telling`]: notifications between replicas.
 //!
 //! A job that runs is claimed by a replica, with a number that grows with each claim, its epoch. Whatever a
 //! replica writes of a job says the epoch of its claim; once another replica has claimed the job, it changes
@@ -59,7 +59,7 @@ pub(crate) struct Shared {
     /// The jobs that this replica runs.
     claims: Mutex<HashMap<Uuid, Claim>>,
     order: Arc<Order>,
-    /// What the other replicas are told next.
+    /// The hints to send to the other replicas.
     told: mpsc::Sender<Hint>,
     counters: Counters,
 }

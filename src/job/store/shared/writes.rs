@@ -78,8 +78,8 @@ const REMOVE: &str = "
 DELETE FROM jobs WHERE id = $1
 RETURNING finished IS NULL AND (followed OR owner IS DISTINCT FROM $2) AS others";
 
-/// The jobs that have ended last stay, as many as are allowed and fit in; the others that are not spared go,
-/// the first to end first. One replica at a time looks for them: the others find nothing.
+/// The jobs that have ended last stay, up to the limits of number and bytes; of the others, those that are not in use
+/// are removed, the first to end first. One replica at a time looks for them: the others find nothing.
 const RETAIN: &str = "
 WITH turn AS MATERIALIZED (
     SELECT pg_try_advisory_xact_lock(hashtext('piad retention'), hashtext(current_schema()::text)) AS mine
@@ -109,8 +109,8 @@ const FORGET_KEYS: &str = "DELETE FROM keys WHERE created < now() - make_interva
 /// Seconds of a century: beyond it an interval may not fit into a timestamp.
 const CENTURY: f64 = 3.2e9;
 
-/// How long something is ago, in seconds. The clocks of replicas differ from that of the database, by which
-/// things become old: so it is told how long ago they were, not when.
+/// Seconds since a time. The clocks of replicas differ from that of the database, which decides ages: so an age is
+/// passed, not a time.
 fn age(at: Timestamp) -> f64 {
     let age = Timestamp::now().duration_since(at).as_secs_f64();
     age.clamp(-CENTURY, CENTURY)
@@ -196,7 +196,7 @@ impl Shared {
         Ok(Insertion::New)
     }
 
-    /// Claims a job that waits, or tells of one that was claimed; false if it is claimed by another replica.
+    /// Claims a job that waits, or notes the progress of one that was claimed; false if another replica has claimed it.
     pub(super) async fn write_start(
         &self,
         id: Uuid,
@@ -304,7 +304,7 @@ impl Shared {
         Ok(true)
     }
 
-    /// The job of this id. If it has not ended, this replica is told when it has.
+    /// The job of this id. If it has not ended, this replica is notified when it has.
     pub(crate) async fn follow(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
         let follow = || sqlx::query(FOLLOW).bind(id);
         match self.connections.run(0, follow).await?.first() {
@@ -314,7 +314,7 @@ impl Shared {
         }
     }
 
-    /// Tells a hint if the row says that it is one for others.
+    /// Sends a hint if the row says that it is for others.
     fn tell_others(&self, row: &PgRow, hint: Hint) -> Result<(), StoreError> {
         if row.try_get("others").map_err(of_database)? {
             self.tell(hint);

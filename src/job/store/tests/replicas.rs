@@ -139,7 +139,7 @@ async fn a_lease_is_renewed_and_a_lost_one_is_not() {
     );
     let replica = one.shared().unwrap();
     schema.run_out().await;
-    // Nobody has looked meanwhile: they are still its own.
+    // The job was not taken over meanwhile: it is still its own.
     assert!(replica.renew(silent).await.unwrap().is_empty());
     other.shared().unwrap().recover().await.unwrap();
     for id in [kept, lost, deleted] {
@@ -155,13 +155,13 @@ async fn a_lease_is_renewed_and_a_lost_one_is_not() {
     let mut ended = replica.renew(silent).await.unwrap();
     ended.sort_unstable();
     assert_eq!(ended, [kept, deleted]);
-    // Told once.
+    // Reported once.
     assert_eq!(replica.renew(silent).await.unwrap(), [kept]);
     assert!(!one.finish(lost, converged(0), None).await.unwrap());
     assert!(one.finish(kept, converged(0), None).await.unwrap());
 }
 
-/// A replica that tells of none of its jobs how far it has come.
+/// A replica that reports no progress of its jobs.
 fn silent(_: Uuid) -> Option<Status> {
     None
 }
@@ -302,7 +302,7 @@ async fn replicas_hear_of_jobs_that_they_wait_for() {
     other.shared().unwrap().follow(read).await.unwrap();
     for id in [unread, read] {
         assert!(start(&one, id).await && finish(&one, id).await);
-        // Nobody waits for it any more.
+        // It is abandoned.
         assert!(one.remove(id).await.unwrap());
     }
     let said = heard(&mut hints, &ids, Hint::Ended(read)).await;

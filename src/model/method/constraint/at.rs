@@ -155,7 +155,7 @@ impl PlaceInput {
         })
     }
 
-    /// A place in the form of a request; points of surfaces are in this many columns.
+    /// A location in the form of a request; points of surfaces are in rows of `columns` points.
     pub(super) fn of(at: At, columns: Option<usize>) -> Self {
         match at {
             At::Side(side) => Self::Side(side),

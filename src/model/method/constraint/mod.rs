@@ -1,4 +1,4 @@
-//! Constraints as requested: where, and one thing that holds there.
+//! Requested constraints: a location, and one condition that holds there.
 
 mod at;
 
