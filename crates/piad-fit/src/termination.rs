@@ -15,25 +15,25 @@ pub enum Outcome {
     Exhausted,
     /// The method cannot continue.
     Stalled(Reason),
-    /// The distances are not finite numbers any more.
+    /// The distances are no longer finite.
     Overflow,
 }
 
-/// Why a fit goes no further although its tolerance is not reached.
+/// Why a fit stalls outside its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reason {
-    /// Least squares: no step makes the sum of squares smaller.
+    /// Least squares: no step reduces the sum of squares.
     Minimum,
-    /// Convex: any step would turn the control polygon the other way.
+    /// Convex: any step would reverse a turn of the control polygon.
     Convexity,
     /// Extended: the error is zero but for rounding, as the power of `I − U B` has vanished.
     Nilpotent,
-    /// Direct: what is left is rounding.
+    /// Direct: only rounding is left.
     Rounding,
     /// Least squares and Chebyshev: the residual grows, because the steps are too long.
     Diverging,
-    /// With control points `auto`: within the tolerance at the data, and far away from them between neighbours.
+    /// With control points `auto`: within the tolerance at the data, but far from them between neighbours.
     Between,
 }
 

@@ -1,4 +1,4 @@
-//! Which given knots are refused.
+//! Validation of given knots.
 
 use crate::data::monotonic;
 use crate::invalid::{Axis, Invalid, Place};

@@ -7,10 +7,9 @@
 //! - at the data (LBW05 (3.1)): the parameters between, and n + p control points of which n + 1 are
 //!   free;
 //! - averaged (PT97 (9.8)): means of p successive parameters, and n + 1 control points;
-//! - spread, for least squares: at equal shares of the parameters' indices, so that there is one in
-//!   every span, and reversed parameters have reversed knots;
-//! - adaptive, for least squares: first spread, then where the data ask for them
-//!   (`knot_selection::adaptive`);
+//! - spread, for least squares: at equal shares of the parameters' indices, so that there is a parameter in every span,
+//!   and reversed parameters have reversed knots;
+//! - adaptive, for least squares: first spread, then placed by the data (`knot_selection::adaptive`);
 //! - for as few control points as a tolerance needs (PT97 (9.68)–(9.69)): about as many parameters in
 //!   every span, of which the first ones have fewer;
 //! - periodic: at or midway between the parameters, repeated with their period.
@@ -35,8 +34,8 @@ use crate::data::quantiles::Position;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Knots {
-    /// What suits the method and the degree: at the data for odd degrees, averaged for even ones, and
-    /// spread for open least-squares fits.
+    /// The default of the method and the degree: at the data for odd degrees, averaged for even ones, and spread for
+    /// open least-squares fits.
     Usual,
     /// Interior knots are the interior parameters (LBW05 (3.1), LWD04 (1)).
     Data,
@@ -44,7 +43,7 @@ pub enum Knots {
     Averaged,
     /// At equal shares of the parameters' indices; open least-squares fits.
     Spread,
-    /// Where the data ask for them, at equal shares of their distances; least-squares fits of curves.
+    /// Placed by the data, at equal shares of their distances; least-squares fits of curves.
     Adaptive,
     /// Given knots, clamped at both ends.
     Explicit(Arc<Vec<f64>>),

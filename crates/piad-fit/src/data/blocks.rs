@@ -1,4 +1,4 @@
-//! Blocks of consecutive points, and the norms of the distances in each.
+//! Blocks of consecutive points, and the norms of their distances.
 //!
 //! A block has at most 1024 points: its numbers stay in the nearest cache. In a block the squares
 //! of distances are summed up in eight *lanes*, number k in lane k mod 8, then the lanes pairwise,
@@ -41,7 +41,7 @@ impl Blocks {
         self.grid.rows.div_ceil(self.lines) * self.parts
     }
 
-    /// How many whole lines are how many whole blocks: (lines, blocks), one of which is 1.
+    /// The numbers of whole lines that make whole blocks: (lines, blocks), one of which is 1.
     pub(crate) fn unit(self) -> (usize, usize) {
         (self.lines, self.parts)
     }

@@ -1,8 +1,8 @@
 //! Order and zero tests of long arrays of numbers.
 //!
-//! Nearly all of them are, so that every number has to be compared: many at a time, without a
-//! branch for each, and long arrays by several threads. Where the answer is no, the caller looks
-//! for the place. They are explicit parameters and knots, and diagonals of matrices.
+//! Most inputs satisfy these tests, so that every number has to be compared: many at a time,
+//! without a branch for each, and long arrays by several threads. If a test fails, the caller
+//! searches for the index. The arrays are explicit parameters and knots, and diagonals of matrices.
 
 use rayon::prelude::*;
 

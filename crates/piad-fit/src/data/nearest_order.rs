@@ -1,4 +1,4 @@
-//! Points of a curve in the order in which they follow one another, where they come in any order.
+//! Sorts unordered points along their curve.
 //!
 //! The shortest tree that connects all points (Prim 1957) runs along a curve that is sampled well enough: its longest path is
 //! the order. Points beside the path, as noise has them, come before or after the point of the path that they hang on,
@@ -6,7 +6,7 @@
 
 use super::points::Points;
 
-/// More points would take too long: the tree compares each point with each other one.
+/// The most points: the tree compares each point with each other one.
 pub(crate) const MOST_POINTS: usize = 20_000;
 
 /// The most points of a branch beside the path.

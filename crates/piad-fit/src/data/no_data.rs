@@ -9,7 +9,7 @@ const LIMITS: [f64; 2] = [-32768.0, -2_147_483_648.0];
 /// Programs also write the largest numbers that there are.
 const LARGE: f64 = 1e30;
 
-/// Such a value is away from all others by more than this part of their range.
+/// Such a value differs from all others by more than this part of their range.
 const AWAY: f64 = 0.1;
 
 /// The value of the last coordinate that stands for missing data, and how often it is there: one that

@@ -5,22 +5,22 @@
 
 use super::points::Points;
 
-/// The most points that are looked at, at equal distances in the list.
+/// The most points that are examined, at equal distances in the list.
 const MOST_SAMPLES: usize = 96;
 
 /// In long lists fewer points are examined, for about this many distances in all, but at least [`LEAST_SAMPLES`].
 const MOST_DISTANCES: usize = 1 << 22;
 const LEAST_SAMPLES: usize = 12;
 
-/// How many of the nearest points of a point count.
+/// The number of nearest points that count.
 const NEAREST: usize = 3;
 
 /// Points have an order if one in this many has a neighbour of the list among its nearest points.
 const ONE_IN: usize = 3;
 
-/// Returns true if fewer than a third of the points have one of their two neighbours in the list among their
-/// three nearest points. Points of the plane whose x or y increases or decreases throughout are the graph
-/// of a function, however noisy, and values without a place have no distances.
+/// Returns true if fewer than a third of the points have one of their two neighbours in the list among their three
+/// nearest points. Points of the plane whose x or y increases or decreases throughout are the graph of a function,
+/// however noisy, and plain values have no distances.
 pub fn is_unordered(points: &Points) -> bool {
     let count = points.len();
     let is_graph = points.dimension() == 2 && points.lanes().iter().any(|lane| is_monotone(lane));

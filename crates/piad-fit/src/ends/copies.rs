@@ -22,7 +22,7 @@ use crate::invalid::Side;
 #[derive(Debug)]
 pub(super) struct Copies {
     side: Side,
-    /// How many copies there are, k.
+    /// The number of copies, k.
     pub(super) count: usize,
     /// The number of basis functions, and of data points.
     functions: usize,
@@ -38,7 +38,8 @@ pub(super) struct Copies {
 }
 
 impl Copies {
-    /// The copies on one side of an open direction with knots at the data; none if there are none.
+    /// The copies on one side of an open direction with knots at the data; `None` if there are
+    /// none.
     pub(super) fn new(direction: &Direction, side: Side) -> Option<Self> {
         let count = direction.copies(side);
         if count == 0 {

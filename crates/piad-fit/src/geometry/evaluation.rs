@@ -1,4 +1,4 @@
-//! The curve or surface of some control points: evaluation and sampling.
+//! Evaluation and sampling of the curve or surface of some control points.
 //!
 //! ```text
 //! C(t) = Σ_j X_j B_j(t),   S(u, v) = Σ_i Σ_j X_ij B_i(u) B_j(v)
@@ -8,10 +8,9 @@
 //! one coordinate more, the weight, and points are projected: the first d coordinates of the sum
 //! over the last one.
 //!
-//! Readers see the *complete* control net, as a CAD kernel stores it: with the copies at the ends,
-//! which can differ from their control points ([`crate::ends`]), and on closed curves with the
-//! control points of the next turn, one for each basis function. The iteration has the free ones
-//! only.
+//! Outputs use the *complete* control net, as a CAD kernel stores it: with the copies at the ends, which can differ
+//! from their control points ([`crate::ends`]), and on closed curves with the control points of the next turn, one for
+//! each basis function. The iteration has the free ones only.
 
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
