@@ -1,4 +1,4 @@
-//! An attempt with some number of control points: what its redistributions have brought so far.
+//! An attempt with a number of control points: the results of its redistributions so far.
 
 use std::sync::Arc;
 
@@ -25,11 +25,11 @@ const FAST: f64 = 0.75;
 #[derive(Debug)]
 pub(super) struct Attempt {
     count: usize,
-    /// What the next knots come from.
+    /// The source of the next knots.
     monitor: Monitor,
-    /// The level with the lowest largest distance, and what its distances ask for.
+    /// The level with the lowest largest distance, and the knot density of its distances.
     lowest: Option<(Arc<Level>, Monitor)>,
-    /// The last level of the weights.
+    /// The last level with weights.
     weighed: Option<Arc<Level>>,
     tries: usize,
     /// Redistributions since the last gain.
@@ -62,7 +62,7 @@ impl Attempt {
         self.tries == 0
     }
 
-    /// What the next knots come from.
+    /// The source of the next knots.
     pub(super) fn monitor(&self) -> &Monitor {
         &self.monitor
     }
@@ -79,8 +79,8 @@ impl Attempt {
         self.lowest.as_ref().map(|(level, _)| level)
     }
 
-    /// Takes the outcome of a redistribution, and what its distances ask for; returns whether it is
-    /// the lowest so far.
+    /// Takes the outcome of a redistribution, and the knot density of its distances; returns true
+    /// if it is the lowest so far.
     pub(super) fn take(&mut self, level: &Arc<Level>, monitor: Monitor) -> bool {
         let (largest, before) = (level.distances.max, self.lowest());
         self.tries += 1;
@@ -102,8 +102,8 @@ impl Attempt {
         lower
     }
 
-    /// Returns true if more redistributions are not worth it. With the `most` control points that
-    /// are allowed there is no other way to get closer.
+    /// Returns true if more redistributions are not worth it. With the largest allowed number of
+    /// control points, `most`, there is no other way to get closer.
     pub(super) fn is_over(&self, tolerance: f64, most: usize) -> bool {
         let elsewhere = self.count < most && self.is_hopeless(tolerance);
         self.without_gain >= PATIENCE || elsewhere && self.tries >= ENOUGH && self.slow > 1
@@ -115,23 +115,23 @@ impl Attempt {
         self.lowest() > HOPELESS * tolerance
     }
 
-    /// The last level of the weights.
+    /// The last level with weights.
     pub(super) fn weighed(&self) -> Option<&Arc<Level>> {
         self.weighed.as_ref()
     }
 
-    /// Remembers a level of the weights.
+    /// Remembers a level with weights.
     pub(super) fn with_weighed(mut self, level: Arc<Level>) -> Self {
         self.weighed = Some(level);
         self
     }
 
-    /// What the distances of the last redistribution ask for.
+    /// The knot density of the last redistribution.
     pub(super) fn into_last_monitor(self) -> Monitor {
         self.monitor
     }
 
-    /// What the distances of the lowest level ask for.
+    /// The knot density of the lowest level.
     pub(super) fn into_lowest_monitor(self) -> Monitor {
         match self.lowest {
             Some((_, monitor)) => monitor,

@@ -1,5 +1,4 @@
-//! Knots of one direction while they are looked for: simple ones, between both ends of the
-//! parameters.
+//! Knots of one direction during the search: simple ones, between both ends of the parameters.
 //!
 //! *Breaks* are the ends and the knots between them, each once; successive ones bound a *span*.
 //!
@@ -169,8 +168,8 @@ pub(crate) fn control_points_beyond_spans(degree: usize, closed: bool) -> usize 
     if closed { 0 } else { degree }
 }
 
-/// How many of increasing parameters satisfy a condition, which the first ones do. Most runs are
-/// short beside what is left: steps that double find about where one ends.
+/// How many of increasing parameters satisfy a condition, which the first ones do. Most runs are short compared with
+/// the rest: doubling steps find where one ends.
 fn run_length(t: &[f64], is_within: impl Fn(f64) -> bool) -> usize {
     let mut step = 1;
     while step < t.len() && is_within(t[step]) {

@@ -1,5 +1,5 @@
-//! Knots of curves with corners, as [`Breaks`](super::breaks::Breaks) of others: both ends and the knots between, of which
-//! those at corners come p times.
+//! Knots of curves with corners, as [`Breaks`](super::breaks::Breaks) of others: both ends and the knots between, of
+//! which those at corners occur p times.
 //!
 //! ```text
 //! knots, p = 3      0 0 0 0  1  2 2 2  3  4 4 4 4

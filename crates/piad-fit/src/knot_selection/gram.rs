@@ -10,8 +10,8 @@ use super::values::Values;
 use crate::basis::quadrature::Row;
 use crate::linear::folded;
 
-/// A pivot below this part of its diagonal entry is a control point that the data say nothing
-/// about: beyond it a solution has no digits left.
+/// A pivot below this part of its diagonal entry is a control point that the data do not determine:
+/// beyond it a solution has no digits left.
 const SINGULAR: f64 = 1e-13;
 
 /// The lower half of a symmetric banded matrix.

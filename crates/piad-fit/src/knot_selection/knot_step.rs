@@ -38,7 +38,7 @@ pub(super) fn can_move(line: &Breaks, data: usize) -> bool {
     line.spans() <= MOST_SPANS && (2..=MOST_DEGREE).contains(&line.degree()) && data <= MOST_DATA
 }
 
-/// How far a knot goes towards its neighbours at most, as a part of the way.
+/// The largest move of a knot towards its neighbours, as a part of the way.
 const PART: f64 = 0.4;
 
 /// The derivative of a curve by one of its knots, at the data where it is not zero.
@@ -49,7 +49,7 @@ struct Slope {
     lanes: Vec<Vec<f64>>,
 }
 
-/// The knots after a step, and how far it goes is less with more `damping`. `None` where the data do not determine it.
+/// The knots after a step, which is shorter with more `damping`. `None` where the data do not determine it.
 pub(super) fn moved(
     values: &Values,
     points: &Points,
@@ -91,7 +91,7 @@ pub(super) fn moved(
     Breaks::new(line.degree(), line.is_closed(), moved)
 }
 
-/// The matrix S and the right side of the step, by what the slope of each knot has to do with the residual.
+/// The matrix S and the right side of the step, from the products of the slope of each knot and the residual.
 fn without_control_points(
     values: &Values,
     weights: Option<&[f64]>,

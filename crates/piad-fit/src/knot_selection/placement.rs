@@ -1,4 +1,4 @@
-//! Knots from a density, which the data must be able to determine.
+//! Knots by a density, adjusted so that the data determine the fit.
 
 use super::breaks::{Breaks, control_points_beyond_spans};
 use super::monitor::Monitor;

@@ -90,7 +90,7 @@ struct Before<const H: usize> {
 }
 
 impl<const H: usize> Before<H> {
-    /// In place of rows before the first one: it changes nothing.
+    /// Placeholder for rows before the first one: it changes nothing.
     fn none() -> Self {
         Self {
             entries: [0.0; H],
@@ -268,7 +268,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
                 } = before[k];
                 // Entry j of that row is k − j columns left of the diagonal.
                 for (j, entry) in entries.into_iter().enumerate() {
-                    // The reciprocal is what all wait for.
+                    // The reciprocal is on the critical path.
                     let product = factor * entry * reciprocal;
                     match k.cmp(&j) {
                         std::cmp::Ordering::Greater => lower[k - j - 1] -= product,
@@ -300,7 +300,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// Applies `L⁻¹` to N lines in place.
+    /// The nearest one, which is on the critical path, comes last.
     fn forward<const N: usize>(&self, lines: &mut [&mut [f64]; N]) {
         let mut before = [[0.0; N]; H];
         for (

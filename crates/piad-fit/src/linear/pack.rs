@@ -1,4 +1,4 @@
-//! From the rows of a matrix as they come to a matrix of the least width, with long stretches.
+//! Packs the rows of a matrix into one of the least width, with long stretches.
 //!
 //! B-splines of degree p have p + 1 functions at a parameter, but with knots at the data one of
 //! them vanishes at each, sometimes the first and sometimes the last. Packing leaves out places at
@@ -23,7 +23,7 @@ const LONG: usize = 64;
 /// of their own.
 const FEW: usize = 16;
 
-/// Consecutive rows whose entries that differ from zero stand at the same places.
+/// Consecutive rows with nonzero entries at the same offsets.
 #[derive(Clone, Copy)]
 struct Run {
     /// The first row.

@@ -39,16 +39,17 @@ impl Forecast {
     }
 }
 
-/// Where a fit will end.
+/// The predicted end of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Prediction {
-    /// It was tried: at this level, but for rounding.
+    /// By a trial run: at this level, but for rounding.
     End(usize),
-    /// The beginning was tried: at about this level, as long as no more is known.
+    /// By a trial run of the beginning: at about this level, unless later errors give a better
+    /// prediction.
     About {
         /// The level at which it ends.
         end: usize,
-        /// The level up to which that is the best that is known.
+        /// The level up to which this prediction is the best one.
         seen: usize,
     },
 }

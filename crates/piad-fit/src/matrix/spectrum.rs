@@ -117,7 +117,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
         matrix.shifted_inverse(upper, exact)?.apply(&mut w);
         let (least, largest) = extremes(&z, &w);
         if !(least > 0.0 && largest.is_finite()) {
-            // Where the shift is the eigenvalue but for rounding, signs are a matter of luck.
+            // Where the shift is the eigenvalue but for rounding, signs are arbitrary.
             return (step < NEARLY).then_some(upper);
         }
         step = least / upper;
@@ -127,7 +127,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
             break;
         }
     }
-    // The bound of the vector that was found holds whatever rounding there was on the way.
+    // The bound of the vector holds whatever the rounding before.
     w.copy_from_slice(&z);
     inverse.apply(&mut w);
     let (least, largest) = extremes(&w, &z);
@@ -194,8 +194,8 @@ pub(crate) fn of_block(matrix: &Tensor, points: &[usize]) -> Option<BlockSpectru
     (least > 0.0).then_some(BlockSpectrum { least, largest })
 }
 
-/// By which factor a map makes vectors grow in the long run, by power iteration from `x`. `None`
-/// where it has no value.
+/// The factor by which a map makes vectors grow in the long run, by power iteration from `x`.
+/// `None` if there is no such factor.
 fn growth(mut x: DVector<f64>, map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>) -> Option<f64> {
     let mut largest = 0.0;
     for _ in 0..BLOCK_STEPS {

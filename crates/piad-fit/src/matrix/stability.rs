@@ -22,7 +22,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 /// The most steps of the QR algorithm for each eigenvalue.
 const MOST_QR_STEPS: usize = 100;
 
-/// The most eigenvalues that are looked at closely: those that seem to diverge the most.
+/// The most eigenvalues that are examined: those that seem to diverge the most.
 const SUSPECTS: usize = 4;
 
 /// Steps of the inverse iteration for an eigenvector.
@@ -34,7 +34,7 @@ const WELL_KNOWN: f64 = 1e-9;
 /// One, as a complex number.
 const ONE: Complex<f64> = Complex::new(1.0, 0.0);
 
-/// An eigenvalue of each direction, and what their product is worth.
+/// An eigenvalue of each direction, and the distance of their product from one.
 struct Suspect {
     /// The eigenvalue of each direction.
     values: Vec<Complex<f64>>,

@@ -60,7 +60,7 @@ impl Scheme for Adaptive {
         &ABOUT
     }
 
-    /// At 0 all points would move for ever.
+    /// At 0 all points would move forever.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         self.threshold.check(scope.grid.count())?;
         Omega::Given(self.omega).check()
@@ -72,7 +72,7 @@ impl Scheme for Adaptive {
         asked.max(self.threshold.largest())
     }
 
-    /// As other methods, and the thresholds of points.
+    /// Checks of other methods, and of the thresholds of points.
     fn demand(&self) -> Demand {
         let each = match &self.threshold {
             Threshold::All(_) => 0,
@@ -84,7 +84,7 @@ impl Scheme for Adaptive {
         }
     }
 
-    /// That of all points, as an upper bound: principal blocks have larger eigenvalues.
+    /// The rate of all points, as an upper bound: principal blocks have larger eigenvalues.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         eigenvalues::relaxed(setup, collocation, Omega::Given(self.omega))
     }

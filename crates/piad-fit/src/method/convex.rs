@@ -110,7 +110,7 @@ impl Scheme for Convex {
     }
 }
 
-/// Plain steps where they keep the turns, else the part of a step that does.
+/// Plain steps where they keep the turns, else the largest fraction of a step that does.
 #[derive(Clone, Debug)]
 struct Steps {
     /// How near to the turning point the search goes, in steps.
@@ -148,7 +148,7 @@ impl Steps {
         }
     }
 
-    /// Places the polygon at `X + ε Δ` and says whether it turns as `X` did.
+    /// Moves the polygon to `X + ε Δ` and returns true if its turns are those of `X`.
     fn keeps_turns(&self, epsilon: f64, control_points: &mut Points) -> bool {
         for ((x, before), step) in control_points
             .lanes_mut()
@@ -181,7 +181,7 @@ impl Steps {
                 return 0.0;
             }
         }
-        // Back towards the whole step, as near as the turns allow.
+        // Back towards the whole step, as far as the turns allow.
         let mut lost = 1.0;
         for _ in 0..HALVINGS {
             if lost - kept <= self.step_tolerance {

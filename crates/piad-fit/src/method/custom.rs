@@ -78,8 +78,8 @@ pub struct Custom {
 }
 
 impl Custom {
-    /// The method with the rows of U, or of U_u and U_v; on surfaces `u` is for both directions if there is no `v`.
-    /// Returns true if the matrices fit a problem is found out when there is one.
+    /// The method with the rows of U, or of U_u and U_v; on surfaces `u` is for both directions if there is no `v`. The
+    /// matrices are checked together with a problem.
     pub fn new(u: Vec<Vec<f64>>, v: Option<Vec<Vec<f64>>>) -> Self {
         Self {
             u: Arc::new(u),
@@ -182,7 +182,7 @@ impl Scheme for Custom {
         }
     }
 
-    /// The rate of small ones; of others errors are foretold as they fall.
+    /// The rate of small ones; for others the decay of errors predicts the end.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         let rate = || stability::rate(&self.products(setup, collocation));
         Forecast {

@@ -29,7 +29,7 @@ pub(crate) fn check_relaxation(
     if !is_doubtful(setup) {
         return Ok(());
     }
-    // Of extreme weights nothing is known.
+    // Nothing is known for extreme weights.
     let Some(values) = eigenvalues(setup) else {
         return Ok(());
     };

@@ -1,4 +1,4 @@
-//! The least eigenvalue of the collocation matrix, as the methods that converge by it need it.
+//! The least eigenvalue of the collocation matrix, for the methods that converge by it.
 //!
 //! Weighted PIA with its best ω and the Chebyshev semi-iteration choose their steps by λ_min, and
 //! always compute it; others only for their forecast, unless there are many points. An edit of a

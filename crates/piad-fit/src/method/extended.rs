@@ -124,7 +124,7 @@ impl Scheme for Extended {
         }
     }
 
-    /// It stalls when nothing is left of `(I − U B)ᵏ`: what remains is rounding.
+    /// It stalls when `(I − U B)ᵏ` has vanished: what remains is rounding.
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
         let update = Linear::nilpotent_after(equations.forecast.exact_after);
         Box::new(match self.transformed_error {
@@ -133,7 +133,7 @@ impl Scheme for Extended {
         })
     }
 
-    /// Rounding that leaves more than the tolerance.
+    /// Warns of rounding that leaves more than the tolerance.
     fn warnings(
         &self,
         forecast: &Forecast,

@@ -41,7 +41,7 @@ pub(super) const ABOUT: About = About {
 /// Up to this number of adjusted points the least eigenvalue of their block is computed, in O(n³).
 const BLOCK: usize = 200;
 
-/// Local PIA. Which points are selected is a part of the request, as there can be many.
+/// Local PIA. The selected points are a part of the request, as there can be many.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Local {
@@ -52,7 +52,7 @@ pub struct Local {
     pub sweeps: Option<Sweeps>,
 }
 
-/// The lines of points that sweeps go by.
+/// The order of the lines in sweeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -146,7 +146,7 @@ fn adjusted(setup: &Setup) -> Vec<usize> {
     indices
 }
 
-/// Refuses indices that there are not, or that are given twice; there must be one at least.
+/// Refuses indices that are out of range, or given twice; there must be at least one.
 fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
     if indices.is_empty() {
         return Err(Invalid::at(

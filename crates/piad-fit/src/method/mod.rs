@@ -154,7 +154,7 @@ impl Method {
         }
     }
 
-    /// The same without matrices, constraints, and thresholds and weights of points, as lists of fits show it.
+    /// The same without matrices, constraints, and thresholds and weights of points, for lists of fits.
     #[must_use]
     pub fn outline(&self) -> Self {
         match self {
@@ -183,7 +183,7 @@ impl Method {
         self.scheme().control_points().is_some()
     }
 
-    /// What it is called, what it does, and where it comes from.
+    /// Its names, what it does, and its source.
     pub fn about(&self) -> &'static About {
         self.scheme().about()
     }
@@ -209,8 +209,8 @@ impl Method {
         self.about().name
     }
 
-    /// What is doubtful about a fit by what was found out before the first step, if it will end at
-    /// level `predicted`, as far as is known at level 0, and is computed up to level `iterations`.
+    /// Warnings by what is known before the first step. The fit is predicted to end at level `predicted`, and is
+    /// computed up to level `iterations`.
     pub fn warnings(
         &self,
         forecast: &Forecast,

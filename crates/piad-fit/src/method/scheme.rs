@@ -1,4 +1,4 @@
-//! What a method is: everything that the rest of the crate asks of one.
+//! The interface of a method to the rest of the crate.
 //!
 //! Functions are called once for each fit, or once for each level, never for each point. In the
 //! order in which they are called:
@@ -46,7 +46,7 @@ pub(crate) struct Scope<'a> {
     pub selected: Option<&'a [usize]>,
 }
 
-/// What a method needs of memory besides data, control points and residual.
+/// The memory of a method besides data, control points and residual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Demand {
     /// Vectors with as many points as the data.
@@ -128,7 +128,7 @@ pub(crate) trait Scheme: Debug {
         asked
     }
 
-    /// What it needs of memory.
+    /// Its memory.
     fn demand(&self) -> Demand {
         Demand::default()
     }
@@ -144,8 +144,8 @@ pub(crate) trait Scheme: Debug {
         0
     }
 
-    /// What is known of the convergence before the first step. It may take as long as some
-    /// factorizations of the collocation matrix.
+    /// The forecast before the first step. It may take as long as some factorizations of the
+    /// collocation matrix.
     fn forecast(&self, _setup: &Setup, _collocation: &Tensor) -> Forecast {
         Forecast::default()
     }
@@ -205,14 +205,14 @@ pub(crate) trait Scheme: Debug {
         0
     }
 
-    /// Returns true if the fit ends for a reason of the method's own: it is neither within the
+    /// The outcome if the fit ends for a reason of the method's own: it is neither within the
     /// tolerance nor at the last allowed level.
     fn stop(&self, _progress: &Progress) -> Option<Outcome> {
         None
     }
 
-    /// What is doubtful by the forecast, where the fit will end at level `predicted`, as far as is
-    /// known at level 0, and at level `iterations` at the latest.
+    /// Warnings by the forecast, if the fit is predicted to end at level `predicted`, and ends at
+    /// level `iterations` at the latest.
     fn warnings(
         &self,
         _forecast: &Forecast,

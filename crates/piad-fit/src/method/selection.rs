@@ -22,7 +22,7 @@ use crate::matrix::tensor::Tensor;
 /// How many multiplications of whole arrays take as long as one of an entry that is looked up.
 const LOOK_UP: usize = 6;
 
-/// How the moved control points are chosen.
+/// The rule by which the moved control points are chosen.
 pub(super) trait Choice: Clone + Debug + Send + 'static {
     /// True if each update has its own, rather than all of them the same.
     const VARIES: bool;

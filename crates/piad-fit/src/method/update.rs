@@ -85,12 +85,12 @@ pub(crate) trait Update: Debug + Send {
         false
     }
 
-    /// Returns true if the fit is at its end by what the update has measured, and why.
+    /// The outcome if the fit ends by what the update has measured.
     fn outcome(&self) -> Option<Outcome> {
         None
     }
 
-    /// Returns true if another update would change nothing, and why.
+    /// The reason if another update would change nothing.
     fn stalled(&self) -> Option<Reason> {
         None
     }

@@ -6,13 +6,13 @@
 //! | open B-spline | n, and p − 1 end copies | at the data | LBW05 (3.1)–(3.2) |
 //! | open B-spline | n | averaged, or given | PT97 (9.8) |
 //! | open B-spline | fewer than data points | spread, or given | |
-//! | open B-spline | fewer than data points | as earlier programs had them | PT97 (9.68)–(9.69) |
+//! | open B-spline | fewer than data points | as in earlier versions | PT97 (9.68)–(9.69) |
 //! | curve | fewer than data points | spread, then adaptive ([`super::adaptive_knots`]) | |
 //! | closed B-spline | n, or fewer | periodic | |
 //! | B-spline with corners, or creases | n, or fewer | p at each corner, averaged or spread between | |
 //!
-//! Whatever is given is checked against what it has to fit: parameters against knots, knots against
-//! the number of control points, weights against that of functions.
+//! Given values are checked against each other: parameters against knots, knots against the number of control points,
+//! weights against that of functions.
 
 use std::sync::Arc;
 
@@ -40,8 +40,7 @@ impl Direction {
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong with the number of control points, the parameters, the degree,
-    /// the knots or the weights.
+    /// The first error of the number of control points, the parameters, the degree, the knots or the weights.
     pub(crate) fn new(
         choice: DirectionChoice,
         points: &Points,
@@ -98,7 +97,7 @@ impl Direction {
     }
 }
 
-/// The direction with which a fit begins that chooses its knots: with given breaks, or the fewest that there are for the
+/// The initial direction of a fit that chooses its knots: with given breaks, or the fewest that there are for the
 /// degree, between corners if it has some.
 pub(crate) fn first_direction(
     choice: DirectionChoice,

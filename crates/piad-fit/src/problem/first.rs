@@ -1,4 +1,4 @@
-//! With which knots a fit begins that chooses them by itself, and how much memory it takes.
+//! The initial knots of a fit that chooses them by itself, and its memory.
 
 use std::sync::Arc;
 

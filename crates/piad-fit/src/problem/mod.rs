@@ -1,10 +1,9 @@
 //! A fitting problem: from the request to what can be iterated.
 //!
-//! Everything that can be wrong is found here, so that what comes after can only run out of the
-//! range of numbers. In this order: the points are checked, missing ones get a place, the tolerance
-//! is resolved, the settings of the method are checked, parameters and knots are computed for each
-//! direction, homogeneous coordinates are lifted, a given start is compared with the control grid,
-//! and methods that cannot converge are refused.
+//! All validation errors are found here, so that later only numeric overflow is possible. In this order: the points are
+//! checked, missing ones get a place, the tolerance is resolved, the settings of the method are checked, parameters and
+//! knots are computed for each direction, homogeneous coordinates are lifted, a given start is compared with the
+//! control grid, and methods that cannot converge are refused.
 
 mod adaptive_knots;
 pub(crate) mod admission;
@@ -67,7 +66,7 @@ pub struct Problem {
     tolerance: f64,
     /// The points that are fitted, where others are outliers or missing.
     kept: Option<Kept>,
-    /// How scattered points get their parameters, if that was chosen by the fit.
+    /// The rule for the parameters of scattered points, if the fit has chosen it.
     chosen: Option<Scattered>,
     /// The outline of the data, of a surface that is trimmed.
     outline: Option<Arc<Outline>>,
@@ -86,7 +85,7 @@ struct Kept {
 impl Deref for Problem {
     type Target = Setup;
 
-    /// What is fitted, whatever the method.
+    /// What is fitted, independent of the method.
     fn deref(&self) -> &Setup {
         &self.setup
     }
@@ -97,17 +96,17 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong, in this order: the points, the tolerance, the settings of the
-    /// method, the directions, the weights, the start, and whether the method can converge.
+    /// The first validation error, in this order: the points, the tolerance, the settings of the method, the
+    /// directions, the weights, the start, and whether the method can converge.
     pub fn new(request: Request) -> Result<Self, Invalid> {
         Self::admitted(request, &Admission::ANY)
     }
 
-    /// The same, unless it takes too much: that is found out before anything is computed that takes long.
+    /// The same, unless it exceeds the limits, which is checked before any long computation.
     ///
     /// # Errors
     ///
-    /// Those of [`new`](Self::new), and what is too much, before the start is looked at.
+    /// Those of [`new`](Self::new), and limits that are exceeded.
     pub fn admitted(mut request: Request, admission: &Admission) -> Result<Self, Invalid> {
         check_dimension(&request)?;
         let missing = check_points(&mut request)?;
@@ -232,7 +231,7 @@ impl Problem {
         &self.request
     }
 
-    /// How scattered points get their parameters, if the fit has chosen that.
+    /// The rule for the parameters of scattered points, if the fit has chosen it.
     pub fn chosen_parameters(&self) -> Option<&Scattered> {
         self.chosen.as_ref()
     }
@@ -315,7 +314,7 @@ impl Problem {
         self.method().is_automatic()
     }
 
-    /// What is fitted, whatever the method.
+    /// What is fitted, independent of the method.
     pub fn setup(&self) -> &Arc<Setup> {
         &self.setup
     }
@@ -431,7 +430,7 @@ fn directions(
     Ok((u, v.transpose()?))
 }
 
-/// Names the numbers of control points of least squares that explicit knots imply.
+/// Fills in the numbers of control points of least squares that explicit knots imply.
 fn imply_control_points(request: &mut Request) -> Result<(), Invalid> {
     if let Method::LeastSquares(settings) = &request.method {
         let choices = std::iter::once(&request.u).chain(&request.v);

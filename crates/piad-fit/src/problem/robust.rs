@@ -1,4 +1,4 @@
-//! Robust fits: points that are wrong are left out, and the others are fitted as if they were alone.
+//! Robust fits: outliers are left out, and the other points are fitted alone.
 
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ impl Inliers {
     ///
     /// # Errors
     ///
-    /// What a robust fit cannot be combined with, or too many outliers.
+    /// Settings that a robust fit cannot be combined with, or too many outliers.
     pub(super) fn of(request: &Request, admission: &Admission) -> Result<Option<Self>, Invalid> {
         let Method::LeastSquares(settings) = &request.method else {
             return Ok(None);
@@ -167,7 +167,7 @@ fn wrong(detail: impl Into<String>) -> Invalid {
     Invalid::at(Place::Setting(Setting::Robust), detail.into())
 }
 
-/// Refuses what a robust fit cannot be combined with.
+/// Refuses settings that a robust fit cannot be combined with.
 fn check(request: &Request, settings: &LeastSquares) -> Result<(), Invalid> {
     let is_weighted = |choice: &DirectionChoice| choice.weights.is_some();
     let count = request.points.len();

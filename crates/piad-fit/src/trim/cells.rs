@@ -50,13 +50,13 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// Cells that are at most so long.
+    /// Cells that are at most this long.
     pub(super) fn at_most(side: Side, length: f64) -> Self {
         let count = (side.length() / length * (1.0 - NUDGE)).ceil().max(1.0);
         Self::between(side, count as usize)
     }
 
-    /// Cells around lines of points that are at most so far from each other.
+    /// Cells around lines of points that are at most this far from each other.
     pub(super) fn around_lines(side: Side, step: f64) -> Self {
         let steps = (side.length() / step * (1.0 + NUDGE)).floor().max(1.0) as usize;
         if side.is_closed {

@@ -21,14 +21,14 @@ pub(super) struct Attempt {
     counts: [usize; 2],
     /// The knots of the last fit.
     lines: [Breaks; 2],
-    /// What the next knots come from.
+    /// The source of the next knots.
     monitors: [Monitor; 2],
     /// True if the first knots follow the data.
     begins_even: bool,
     tries: usize,
     /// The smallest largest distance so far.
     lowest: f64,
-    /// The part of it that the last redistribution has left.
+    /// The ratio of it to the one before the last redistribution.
     part: f64,
 }
 
@@ -54,7 +54,7 @@ impl Attempt {
         }
     }
 
-    /// The knots to be tried next, if the data can determine such.
+    /// The next knots, if the data can determine them.
     pub(super) fn lines(&self, data: &dyn Data) -> Option<[Breaks; 2]> {
         let place = |axis: usize| {
             let (monitor, count) = (&self.monitors[axis], self.counts[axis]);

@@ -41,8 +41,8 @@ impl<'a> Normal<'a> {
         self.energy.is_some()
     }
 
-    /// What directions are multiplied with: N⁻¹ where an energy determines it and it does not take too long, as an energy
-    /// has most to say of what conjugate gradients find last; else the diagonal D.
+    /// The preconditioner: N⁻¹ where an energy determines it and it does not take too long, as an energy mostly affects
+    /// what conjugate gradients find last; else the diagonal D.
     pub(super) fn preconditioner(&self) -> Preconditioner {
         match (&self.products, self.energy, Band::of(self.rows)) {
             (Some(products), Some(energy), Some(band)) => {
@@ -112,7 +112,7 @@ impl<'a> Normal<'a> {
     }
 }
 
-/// What a gradient is multiplied with.
+/// The preconditioner of a gradient.
 #[derive(Debug)]
 pub(super) enum Preconditioner {
     /// The diagonal of [`Normal::diagonal`].

@@ -1,4 +1,4 @@
-//! From p + 1 × q + 1 control points to as few as the tolerance needs: which level comes next.
+//! From p + 1 × q + 1 control points to the fewest for the tolerance: the choice of the next level.
 
 mod pruning;
 
@@ -21,8 +21,8 @@ const STILL: usize = 4;
 /// See [`STILL`].
 const GAIN: f64 = 0.01;
 
-/// Parameters follow a surface whose largest distance is this multiple of the tolerance or less: a coarser one would crowd
-/// them together.
+/// Parameters follow a surface whose largest distance is at most this multiple of the tolerance: a coarser one would
+/// move them too close together.
 const NEAR: f64 = 4.0;
 
 /// Bisections of a factor of numbers of control points, to rounding.
@@ -47,14 +47,14 @@ pub(crate) struct SurfaceSchedule {
     /// it.
     rms: f64,
     still: usize,
-    /// The most lines of each direction that are tried to be left out at once.
+    /// The most lines of each direction that are tried to be removed at once.
     batches: [usize; 2],
     /// Fits that are left for the removal of lines.
     prunings: usize,
     outcome: Option<Outcome>,
 }
 
-/// What the next level comes from.
+/// The source of the next level.
 #[derive(Debug)]
 enum Stage {
     /// Nothing: the first level.
@@ -63,7 +63,7 @@ enum Stage {
     Steps,
     /// The choice of new knots after a fit.
     Growth(Fit),
-    /// The choice of how many control points are tried next.
+    /// The choice of the next number of control points.
     Search(Search),
     /// Redistribution.
     Attempt(Search, Box<Attempt>),
@@ -355,7 +355,7 @@ impl SurfaceSchedule {
         }
     }
 
-    /// Goes on after an attempt has failed.
+    /// Continues after an attempt has failed.
     fn failed(mut search: Search) -> Stage {
         match search.fail() {
             true => Stage::Search(search),
@@ -400,7 +400,7 @@ impl SurfaceSchedule {
         })
     }
 
-    /// Hands out a level, and remembers it if it is the best or the closest.
+    /// Returns a level, and remembers it if it is the best or the closest.
     fn issue(&mut self, level: &Arc<SurfaceLevel>) {
         let within = level.distances.max <= self.options.tolerance;
         let fewer = |best: &Arc<SurfaceLevel>| level.count() <= best.count();

@@ -1,4 +1,4 @@
-//! The fits of a tolerance, against what other programs need.
+//! Fits with a tolerance, compared with other programs.
 
 mod few_knots;
 mod rules;

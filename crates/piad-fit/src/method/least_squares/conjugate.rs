@@ -1,12 +1,12 @@
-//! Conjugate gradients of the normal equations (CGLS), preconditioned with D, for each coordinate by
-//! itself. With projected gradients all directions are among those that conditions leave free.
+//! Conjugate gradients of the normal equations (CGLS), preconditioned with D, for each coordinate
+//! by itself. With projected gradients all directions satisfy the conditions.
 
 use super::objective::Objective;
 use crate::data::points::Points;
 use crate::method::equations::Equations;
 use crate::method::update::State;
 
-/// What conjugate gradients remember.
+/// The state of conjugate gradients.
 #[derive(Clone, Debug)]
 pub(super) struct Conjugate {
     /// The directions d of the last step, one for each coordinate.
@@ -59,7 +59,7 @@ impl Conjugate {
                 missing.clear(&mut self.image);
             }
             let curvature = objective.curvature(direction, &self.image, *unit);
-            // At the minimum there is nowhere to go.
+            // At the minimum there is no direction.
             let alpha = if curvature > 0.0 {
                 gamma / curvature
             } else {

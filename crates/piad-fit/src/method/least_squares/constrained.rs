@@ -1,5 +1,5 @@
-//! Minima that obey and weigh more than distances, over knots that a schedule chooses: constraints,
-//! fairness, weights of data, free ends.
+//! Minima with more than distances, over knots that a schedule chooses: constraints, fairness,
+//! weights of data, free ends.
 //!
 //! They are those of the direct variant, as far as [`AT_ONCE`] multiplications go. Where a surface
 //! takes more, conjugate gradients lead from the surface before to near the minimum; they obey the
@@ -29,7 +29,7 @@ const AT_ONCE: usize = 100_000_000;
 /// The most steps of conjugate gradients.
 const STEPS: usize = 200;
 
-/// What is minimized, over any knots.
+/// The objective, over any knots.
 #[derive(Clone, Debug)]
 pub(crate) struct Constrained {
     setup: Arc<Setup>,

@@ -1,5 +1,5 @@
-//! The fairness that noisy data ask for, by generalised cross-validation (Craven, Wahba, *Smoothing noisy data with
-//! spline functions*, Numer. Math. 31 (1979)):
+//! The fairness for noisy data, by generalised cross-validation (Craven, Wahba, *Smoothing noisy data with spline
+//! functions*, Numer. Math. 31 (1979)):
 //!
 //! ```text
 //! V(f) = (1/Σω) Σ ω_i ‖P_i − C_f(t_i)‖² / (1 − tr H_f / n)²,   tr H_f = tr (M + f K)⁻¹ M
@@ -54,7 +54,7 @@ const VALUES_OF_SURFACES: usize = 22;
 ///
 /// # Errors
 ///
-/// Why the data choose none.
+/// Why the data determine none.
 pub(crate) fn chosen(
     setup: &Setup,
     settings: &LeastSquares,

@@ -1,4 +1,4 @@
-//! When a least-squares fit is at its minimum.
+//! The end of a least-squares fit at its minimum.
 //!
 //! With the [objective](super::objective) f and its gradient g, f lies above its minimum f* by
 //!
@@ -41,7 +41,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The most multiplications of a factorization for the sake of the end.
 const MOST: usize = 200_000_000;
 
-/// How far the minimum is.
+/// Distance from the minimum.
 #[derive(Clone, Debug)]
 pub(super) struct End {
     /// A power of two for all coordinates, as they are squared.
@@ -54,7 +54,7 @@ pub(super) struct End {
     solvable: bool,
     /// True if the normal equations are summed up as products for that.
     sums_products: bool,
-    /// What every level obeys.
+    /// The conditions of every level.
     conditions: Vec<Condition>,
     /// The normal equations, once they were needed.
     solver: Option<Arc<Solver>>,
@@ -81,7 +81,7 @@ impl End {
         }
     }
 
-    /// Returns true if the fit ends at the level that was measured last.
+    /// The outcome if the fit ends at the level that was measured last.
     pub(super) fn outcome(&self) -> Option<Outcome> {
         self.outcome
     }

@@ -1,4 +1,4 @@
-//! Fairness: how much a curve or a surface bends.
+//! Fairness: a measure of bending.
 //!
 //! ```text
 //! w ∫ ‖C^(r)‖² dt = w Xᵀ H X,   H_ij = ∫ B_i^(r) B_j^(r) dt

@@ -23,8 +23,9 @@
 //!
 //! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
 //! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
-//! - [`objective`]: what is made small, with [`fairness`], which the data may choose ([`cross_validation`]), and the stiffness of [`gaps`]; [`end`]: how far it is above its minimum;
-//! - [`constraints`]: what every level obeys.
+//! - [`objective`]: the objective, with [`fairness`], which the data may choose ([`cross_validation`]), and the
+//!   stiffness of [`gaps`]; [`end`]: its distance from the minimum;
+//! - [`constraints`]: the conditions of every level.
 
 mod conjugate;
 pub(crate) mod constrained;
@@ -166,7 +167,7 @@ impl Scheme for LeastSquares {
         &ABOUT
     }
 
-    /// A given μ must be positive; one that is too large shows itself, as the residual grows.
+    /// A given μ must be positive; one that is too large makes the residual grow.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let lines = [(Axis::U, self.u), (Axis::V, self.v)];
         let fixed = self.automatic.is_none();
@@ -240,7 +241,7 @@ impl Scheme for LeastSquares {
         Some((self.u, self.v))
     }
 
-    /// Points without data have no residual, and pull at nothing.
+    /// Points without data have no residual, and no effect.
     fn fits_holes(&self) -> bool {
         true
     }

@@ -1,4 +1,4 @@
-//! What can be chosen of a least-squares fit.
+//! Settings of a least-squares fit.
 
 use std::sync::Arc;
 
@@ -29,16 +29,16 @@ pub struct LeastSquares {
     pub variant: Variant,
     /// The choice to interpolate the end points.
     pub ends: EndPoints,
-    /// What every level obeys, besides the end points.
+    /// Constraints of every level, besides the end points.
     pub constraints: Arc<[Constraint]>,
-    /// How smooth it is to be, at the cost of its distances.
+    /// The fairness, at the cost of distances.
     pub fairness: Option<Fairness>,
     /// The multiple g of the membrane energy over the spans of a surface that have no data, free of units like that of
     /// fairness: see `super::gaps`. Without it there is some with fairness.
     pub gap_stiffness: Option<f64>,
-    /// How much each data point counts; all of them 1 without it.
+    /// The weight of each data point; `None` means 1.
     pub data_weights: Option<Arc<[f64]>>,
-    /// True if points that are far from where their neighbours lead are left out.
+    /// True if outliers are left out.
     #[cfg_attr(feature = "serde", serde(default))]
     pub robust: bool,
 }
@@ -156,7 +156,7 @@ impl LeastSquares {
         }
     }
 
-    /// What brings a minimum nearer to the data.
+    /// Advice on how to bring a minimum nearer to the data.
     pub(crate) fn advice_at_minimum(&self) -> String {
         let mut advice = match self.automatic {
             Some(_) => vec![

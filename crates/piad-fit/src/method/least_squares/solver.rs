@@ -1,5 +1,5 @@
-//! The normal equations `N δ = g`, `N = AᵀΩA + w H`, solved: a step of their solution leads to the
-//! minimum, with the projection of metric N⁻¹ to the one that obeys all conditions.
+//! Solves the normal equations `N δ = g`, `N = AᵀΩA + w H`: a step of their solution leads to the minimum, with the
+//! projection of metric N⁻¹ to the minimum under all conditions.
 //!
 //! The rows of A, of a root of `w H`, and of the conditions (whose squares do not change a minimum
 //! among points that obey) are factorized by rotations, `A = Q R`, in O(m p²) for B-splines: of a surface in both directions,
@@ -321,7 +321,7 @@ pub(super) fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
     }
 }
 
-/// The rows of the matrix of one direction, with a factor each.
+/// The objective.
 fn line(matrix: &Collocation, direction: &Direction, factor: impl Fn(usize) -> f64) -> Rows {
     let (places, width) = places(matrix, direction);
     let mut rows = Rows::new(places, width);

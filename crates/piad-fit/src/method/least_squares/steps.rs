@@ -21,7 +21,7 @@ use crate::termination::Outcome;
 pub(super) struct Steps {
     /// What is made small.
     objective: Objective,
-    /// The diagonal of D.
+    /// The distance of the minimum, if the fit can end there.
     scale: Vec<f64>,
     /// The projection that keeps what every level obeys, with the metric D.
     projection: Option<Arc<Projection>>,
@@ -110,7 +110,7 @@ impl Steps {
         self.reversed
     }
 
-    /// Takes back what rounding has moved control points away from what they obey.
+    /// Corrects the drift of control points from the conditions by rounding.
     fn correct(&self, state: &mut State) {
         let Some(projection) = &self.projection else {
             return;
@@ -130,7 +130,7 @@ impl Steps {
     }
 }
 
-/// What every level obeys. A validated problem has conditions that can be obeyed.
+/// The conditions of every level. In a validated problem they can be satisfied.
 fn conditions(setup: &Setup, settings: &LeastSquares) -> Vec<Condition> {
     independent(setup, settings).unwrap_or_default()
 }
@@ -171,7 +171,7 @@ impl Update for Steps {
         Change::All { moved }
     }
 
-    /// Level 0 obeys, too.
+    /// Level 0 satisfies them, too.
     fn begin(&mut self, equations: &Equations, state: &mut State) {
         if self.projection.is_some() {
             // The second time for what rounding leaves of a large correction.

@@ -28,13 +28,13 @@ const LARGEST_RADIUS: f64 = 1e4;
 /// have .35, those of an ellipse whose axes are one and two .23.
 const FARTHEST: f64 = 0.3;
 
-/// The cylinder near points, as far as it is known.
+/// The cylinder near points, as far as it is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cylinder {
-    /// The direction of its axis; without it that nearest to the points.
+    /// The direction of its axis; `None` means that nearest to the points.
     pub axis: Option<[f64; 3]>,
-    /// A place on its axis; likewise.
+    /// A place on its axis; `None` means that nearest to the points.
     pub center: Option<[f64; 3]>,
 }
 
@@ -74,7 +74,7 @@ impl Cylinder {
         })
     }
 
-    /// The same with all that is not given.
+    /// The same with its defaults filled in.
     pub(super) fn known(&self, points: &Points) -> Result<Self, Invalid> {
         let cloud = Cloud::new(points, "cylinder")?;
         let fit = self.fit(&cloud)?;

@@ -1,4 +1,4 @@
-//! What a constrained fit obeys: points to pass through, and derivatives.
+//! Conditions of a constrained fit: points to pass through, and derivatives.
 //!
 //! Constraints are linear conditions `C X = R` on the control points, and every level obeys them to
 //! rounding. With a symmetric positive M, level 0 and every gradient g are projected,
@@ -7,12 +7,12 @@
 //! S = M Cᵀ (C M Cᵀ)⁻¹,   X⁰ ← X⁰ + S (R − C X⁰),   g ← g − Cᵀ (C M Cᵀ)⁻¹ C M g,   so that C M g = 0
 //! ```
 //!
-//! and a step along M g leaves the conditions as they are. The limit is the solution of the KKT
-//! system, as the part of g that is left out is what constraints hold against.
+//! and a step along M g leaves the conditions as they are. The limit is the solution of the KKT system, as the part of
+//! g that is left out is that of the multipliers.
 //!
 //! - [`conditions`]: from constraints to rows of C and R;
 //! - [`dependence`]: conditions that follow from others, or contradict them;
-//! - [`tangents`]: how long the derivatives are of which only the direction is given;
+//! - [`tangents`]: the lengths of derivatives of which only the direction is given;
 //! - [`projection`]: the projection.
 
 mod conditions;

@@ -21,7 +21,7 @@ pub(in super::super) struct Projection {
 enum Metric {
     /// Its diagonal.
     Diagonal(Vec<f64>),
-    /// The inverse of a matrix that somebody else has factorized.
+    /// The inverse of a matrix that is factorized elsewhere.
     Inverse,
 }
 

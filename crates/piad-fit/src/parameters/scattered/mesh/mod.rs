@@ -76,7 +76,7 @@ pub enum MeshUnfolding {
     MeanValue,
 }
 
-/// What is found out about a mesh beside its parameters.
+/// Measures of a mesh with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FoldedTriangles {
@@ -107,7 +107,7 @@ impl Mesh {
     ///
     /// # Errors
     ///
-    /// Why the triangles are no surface, or one that nothing unfolds.
+    /// Why the triangles are no surface, or one that cannot be unfolded.
     pub(super) fn solved(&self, points: &Points, is_closed: bool) -> Result<Solved, Invalid> {
         let count = self.triangles.len();
         if count == 0 {

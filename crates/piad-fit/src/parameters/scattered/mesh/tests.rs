@@ -1,4 +1,4 @@
-//! Meshes that are surfaces and such that are none, and what becomes of them.
+//! Meshes that are surfaces, and meshes that are not.
 
 use std::f64::consts::{PI, TAU};
 

@@ -43,7 +43,7 @@ impl Sections {
         }
     }
 
-    /// The degrees of a surface of which nothing is said: three, or less where there are few sections or points in them.
+    /// The default degrees of a surface: three, or less where there are few sections or points in them.
     #[must_use]
     pub fn usual_degrees(&self) -> [usize; 2] {
         let most = self.counts.iter().max().copied().unwrap_or_default();
@@ -99,7 +99,7 @@ impl Sections {
         })
     }
 
-    /// The same with all that is not given.
+    /// The same with defaults filled in.
     pub(super) fn known(&self, points: &Points) -> Result<Self, Invalid> {
         let is_closed = self
             .polylines(points, self.closed)?
