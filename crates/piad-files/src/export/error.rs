@@ -1,4 +1,4 @@
-//! Why a curve or surface cannot be written.
+//! Errors of writing a curve or surface.
 
 use std::fmt;
 
@@ -25,7 +25,7 @@ pub enum ExportError {
          export csv or json"
     )]
     ManyCoordinates {
-        /// The requested format.
+        /// The number of coordinates.
         format: Format,
         /// How many coordinates there are.
         dimension: usize,
@@ -41,7 +41,7 @@ pub enum ExportError {
         /// Its weight.
         weight: f64,
     },
-    /// CAD systems do not load files of such a degree.
+    /// CAD systems do not load files with such a degree.
     #[error(
         "the degree is {degree}, and CAD systems read curves and surfaces up to degree {most} from {format} files: \
          fit B-splines, or export another format"
@@ -57,16 +57,16 @@ pub enum ExportError {
     /// A coordinate is infinite or NaN.
     #[error("coordinate {coordinate} of {what} {place} is {value}, and files hold finite numbers")]
     NotFinite {
-        /// What has the coordinate: a control point or a sample.
+        /// A control point or a sample.
         what: &'static str,
-        /// Which of them.
+        /// Its index.
         place: NetIndex,
         /// The coordinate, counted from 0.
         coordinate: usize,
         /// Its value.
         value: f64,
     },
-    /// A unit was chosen for a format without one.
+    /// A unit was chosen for a format without units.
     #[error("{format} files have {}; step and iges files have a unit to choose", unit_of(*format))]
     NoUnit {
         /// The requested format.
@@ -107,7 +107,7 @@ pub enum ExportError {
     NoLine {
         /// The requested format.
         format: Format,
-        /// What files of the format hold.
+        /// The contents of files of the format.
         what: &'static str,
         /// Formats that hold surfaces.
         instead: &'static str,
@@ -121,7 +121,7 @@ pub enum ExportError {
         /// The requested format.
         format: Format,
     },
-    /// The origin is no place.
+    /// The origin is not a place on the earth.
     #[error(
         "the origin has longitude {longitude} and latitude {latitude}: they are degrees, up to 180 and up to 90"
     )]
@@ -144,7 +144,7 @@ pub enum ExportError {
         /// Metres to the north.
         north: f64,
     },
-    /// An option that the format does not have.
+    /// The format does not have this option.
     #[error("{format} files have no {option} to choose; {has} files have")]
     NoOption {
         /// The requested format.
@@ -154,19 +154,19 @@ pub enum ExportError {
         /// The formats that have it.
         has: &'static str,
     },
-    /// Samples of a file without any.
+    /// Samples were requested for a file without any.
     #[error("{what} are no samples, so that their number cannot be chosen")]
     NoSamples {
         /// The files.
         what: &'static str,
     },
-    /// A spacing that is no distance.
+    /// The spacing is not a distance.
     #[error("the spacing is {spacing}, and it is a distance between samples, more than 0")]
     Spacing {
         /// The spacing.
         spacing: f64,
     },
-    /// Both give the number of samples.
+    /// Both a spacing and a number of samples were given.
     #[error("spacing and samples both choose the number of samples: give one of them")]
     SpacingAndSamples,
     /// Surfaces have rows and columns of samples.
@@ -174,7 +174,7 @@ pub enum ExportError {
         "samples at equal distances are those of curves: choose the number of samples of a surface in each direction"
     )]
     NoSpacing,
-    /// A spacing that is small for the curve.
+    /// The spacing is too small for the curve.
     #[error(
         "the curve is {length} long, and with a spacing of {spacing} it would have more than {most} samples: choose a larger one"
     )]
@@ -186,7 +186,7 @@ pub enum ExportError {
         /// The most samples.
         most: usize,
     },
-    /// More samples than a mesh of the format has.
+    /// More samples than a mesh of the format can have.
     #[error(
         "polygon meshes of {format} files have at most {most} samples in each direction: ask for fewer, or export gltf or stl"
     )]
@@ -210,20 +210,20 @@ pub enum ExportError {
          be drawn: export csv or json, or scale the data"
     )]
     Extent,
-    /// A file of no curves and surfaces.
+    /// A file without curves and surfaces.
     #[error("there is no curve or surface to write to a {format} file")]
     NoParts {
         /// The requested format.
         format: Format,
     },
-    /// A part of several cannot be written.
+    /// One of several parts cannot be written.
     #[error("part {number}{}: {reason}", in_brackets(name.as_deref()))]
     InPart {
         /// The number of the part, from 1.
         number: usize,
         /// Its name.
         name: Option<String>,
-        /// What is wrong with it.
+        /// The reason.
         reason: Box<ExportError>,
     },
     /// Tables have the same columns for all parts.
@@ -251,15 +251,15 @@ pub enum ExportError {
         "{lines} lines of parameter data are more than the {most} that an IGES file numbers: export step"
     )]
     TooManyLines {
-        /// How many lines there would be.
+        /// The number of lines needed.
         lines: usize,
-        /// How many there can be.
+        /// The most lines.
         most: usize,
     },
 }
 
 impl ExportError {
-    /// The option that it is about, if it is about one: `style`, `version`, `units`, `samples`, `spacing` or `origin`.
+    /// The option in question, if there is one: `style`, `version`, `units`, `samples`, `spacing` or `origin`.
     pub fn option(&self) -> Option<&'static str> {
         match self {
             Self::NoUnit { .. } => Some("units"),
@@ -291,7 +291,7 @@ fn in_brackets(name: Option<&str>) -> String {
     name.map_or_else(String::new, |name| format!(" ({})", quoted(name)))
 }
 
-/// What a format without a choice of units has.
+/// The unit of a format without a choice of units.
 fn unit_of(format: Format) -> &'static str {
     match format {
         Format::Gltf => "metres as their unit, always",

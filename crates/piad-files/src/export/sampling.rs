@@ -27,7 +27,7 @@ pub(super) fn along_curve(
     }
 }
 
-/// Sites at equal distances: as far apart as was chosen, or a little less so that they end at the end of the curve, or
+/// Sites at equal distances: with the chosen spacing, or a little less so that they end at the end of the curve, or
 /// with this number of steps.
 pub(super) fn by_length(
     nurbs: &Nurbs,

@@ -32,7 +32,7 @@ pub enum Shape {
     Surface(Box<SurfaceShape>),
 }
 
-/// Why a curve or surface has no shape that can be measured.
+/// Why a curve or surface has no measurable shape.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NoShape {
     /// Values of a function have no place in the plane or in space.
@@ -63,7 +63,7 @@ pub enum NoShape {
         /// Its value.
         value: f64,
     },
-    /// Samples that cannot be chosen.
+    /// Samples with invalid options.
     #[error(transparent)]
     Samples(#[from] ExportError),
 }

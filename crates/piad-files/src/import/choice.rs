@@ -1,14 +1,14 @@
-//! Which columns of a table are coordinates and times, by their names and by what they hold.
+//! Chooses the columns of a table that are coordinates and times, by their names and contents.
 
 use super::imported::{Hints, Kind};
 use super::names::{self, Meaning, meaning};
 use super::sample::{Content, Sample};
 use piad_fit::data::MAX_DIMENSION;
 
-/// The most coordinates of a point, of columns whose names say nothing.
+/// The most coordinates of a point, if names do not determine the columns.
 const MOST_COORDINATES: usize = 3;
 
-/// What columns are.
+/// The roles of columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Choice {
     /// The columns of the coordinates.
@@ -24,7 +24,7 @@ pub(super) struct Choice {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Time {
     pub(super) column: usize,
-    /// How many seconds its unit is.
+    /// The unit in seconds.
     pub(super) seconds: f64,
     /// True if they are the parameters by default.
     pub(super) is_parameter: bool,
@@ -61,12 +61,12 @@ impl<'a> Named<'a> {
         Self { names, sample }
     }
 
-    /// Returns true if there is a column of coordinates with this meaning, also where it says too little.
+    /// Returns true if there is a column of coordinates with this meaning, even if that alone is not enough.
     pub(super) fn has(self, meaning: Meaning) -> bool {
         self.column(meaning).is_some()
     }
 
-    /// The columns that names choose; none if they say nothing.
+    /// The columns that names choose; `None` if the names are not meaningful.
     pub(super) fn choice(self) -> Option<Choice> {
         let time = self.time();
         let coordinates = self.coordinates();
@@ -142,7 +142,7 @@ impl<'a> Named<'a> {
         groups.retain(|(_, _, columns)| columns.len() > 1);
         match <[_; 1]>::try_from(groups) {
             Ok([(_, _, columns)]) if columns.len() <= MAX_DIMENSION => Some(columns),
-            // Positions and velocities, or none: the names do not say which.
+            // The names do not distinguish positions from velocities.
             _ => None,
         }
     }

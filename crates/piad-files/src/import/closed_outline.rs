@@ -1,5 +1,4 @@
-//! Outlines whose last point is the first one again, also to rounding: closed curves, in which a point is
-//! there once.
+//! Outlines whose last point equals the first one, but for rounding: closed curves, in which that point is kept once.
 
 use super::imported::{Hints, Kind};
 use super::part::Part;
@@ -13,10 +12,10 @@ const SHARPEST_TURN: f64 = 0.5;
 /// curve, and closed curves of some degrees need this many.
 const FEWEST: usize = 8;
 
-/// The last point is the first one if it is no further from it than this part of the size of the outline.
+/// The last point equals the first one if it is no further from it than this part of the size of the outline.
 const SAME: f64 = 1e-9;
 
-/// Returns true if the points are those of a closed curve. If so, the copy of the first point is taken away.
+/// Returns true if the points are those of a closed curve. If so, the copy of the first point is removed.
 pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
     if part.closed {
         return hints.closed != Some(false);

@@ -1,4 +1,4 @@
-//! Which columns of a table are what, as a user says it.
+//! Columns as a user chooses them.
 
 mod resolve;
 
@@ -11,7 +11,7 @@ pub(super) const MOST_COLUMNS: usize = 1000;
 
 pub(super) use resolve::Names;
 
-/// Why weights are refused.
+/// The refusal of weights.
 const NO_WEIGHTS: &str = "weights of points are not read from tables (w=), as they may be those of a rational fit or of a least-squares one: give them in JSON, as curve.weights or method.data_weights";
 
 /// The columns of coordinates, and that of times.
@@ -43,7 +43,7 @@ impl Columns {
     ///
     /// # Errors
     ///
-    /// What is wrong with the text.
+    /// The error in the text.
     pub fn of_text(text: &str) -> Result<Self, String> {
         let mut parsed = Parsed::default();
         for entry in text.split(',').map(str::trim) {
@@ -230,7 +230,7 @@ impl Range {
         }
     }
 
-    /// The columns, as texts, so far as they are known without a file.
+    /// The columns as texts, as far as they are known without a file.
     fn texts(&self) -> Vec<String> {
         match self {
             Self::One(column) => vec![column.text()],

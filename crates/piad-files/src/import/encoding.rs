@@ -11,10 +11,10 @@ const LOOKED_AT: usize = 64;
 /// The fewest bytes that show it.
 const LEAST: usize = 8;
 
-/// What is wrong with UTF-32.
+/// The error for UTF-32.
 const UTF_32: &str = "this is text in UTF-32: save it as UTF-8";
 
-/// A file without a byte-order mark, and in UTF-8 if it was text in UTF-16; all others stay as they are.
+/// A file without a byte-order mark, converted to UTF-8 if it was text in UTF-16; all others are unchanged.
 ///
 /// # Errors
 ///

@@ -1,4 +1,4 @@
-//! Points of a surface come in rows: blank lines separate them, or x and y say it, or somebody does.
+//! Detects rows of points of a surface: by blank lines, by x and y, or by the hints.
 
 use super::closed_outline;
 use super::error::FileError;
@@ -11,10 +11,10 @@ use super::times;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::is_unordered;
 
-/// What is said of points that seem to have no order along a curve.
+/// The notice about points that seem to have no order along a curve.
 const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=auto in a query), or put them in order (--order nearest, or curve.order=nearest), or say that theirs is meant (--order given, or curve.order=given)";
 
-/// What is said of them where they are those of a surface.
+/// The notice about them if they are those of a surface.
 const SCATTERED: &str = "The points have no order, and are scattered points of a surface.";
 
 /// The points as a curve or a surface.
@@ -119,7 +119,7 @@ fn check_rows(grid: Grid, hints: &Hints) -> Result<(), FileError> {
 pub(super) fn is_several(table: &Part, hints: &Hints) -> bool {
     let surface = hints.kind == Some(Kind::Surface) || hints.size.is_some();
     let rows = hints.kind.is_none() && table.points.dimension() == 3 && rows(table).is_some();
-    // A blank line after each point parts nothing.
+    // A blank line after each point does not separate rows.
     let spaced = table.breaks.len() + 1 == table.points.len();
     !table.breaks.is_empty() && !surface && !rows && !spaced
 }

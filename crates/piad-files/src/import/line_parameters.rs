@@ -1,4 +1,4 @@
-//! The parameters of the rows and columns of a grid with gaps, as x and y have them: distances between points say little
+//! The parameters of the rows and columns of a grid with gaps, from x and y: distances between points are unreliable
 //! where some are missing.
 
 use piad_fit::data::{Grid, Points};

@@ -1,15 +1,15 @@
-//! The points of a part of a file, before it is known whether they are those of a curve or of a surface.
+//! The points of a part of a file, before it is known to be a curve or a surface.
 
 use super::error::FileError;
 use super::imported::chosen;
 use crate::wgs84::Origin;
 use piad_fit::data::{Grid, Points};
 
-/// What a reader gives: the parts of a file, each a curve, a surface or a cloud of its own.
+/// The output of a reader: the parts of a file, each a curve, a surface or a cloud.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     pub(super) parts: Vec<Part>,
-    /// What was found out about the file as a whole, in sentences.
+    /// Notices about the file as a whole, in sentences.
     pub(super) notices: Vec<String>,
 }
 
@@ -32,16 +32,16 @@ pub(super) struct Part {
     pub(super) times: Option<Vec<f64>>,
     /// True if the times are the parameters by default.
     pub(super) times_are_parameters: bool,
-    /// Where the first two coordinates start, if they were longitudes and latitudes.
+    /// The origin of the first two coordinates, if they were longitudes and latitudes.
     pub(super) origin: Option<Origin>,
     pub(super) name: Option<String>,
     pub(super) notices: Vec<String>,
 }
 
-/// What a file says of the order of points.
+/// What a file determines of the order of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Order {
-    /// Nothing: they are looked at.
+    /// Nothing: their order is detected.
     #[default]
     Unsaid,
     /// They follow each other along a curve.
@@ -159,7 +159,7 @@ impl From<Part> for Parts {
     }
 }
 
-/// What is wrong with a file without points.
+/// The error for a file without points.
 pub(super) const NO_POINTS: &str = "there are no points in the file";
 
 /// Refuses fewer than two points.

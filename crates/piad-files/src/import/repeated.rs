@@ -1,4 +1,4 @@
-//! Points of a curve that equal the one before them: devices write them where they rest. Each is kept once.
+//! Removes points of a curve that equal the one before them: devices write them while they are at rest.
 
 use super::part::Part;
 

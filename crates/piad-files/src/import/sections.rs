@@ -125,7 +125,7 @@ mod tests {
             notice,
             "The file has 3 sections of 8 to 10 points, of one surface."
         );
-        // They are curves if that is said.
+        // They are curves if the hints say so.
         for hints in [
             Hints {
                 kind: Some(Kind::Curve),

@@ -1,4 +1,4 @@
-//! Files as people have them.
+//! Files as users have them.
 
 use proptest::prelude::*;
 
@@ -128,7 +128,7 @@ fn what_is_wrong_is_told_at_its_line() {
     assert!(lonely[0].1.contains("one point"), "{lonely:?}");
     assert!(errors("{\"curve\": 1}")[0].1.contains("JSON"));
     assert!(errors(&"1 ".repeat(2000))[0].1.contains("1000 columns"));
-    // No more of them than anybody reads, and no more points than the limit.
+    // Only a limited number of errors, and no more points than the limit.
     assert_eq!(errors(&"1 2\n3\n".repeat(50)).len(), MOST_ERRORS);
     let many = errors(&"1 2\n".repeat(200));
     assert_eq!(many.len(), 1);
@@ -221,7 +221,7 @@ fn rows_can_be_said() {
 }
 
 proptest! {
-    /// Whatever a file holds, it is points with their lines, or an error.
+    /// Any file gives points with their lines, or an error.
     #[test]
     fn no_file_breaks_it(text in "([-+0-9.,;eD xyz#\\t\"]{0,12}\n|[0-9] [0-9] [0-9]\n|\\PC{0,9}\n){0,12}") {
         match read(&text, &HINTS) {

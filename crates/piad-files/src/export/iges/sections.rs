@@ -165,7 +165,7 @@ pub(super) fn fixed_lines(file: &mut Text, section: char, content: &str) -> usiz
     }
 }
 
-/// What an entity is for.
+/// The use of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Status {
     /// Geometry by itself.

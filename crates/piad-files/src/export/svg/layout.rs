@@ -1,4 +1,4 @@
-//! The size of drawings, and how much of the data and of the control net they show.
+//! The size of drawings, and the share of the data and of the control net that they show.
 
 use std::collections::HashMap;
 
@@ -37,7 +37,7 @@ pub(super) fn draw_polygon(text: &mut Text, class: &str, places: impl Iterator<I
     text.push("\"/>\n");
 }
 
-/// So few dots hide little.
+/// Up to this number, dots hide little.
 const FEW: usize = 100;
 
 /// The largest part of dots that may cover each other by default.
@@ -111,12 +111,12 @@ impl DrawnData {
         }
     }
 
-    /// What the circles around outliers are.
+    /// The caption of the circles around outliers.
     pub(super) fn legend_of_outliers(&self) -> Option<&'static str> {
         (!self.outliers.is_empty()).then_some("outliers, left out")
     }
 
-    /// What the dots are.
+    /// The caption of the dots.
     pub(super) fn legend(&self) -> Option<String> {
         let text = match (self.stride, self.is_grid) {
             (1, _) => "data points".to_owned(),
@@ -134,7 +134,7 @@ pub(super) fn are_sparse(pixels: &[(f64, f64)], radius: f64, along_a_curve: bool
     pixels.len() <= FEW || covered(pixels, near) <= MOST_COVERED
 }
 
-/// Which part of the dots has another one nearer than this.
+/// The part of the dots that have another one nearer than this.
 fn covered(pixels: &[(f64, f64)], near: f64) -> f64 {
     let cell = |(x, y): (f64, f64)| ((x / near).floor() as i64, (y / near).floor() as i64);
     let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();

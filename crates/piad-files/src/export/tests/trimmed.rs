@@ -142,7 +142,7 @@ fn meshes_leave_out_what_is_outside() {
         let is_deep = (0.22..0.3).contains(&around) && (5.7..5.85).contains(&v);
         assert!(!is_deep, "{around} {v}");
     }
-    // Coarse samples are no hindrance.
+    // Coarse samples are sufficient.
     let coarse = Mesh::new(&cylinder(), Some(&outline()), &grid(2), Format::Stl).unwrap();
     assert!(coarse.triangles.len() > 4);
 }

@@ -1,4 +1,4 @@
-//! Tables with columns for people: names, texts, times, gaps.
+//! Tables for people: names, texts, times, gaps.
 
 use super::Columns;
 use crate::import::tests::HINTS;
@@ -66,7 +66,7 @@ fn names_say_which_columns_are_coordinates() {
         assert_eq!(read.name, None, "{head}");
         assert_eq!(read.notices.is_empty(), expected.len() == 3, "{head}");
     }
-    // Two columns are what they are, whatever they are called.
+    // Two columns are taken whatever their names.
     for head in ["t,value", "t,x", "id,value", "x,f", "w,h", "N,depth", "a,b"] {
         let read = imported(&format!("{head}\n1,2\n5,7\n"));
         assert_eq!((first(&read), read.notices), (vec![1.0, 2.0], vec![]));
@@ -491,7 +491,7 @@ fn large_tables_are_the_same_in_pieces() {
 }
 
 proptest! {
-    /// Whatever a table holds, and whatever is chosen of it, it is points with finite numbers, or an error.
+    /// Any table and any choice of columns give points with finite numbers, or an error.
     #[test]
     fn no_table_breaks_it(
         head in "((x|y|z|t|lat|lon|e|n|id|q1|q2|j1|w|x \\(m\\))[,;\\t]){0,5}\n",

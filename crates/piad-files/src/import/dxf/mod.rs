@@ -25,7 +25,7 @@ const BINARY: &str = "AutoCAD Binary DXF";
 /// A drawing is flat if no point is higher than this part of its size.
 const FLAT: f64 = 1e-9;
 
-/// The most kinds of entities that are not read that are named.
+/// The most kinds of skipped entities that are named.
 const MOST_NAMES: usize = 10;
 
 /// The units of the header that are named.
@@ -67,7 +67,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
 struct Reference<'a> {
     placement: Placement,
     layer: &'a str,
-    /// How many references there are inside each other, with this one.
+    /// The nesting depth of references, including this one.
     depth: usize,
 }
 
@@ -79,14 +79,14 @@ struct Drawing<'a> {
     pieces: BTreeMap<&'a str, Vec<(usize, Curve)>>,
     /// The points of each layer.
     points: BTreeMap<&'a str, (usize, Curve)>,
-    /// How many entities there are, and how many points they have.
+    /// The number of entities, and of their points.
     entities: usize,
     count: usize,
     blocks: Blocks<'a>,
-    /// How many references were read, and how many groups all of them have placed.
+    /// The number of references that were read, and of the groups that they have placed.
     references: usize,
     placed: usize,
-    /// How many entities of a kind are not read.
+    /// The number of skipped entities of each kind.
     unread: BTreeMap<&'a str, usize>,
     paper: usize,
     units: Option<&'static str>,
@@ -252,7 +252,7 @@ impl<'a> Drawing<'a> {
         curves.finish(if flat { 2 } else { 3 }, notices)
     }
 
-    /// What is said of the drawing.
+    /// The notice about the drawing.
     fn notices(&self) -> Vec<String> {
         let mut notices = Vec::new();
         if let Some(units) = self.units {

@@ -12,7 +12,7 @@ const USUAL_NO_DATA: f64 = -9999.0;
 /// Values for missing heights beyond this are written with a few digits of what they are; no height is there.
 const HUGE: f64 = 1e30;
 
-/// What the lines above the heights say.
+/// The contents of the lines above the heights.
 const KEYWORDS: [&str; 11] = [
     "ncols",
     "nrows",
@@ -89,7 +89,7 @@ pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError>
     }
 }
 
-/// What the header says.
+/// The contents of the header.
 pub(super) struct Head {
     pub(super) grid: Grid,
     /// The place of the south-western height.

@@ -1,4 +1,4 @@
-//! Paths of tools in G-code: straight moves and arcs, each path between rapid moves a part.
+//! Tool paths in G-code: straight moves and arcs, each path between rapid moves a part.
 
 mod arc;
 mod machine;
@@ -12,10 +12,10 @@ use super::part::Parts;
 use machine::{Machine, Units, value};
 use words::{Word, words};
 
-/// How many lines may be above the first move.
+/// The most lines above the first move.
 const MOST_HEAD: usize = 1000;
 
-/// The most words that are not read that are named.
+/// The most skipped words that are named.
 const MOST_NAMES: usize = 10;
 
 /// Returns true if all lines down to a first move by coordinates are words of G-code.

@@ -10,14 +10,14 @@ pub(super) struct Word {
     pub(super) number: f64,
 }
 
-/// The codes of machines that a text follows.
+/// The dialect of a text.
 const WITH_TEXT: [f64; 3] = [23.0, 117.0, 118.0];
 
 /// The words of a line, without its comments.
 ///
 /// # Errors
 ///
-/// The text that is none, in a sentence.
+/// The invalid text, in a sentence.
 pub(super) fn words(line: &str) -> Result<Vec<Word>, String> {
     let line = without_comments(line);
     let line = line.trim_start_matches('/');

@@ -171,7 +171,7 @@ fn deep_and_wide_files_take_no_more_than_their_size() {
         "<!DOCTYPE gpx [<!ENTITY a0 'aaaaaaaa'>{entities}]><gpx><trk><name>&a59;</name></trk></gpx>"
     );
     assert!(read_parts(bomb.as_bytes(), &HINTS).is_err());
-    // In Latin 1: the letter is lost, the points are not.
+    // In Latin 1: the letter is lost, but not the points.
     let route = points("rtept", |_| String::new());
     let mut latin = b"<gpx><rte><name>\xe4</name>".to_vec();
     latin.extend(route.bytes().chain(*b"</rte></gpx>"));

@@ -73,7 +73,7 @@ fn tracks_have_times() {
         "{:?}",
         found.notices
     );
-    // Times of other points than there are mean none.
+    // Times whose number differs from the points are ignored.
     let few: String = (0..3).map(when).collect();
     let found = parts(&track(&few), &HINTS).unwrap().remove(0);
     assert_eq!((found.notices.len(), found.points.len()), (1, 4));

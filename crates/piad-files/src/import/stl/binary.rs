@@ -22,8 +22,8 @@ const NORMAL: usize = 12;
 /// Coordinates of damaged files are distinguished from other data by this range.
 const PLAUSIBLE: std::ops::Range<f64> = 1e-12..1e12;
 
-/// Returns true if a file is binary STL. The title may be anything, also `solid` as in text: the size of the file says
-/// it, or the first triangle of a file of the wrong size.
+/// Returns true if a file is binary STL. The title may be anything, also `solid` as in text: the size of the file
+/// identifies it, or the first triangle of a file of the wrong size.
 pub(in super::super) fn is_binary(bytes: &[u8]) -> bool {
     let size = triangles(bytes).and_then(|count| count.checked_mul(TRIANGLE)?.checked_add(HEAD));
     size.is_some_and(|size| size == bytes.len()) || is_damaged(bytes)

@@ -46,7 +46,7 @@ impl Pen {
         }
     }
 
-    /// How many points there are.
+    /// The number of points.
     pub(super) fn count(&self) -> usize {
         self.count
     }
@@ -228,7 +228,7 @@ mod tests {
         };
         let half = arc([0.0, 0.0], small, [2.0, 0.0]).unwrap();
         assert!((half.sweep - std::f64::consts::PI).abs() < 1e-7, "{half:?}");
-        // Nothing of these hangs or panics.
+        // None of these hangs or panics.
         for radius in [f64::MIN_POSITIVE, 1e300] {
             for place in [1e-300, 1.0, 1e300] {
                 let shape = ArcShape {
