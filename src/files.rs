@@ -1,4 +1,4 @@
-//! Reading files whose size has a limit: what has no end, such as /dev/zero, would take all memory.
+//! Reads files with a limit of their size: endless ones, such as /dev/zero, would fill the memory.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};

@@ -1,8 +1,8 @@
-//! Settings without the passwords in them, as they may be shown: in `piad config`, in errors and in the log.
+//! Settings without passwords, for `piad config`, errors and the log.
 
 use std::borrow::Cow;
 
-/// What stands in the place of a secret.
+/// The replacement of a secret.
 const HIDDEN: &str = "***";
 
 /// The ends of the names of passwords in connection strings and in queries.

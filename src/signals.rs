@@ -26,7 +26,7 @@ pub fn interrupted() -> impl Future<Output = ()> + Send + 'static {
     }
 }
 
-/// The times that the process gets SIGHUP. On other systems than Unix there are none.
+/// Receives SIGHUP. On systems other than Unix it never comes.
 pub(crate) fn hangups() -> Noticed {
     #[cfg(unix)]
     return Noticed::new("SIGHUP", SignalKind::hangup());

@@ -40,7 +40,7 @@ const EDITED_AT_ONCE: usize = 1000;
 /// The most characters of an idempotency key.
 pub(super) const LONGEST_KEY: usize = 255;
 
-/// A job that can be made.
+/// A validated job.
 pub(super) struct Order {
     label: Label,
     problem: fit::Problem,
@@ -50,11 +50,11 @@ pub(super) struct Order {
 
 /// A job that was read from a body.
 pub(super) struct ReadJob<W> {
-    /// What it asks for.
+    /// The requested job.
     pub request: JobRequest,
-    /// Where its parts stand.
+    /// The locations of its parts.
     pub words: W,
-    /// What was understood of the file that has its points, in sentences.
+    /// Notices about the file that has its points, in sentences.
     pub notices: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ impl<W> From<(JobRequest, W)> for ReadJob<W> {
     }
 }
 
-/// An edit that can be made.
+/// A validated edit.
 pub(super) struct EditOrder {
     pub order: Order,
     /// The level of the parent that it starts from.
@@ -92,7 +92,7 @@ impl Order {
             mut notices,
         } = compute(app, is_small, move || read(&config)).await?;
         let base = Base::of(app, request.base()).await?;
-        // Foot points take long enough even for small jobs.
+        // Foot points take long even for small jobs.
         let is_short = is_small && !base.is_given();
         let validate = move || base.validate(request, limits, &words);
         let valid = compute(app, is_short, validate).await?;
@@ -114,7 +114,7 @@ impl Order {
         self.problem.v().is_some()
     }
 
-    /// Checks that a stream of the job can go like that, before there is a job.
+    /// Validates the stream of a job before the job is created.
     pub(super) fn check_stream(
         &self,
         request: &StreamSpec,
@@ -133,7 +133,7 @@ impl Order {
         export::check(format, &self.problem)
     }
 
-    /// Begins the fit for one answer, without making a job that is kept.
+    /// Begins the fit for one answer, without creating a stored job.
     pub(super) async fn begin(
         self,
         app: &App,
@@ -146,7 +146,7 @@ impl Order {
             .await?)
     }
 
-    /// Makes the job, unless there is one for the same key.
+    /// Creates the job, unless there is one for the same key.
     pub(super) async fn make(
         self,
         app: &App,
@@ -165,7 +165,7 @@ impl EditOrder {
         edit: EditRequest,
         words: &impl Words,
     ) -> Result<Self, Problem> {
-        // From here on the edit before of the same session is not wanted any more.
+        // From here on the previous edit of the same session is obsolete.
         let is_ephemeral = edit.ephemeral == Some(true);
         let session = edit.session.clone().filter(|_| is_ephemeral);
         let turn = session.map(|name| app.jobs.session(parent, name));
@@ -218,8 +218,8 @@ impl EditOrder {
         })
     }
 
-    /// Begins the fit for one stream, without making a job that is kept; also the level of the parent
-    /// that it starts from, which the client has.
+    /// Begins the fit for one stream, without creating a stored job; also the level of the parent that it starts from,
+    /// which the client has.
     pub(super) async fn begin(self, app: &App) -> Result<(Ephemeral, Arc<Frame>), Problem> {
         Ok((self.order.begin(app, self.turn).await?, self.before))
     }
@@ -253,7 +253,7 @@ pub(super) fn stopping() -> Problem {
     Problem::new(Kind::Stopping, "the server is stopping").retry_after(5)
 }
 
-/// What is wrong with the name of an idempotency key.
+/// The error for an invalid idempotency key.
 pub(super) fn check_key(name: &str) -> Result<(), String> {
     let visible = name.bytes().all(|byte| (b' '..=b'~').contains(&byte));
     if name.is_empty() || name.len() > LONGEST_KEY || !visible {
@@ -305,7 +305,7 @@ pub(super) fn limits(app: &App) -> Limits {
     }
 }
 
-/// Computes where the request is handled, or on the compute pool if it is much.
+/// Computes where the request is handled, or on the compute pool if it takes long.
 async fn compute<T: Send + 'static>(
     app: &App,
     small: bool,

@@ -35,13 +35,15 @@ const GROUPS_PER_THREAD: usize = 2;
 const MOST_ITEMS: usize = 64;
 const ENOUGH_BYTES: usize = 64 * 1024;
 
-/// How long a group should take, so that its hand-over does not count and the threads have equal shares.
+/// How long a group should take: long enough to amortize its hand-over, and short enough for equal shares of the
+/// threads.
 const GROUP_TIME: Duration = Duration::from_millis(1);
 
-/// An item that has not arrived as a whole takes memory of its own from this size on.
+/// From this size on, an item that has not arrived completely takes memory of its own.
 const LARGE: usize = 2 * SMALL;
 
-/// How long the rest of a body is read and discarded after an error, so that clients that are sending it get to know.
+/// How long the rest of a body is read and discarded after an error, so that clients still sending it receive the
+/// answer.
 const DISCARDING: Duration = Duration::from_secs(2);
 
 /// A batch that is being read.
@@ -50,7 +52,7 @@ pub(in crate::api) struct Batch {
     begun: Instant,
     arrival: Arrival,
     splitter: Splitter,
-    /// The memory of an item that has not arrived as a whole, its bytes, and since when it is large.
+    /// The memory of an item that has not arrived completely, its bytes, and since when it is large.
     large: Option<Permit>,
     large_bytes: usize,
     large_since: Option<Instant>,
@@ -80,8 +82,8 @@ impl Drop for CancelledAtEnd {
 }
 
 impl Batch {
-    /// Begins to read a batch for the current peer. When this returns, there is an item, or the body has ended; what is
-    /// wrong before the first item is an error.
+    /// Begins to read a batch for the current peer. When this returns, there is an item, or the body has ended; an
+    /// error before the first item is returned.
     pub(in crate::api) async fn begin(
         settings: Arc<Settings>,
         body: Body,
@@ -125,12 +127,12 @@ impl Batch {
         }
     }
 
-    /// What is requested for it.
+    /// Its settings.
     pub(super) fn settings(&self) -> &Arc<Settings> {
         &self.settings
     }
 
-    /// Computes it, and sends what comes of it.
+    /// Computes it, and sends the results.
     pub(super) fn run(self) -> mpsc::Receiver<Output> {
         let (output, answer) = mpsc::channel(1);
         let cancelled = CancelledAtEnd(Arc::clone(&self.settings));
@@ -212,7 +214,7 @@ impl Batch {
         }
     }
 
-    /// Takes bytes that have arrived.
+    /// Adds bytes that have arrived.
     async fn take(&mut self, arrived: Result<Arrived, Problem>) {
         match arrived {
             Err(problem) => self.end = Some(Err(problem)),
@@ -234,7 +236,7 @@ impl Batch {
         }
     }
 
-    /// Takes memory for an item that is large and has not arrived as a whole.
+    /// Takes memory for an item that is large and has not arrived completely.
     async fn make_room(&mut self) -> Result<(), Problem> {
         let waiting = self.splitter.waiting();
         if waiting <= LARGE {
@@ -303,8 +305,7 @@ impl Batch {
         fatal.map_or(Ok(()), Err)
     }
 
-    /// Drops the first group, whose lines have all been sent, and learns from it how many items the next ones should
-    /// have.
+    /// Drops the first group, whose lines have all been sent, and adapts the size of the next ones to its pace.
     async fn end_group(&mut self) {
         let Some(group) = self.groups.pop_front() else {
             return;
@@ -330,7 +331,7 @@ impl Batch {
     }
 }
 
-/// The next lines of a group; never without one.
+/// The next lines of a group; pending forever without one.
 async fn next(group: Option<&mut Running>) -> Option<Lines> {
     match group {
         Some(group) => group.next().await,

@@ -27,11 +27,11 @@ pub(super) struct Item {
 /// An item that was read.
 pub(super) struct ReadItem {
     pub(super) request: JobRequest,
-    /// Where its parts stand.
+    /// The locations of its parts.
     pub(super) words: ItemWords,
 }
 
-/// Where the parts of an item stand.
+/// The locations of the parts of an item.
 pub(super) enum ItemWords {
     Json(Places),
     Message(MessageLayout),
@@ -80,7 +80,7 @@ impl Settings {
         self.body == BodyForm::Document && problem.kind() == Kind::NotJson
     }
 
-    /// A problem with an item, at its place in the batch: in the item, or in the defaults.
+    /// A problem with an item, located in the batch: in the item, or in the defaults.
     pub(super) fn located(&self, problem: Problem, item: &Item) -> Problem {
         let in_defaults = |pointer: &str| {
             let defaults = self.defaults();
@@ -99,7 +99,7 @@ impl Settings {
         })
     }
 
-    /// The name of an item that could not be read, if it has one that can.
+    /// The name of an item that could not be read, if that can be read.
     pub(super) fn name_of(&self, item: &Item) -> Option<String> {
         #[derive(Deserialize)]
         struct Named {

@@ -68,7 +68,7 @@ impl Splitter {
         Ok(piece)
     }
 
-    /// The last piece of a body that has ended, if there is one left; a body that ends too soon is an error.
+    /// The last piece of a body that has ended, if there is one left; a truncated body is an error.
     pub(super) fn finish(&mut self) -> Result<Option<Piece>, Problem> {
         match &mut self.rule {
             Rule::Document(document) => document.finish(&self.bytes).map(|()| None),
@@ -198,7 +198,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is in the items, they come out as they are.
+        /// Any items come out unchanged.
         #[test]
         fn items_stay_as_they_are(
             texts in prop::collection::vec("\\PC{0,12}", 0..5),

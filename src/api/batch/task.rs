@@ -1,4 +1,4 @@
-//! A group of items from its turn to its end: what it waits for, and the memory that it takes.
+//! A task that computes a group of items: its waits, and its memory.
 //!
 //! A group that holds memory computes, and waits neither for another item nor for a client: it gives its memory back
 //! before it waits for its lines to be sent. So items that wait for memory get it, in any order.
@@ -25,7 +25,7 @@ use crate::job::peer::{self, Peer};
 pub(super) struct Running {
     lines: mpsc::Receiver<Lines>,
     task: JoinHandle<Duration>,
-    /// How many items it has.
+    /// The number of its items.
     items: usize,
 }
 
@@ -48,7 +48,7 @@ impl Running {
         }
     }
 
-    /// The next of its lines; none at its end. A future that is dropped loses nothing.
+    /// The next of its lines; `None` at its end. A future that is dropped loses nothing.
     pub(super) async fn next(&mut self) -> Option<Lines> {
         self.lines.recv().await
     }
@@ -73,7 +73,7 @@ struct Task {
 }
 
 impl Task {
-    /// Computes the items, of which this is to be read; returns how long that took.
+    /// Computes the items after reading these bytes; returns how long that took.
     async fn run(self, unread: (usize, usize)) -> Duration {
         let Settings { app, .. } = &*self.settings;
         let reading = take_for_reading(app, unread).await;
@@ -115,7 +115,7 @@ impl Task {
         busy
     }
 
-    /// Sends the lines so far. All memory is given back if that takes a while.
+    /// Sends the lines so far. All memory is released if that takes a while.
     async fn send(&self) {
         let lines = self.group.lock().take_lines();
         let Err(TrySendError::Full(lines)) = self.sender.try_send(lines) else {

@@ -6,7 +6,7 @@ use tonic::{Code, Status};
 
 use crate::api::problem::{Kind, Problem};
 
-/// How the library's messages begin when it cannot decode what has come.
+/// The beginning of the library's messages for undecodable input.
 const MALFORMED: [&str; 4] = [
     "failed to decode Protobuf message",
     "Unexpected EOF decoding stream",

@@ -1,4 +1,4 @@
-//! What each call needs.
+//! The authorization of each call.
 
 use crate::access::scope::Scope::{JobsRead, JobsWrite};
 use crate::api::needs::Needs;
@@ -26,7 +26,7 @@ mod tests {
     use super::*;
     use crate::proto::DESCRIPTORS;
 
-    /// A new call is thought about here.
+    /// A new call must be classified here.
     #[test]
     fn every_call_has_its_scope() {
         let described = FileDescriptorSet::decode(DESCRIPTORS).unwrap();

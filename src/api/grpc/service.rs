@@ -47,7 +47,7 @@ impl Service {
         Self(app)
     }
 
-    /// Makes a job, or finds the one that was made for the same key.
+    /// Creates a job, or finds the one that was created for the same key.
     async fn make(
         &self,
         input: Option<pb::JobInput>,
@@ -199,7 +199,7 @@ impl FittingService for Service {
         let options = StreamOptions::new(&spec, defaults, true, outline.surface);
         let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
         let mut options = options.map_err(wrong)?;
-        // A job that was made before has a stream of its own; only that one may cancel it.
+        // A job that was created before has its own stream; only that one may cancel it.
         options.cancels &= !replayed;
         let held = job.held().await?;
         Ok(Response::new(self.events(

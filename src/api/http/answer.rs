@@ -1,4 +1,4 @@
-//! Answers: small ones as they are, large ones piece by piece.
+//! Answers: small ones at once, large ones piece by piece.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Lets requests in that have a token for what they ask, or a ticket. Nothing is read of others but their heads.
+//! Authorizes requests by token or ticket. Of unauthorized requests only the head is read.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -25,10 +25,10 @@ use crate::log_throttle::LogThrottle;
 const EVENTS: &str = "/v1/jobs/{id}/events";
 const TICKET: &str = "ticket=";
 
-/// Where its path has the id of the job.
+/// The position of the job's id in its path.
 const ID: usize = 3;
 
-/// What is checked, and against what.
+/// The tokens to check.
 #[derive(Clone)]
 pub(super) struct Guard {
     pub(super) access: Access,
@@ -41,7 +41,7 @@ pub(super) struct Guard {
 /// The shortest time between log lines about unauthenticated requests, so that these do not flood the log.
 pub(super) const TELLING: Duration = Duration::from_secs(1);
 
-/// Answers a request for the tenant of its token, or says why not.
+/// Answers a request for the tenant of its token, or denies it.
 pub(super) async fn authorize(
     State(guard): State<Guard>,
     mut request: Request,
@@ -71,7 +71,7 @@ pub(super) async fn authorize(
             let peer = Peer::Tenant(token.tenant);
             request.extensions_mut().insert(token);
             let mut response = Peer::scope(Some(peer), next.run(request)).await;
-            // What is still to be sent is for the tenant, too.
+            // The body is sent for the tenant, too.
             response.extensions_mut().insert(peer);
             response
         }
@@ -88,7 +88,7 @@ impl Guard {
             Method::HEAD | Method::GET => "get",
             Method::POST => "post",
             Method::DELETE => "delete",
-            // The resource does not understand it, and says so.
+            // The resource does not support the method, and says so.
             _ => return Needs::Nothing,
         };
         let found = methods.iter().find(|(it, _)| *it == verb);
@@ -166,7 +166,7 @@ fn ticket(uri: &Uri) -> Option<&str> {
         .find_map(|it| it.strip_prefix(TICKET))
 }
 
-/// An address without its ticket, of which whatever answers knows nothing.
+/// An address without its ticket, which is hidden from handlers.
 pub(super) fn without_ticket(uri: &Uri) -> Uri {
     let Some(query) = uri.query().filter(|_| ticket(uri).is_some()) else {
         return uri.clone();

@@ -1,4 +1,4 @@
-//! Answers are compressed for clients that ask for it (`Accept-Encoding`), with gzip or zstd.
+//! Compresses answers for clients that accept it (`Accept-Encoding`), with gzip or zstd.
 //!
 //! Numbers as text become less than half as long. Event streams stay as they are: their events would wait
 //! for each other in the compressor.
@@ -12,8 +12,8 @@ use tower_http::compression::predicate::Predicate;
 /// Shorter answers fit into a packet as they are.
 const LEAST: u64 = 1024;
 
-/// Digits of numbers take much longer at higher levels and become hardly shorter. At the lowest one gzip
-/// makes binary numbers longer.
+/// Higher levels take much longer on decimal digits and save little. At the lowest one gzip makes binary numbers
+/// longer.
 const LEVEL: CompressionLevel = CompressionLevel::Precise(2);
 
 /// Compresses what is worthwhile.
@@ -41,7 +41,7 @@ impl Predicate for Worthwhile {
         let media_type = text(header::CONTENT_TYPE);
         !short
             && !bodiless.contains(&response.status())
-            // Files with a tag have their compressed forms.
+            // Files with a tag have compressed forms of their own.
             && !headers.contains_key(header::ETAG)
             && !text(header::CACHE_CONTROL).contains("no-transform")
             && !media_type.is_empty()

@@ -76,7 +76,7 @@ pub(super) async fn get(
     Ok(response)
 }
 
-/// The header wins over the query parameter, which is for clients that cannot set headers.
+/// The header overrides the query parameter, which is for clients that cannot set headers.
 fn last_event_id(
     job: &Job,
     headers: &HeaderMap,
@@ -240,12 +240,12 @@ fn reached(milestone: Option<f64>) -> Option<Cow<'static, str>> {
     milestone.map(|it| format!("\"milestone\":{}", json!(it)).into())
 }
 
-/// The field of a stream that begins again.
+/// The field of a stream that restarts.
 fn restarted(again: bool) -> Option<Cow<'static, str>> {
     again.then_some(RESTARTED.into())
 }
 
-/// Pushes the shared data of an event, with a field that only this stream has as the first one.
+/// Pushes the shared data of an event, with a field of this stream alone as the first one.
 fn push_json(mut data: Content, field: Option<Cow<str>>, outgoing: &mut Outgoing) {
     if let Some(field) = field.filter(|_| data.head.starts_with(b"{")) {
         put(outgoing.text(), format_args!("{{{field},"));

@@ -81,7 +81,7 @@ pub(super) async fn get(
     Ok(show(&job, language))
 }
 
-/// The job as it stands.
+/// The job in its current state.
 pub(super) fn show(job: &Job, language: Language) -> Response {
     match language {
         Language::Json => no_store(Json(JobView::new(job)).into_response()),

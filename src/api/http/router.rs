@@ -141,7 +141,7 @@ async fn not_found(request: Request) -> Problem {
     Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
 }
 
-/// The problem of a method that the resource does not understand; it names those that it does.
+/// The problem of a method that the resource does not support; it names the supported ones.
 fn method_not_allowed(methods: &Methods, request: &Request) -> Problem {
     let method = short::plain(request.method().as_str());
     let path = short::plain(request.uri().path());
@@ -173,7 +173,7 @@ fn span<B>(request: &http::Request<B>) -> tracing::Span {
     )
 }
 
-/// Logs failed requests. A server that answers 503 when it is full works as it should.
+/// Logs failed requests. A 503 of a full server is not an error.
 fn tell_failure(failure: ServerErrorsFailureClass, latency: Duration, _span: &Span) {
     match failure {
         ServerErrorsFailureClass::StatusCode(StatusCode::SERVICE_UNAVAILABLE) => {

@@ -16,7 +16,7 @@ use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::problem::{Kind, Problem};
 
-/// What opens the stream of a job once it is in the query.
+/// A ticket for the stream of a job, for use in the query.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Ticket", example = example())]
 pub(in crate::api) struct TicketView {

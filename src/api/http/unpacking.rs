@@ -1,5 +1,5 @@
-//! Bodies that come compressed (`Content-Encoding`) are unpacked while they arrive, a bounded number of
-//! bytes at a time: some bytes can stand for a thousand times as many.
+//! Unpacks compressed bodies (`Content-Encoding`) as they arrive, a bounded number of bytes at a time: some bytes can
+//! stand for a thousand times as many.
 
 use bytes::{Buf, Bytes};
 use flate2::{Decompress, FlushDecompress, Status};
@@ -16,7 +16,7 @@ const ZSTD_WINDOW: u32 = 23;
 /// Unpacks a body.
 pub(in crate::api) struct Unpacker {
     decoder: Format,
-    /// True if all that has come is whole.
+    /// True if the bytes so far form complete parts.
     ended: bool,
 }
 
@@ -25,7 +25,7 @@ enum Format {
     Zstd(Decoder<'static>),
 }
 
-/// What one call has done.
+/// The result of one call.
 struct Moved {
     read: usize,
     written: usize,
@@ -57,7 +57,7 @@ impl Unpacker {
         }
     }
 
-    /// Returns true if the body ends where it may.
+    /// Returns true if the body may end here.
     pub(in crate::api) fn has_ended(&self) -> bool {
         self.ended
     }

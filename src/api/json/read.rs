@@ -1,4 +1,4 @@
-//! Reads the JSON of requests, and says in plain words what is wrong with it, and where.
+//! Reads the JSON of requests, with plain error messages and their locations.
 
 use serde::de::DeserializeOwned;
 use serde_json::Deserializer as Json;
@@ -32,7 +32,7 @@ pub(crate) fn parse<T: DeserializeOwned>(body: &[u8], most_points: usize) -> Res
     })
 }
 
-/// What is wrong, at a place that the error says more about.
+/// An error, at a location about which its text has more.
 fn problem(body: &[u8], error: &Error, mut pointer: String) -> Problem {
     let text = error.to_string();
     // 1e999 is JSON, but no 64-bit number.
@@ -90,7 +90,7 @@ const SYNTAX: [(&str, &str); 8] = [
     ),
 ];
 
-/// What is said of a syntax error.
+/// The message of a syntax error.
 fn syntax(text: &str) -> String {
     let known = SYNTAX.iter().find_map(|(words, plain)| {
         let rest = text.strip_prefix(words)?;
@@ -99,22 +99,21 @@ fn syntax(text: &str) -> String {
     known.unwrap_or_else(|| text.replace('`', "\""))
 }
 
-/// Returns true if what is no JSON looks like a number that is not finite.
+/// Returns true if invalid JSON looks like a number that is not finite.
 fn is_about_nan(body: &[u8], error: &Error) -> bool {
     if error.classify() != Category::Syntax {
         return false;
     }
     let mut lines = body.split(|byte| *byte == b'\n');
     let line = lines.nth(error.line().saturating_sub(1)).unwrap_or(&[]);
-    // The column is that of the byte that is wrong, or of one next to it.
+    // The column is that of the wrong byte, or of a neighbour.
     let around = line.iter().skip(error.column().saturating_sub(3)).take(12);
     let around: Vec<u8> = around.map(u8::to_ascii_lowercase).collect();
     let has = |word: &[u8]| around.windows(word.len()).any(|part| part == word);
     has(b"nan") || has(b"inf")
 }
 
-/// What serde says of a value, in the words of users. What the readers of this program say themselves
-/// is passed on.
+/// The message of a serde error, in the words of users. Messages of the readers of this program are passed on.
 fn words(text: &str) -> String {
     let invalid = ["invalid type: ", "invalid value: ", "invalid length: "];
     if let Some(rest) = invalid.iter().find_map(|it| text.strip_prefix(it))
@@ -176,7 +175,7 @@ fn mismatch(found: &str, expected: &str) -> String {
     format!("expected {expected}, found {found}")
 }
 
-/// What stands between these in a text that begins with the first.
+/// The text between these, if it begins with the first.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<&'a str> {
     text.strip_prefix(start)?.split_once(end).map(|it| it.0)
 }

@@ -13,7 +13,8 @@ use crate::model::schema::schema_of;
 pub(super) struct ArraySlot(pub(super) u8);
 
 impl Serialize for ArraySlot {
-    /// As bytes, which no other part of an answer is serialised as: so the document recognises it.
+    /// Serialised as bytes, which no other part of an answer is, so that the document recognises
+    /// it.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_bytes(&[self.0])
     }

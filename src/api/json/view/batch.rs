@@ -1,4 +1,4 @@
-//! The lines of the answer to a batch: one for each item, then the totals, or why there is no more.
+//! The lines of the answer to a batch: one for each item, then the totals, or why it ended early.
 
 use bytes::Bytes;
 use schemars::{JsonSchema, json_schema};
@@ -62,13 +62,13 @@ enum ItemGeometry<'a> {
     View(Shown),
 }
 
-/// What came of an item.
+/// The result of an item.
 pub(crate) struct ItemEnd<'a> {
     /// Its place among the items.
     pub index: usize,
     /// The client's name for it.
     pub name: Option<&'a str>,
-    /// What was understood of its points.
+    /// Notices about its points.
     pub notices: &'a [String],
     /// How its fit has ended.
     pub status: &'a Status,
@@ -114,7 +114,7 @@ pub(crate) fn fitted(item: ItemEnd<'_>, form: &Form) -> Content {
     })
 }
 
-/// The line of an item that is no fit that can be computed.
+/// The line of an item that is invalid.
 pub(crate) fn failed(
     index: usize,
     name: Option<&str>,

@@ -1,4 +1,4 @@
-//! How directions end, as it is shown.
+//! The ends of directions in answers.
 
 use schemars::json_schema;
 use serde::Serialize;
