@@ -13,7 +13,7 @@ pub(super) const USAGE: u8 = 2;
 pub(super) enum Failure {
     /// The arguments or the data are invalid.
     Usage(Vec<String>),
-    /// It could not be done.
+    /// The operation failed.
     Failed(String),
     /// The reader of the standard output has gone, which needs no message.
     Closed,
@@ -25,12 +25,12 @@ impl Failure {
         Self::Usage(vec![line.into()])
     }
 
-    /// Something could not be done with a file.
+    /// An operation with a file failed.
     pub(super) fn of_file(name: impl Display, reason: &io::Error) -> Self {
         Self::Failed(format!("{name}: {reason}"))
     }
 
-    /// The status that the program ends with.
+    /// The exit status of the program.
     pub(super) fn status(&self) -> u8 {
         match self {
             Self::Usage(_) => USAGE,
@@ -41,7 +41,7 @@ impl Failure {
     /// Writes it to the standard error.
     pub(super) fn tell(&self) {
         match self {
-            // Each line begins with the file, as those of compilers do.
+            // Each line begins with the file, as in compiler messages.
             Self::Usage(lines) => lines.iter().for_each(say),
             Self::Failed(line) => say(format_args!("piad: {line}")),
             Self::Closed => {}

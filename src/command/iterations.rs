@@ -1,4 +1,4 @@
-//! A file of each iteration.
+//! Files of all iterations.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::config::fit_arguments::FitArguments;
 /// The default limit of the number of files.
 const MOST: usize = 1000;
 
-/// Makes the directory, so that it is known to be there before the fit begins.
+/// Makes the directory before the fit begins, so that errors are found early.
 pub(super) fn prepare(directory: &Path) -> Result<(), Failure> {
     match fs::create_dir(directory) {
         Err(_) if directory.is_dir() => Ok(()),

@@ -21,13 +21,13 @@ pub(super) enum Progress {
     Lines {
         /// When the last one was printed.
         told: Option<Instant>,
-        /// The iterations that it takes, if anybody knows.
+        /// The expected number of iterations, if it is known.
         total: Option<usize>,
     },
 }
 
 impl Progress {
-    /// Nothing if it is to be quiet, a bar if somebody looks at the standard error.
+    /// Nothing with `--quiet`, a bar if the standard error is a terminal.
     pub(super) fn new(quiet: bool) -> Self {
         if quiet {
             return Self::Silent;

@@ -1,4 +1,4 @@
-//! The report of many fits: a table with a line for each, and how many there were.
+//! The report of many fits: a table with a line for each, and totals.
 
 use super::failure::Failure;
 use crate::api::batch::part_file::Distances;
@@ -17,9 +17,9 @@ pub(super) struct Row {
     pub name: String,
     /// How it ended, such as `converged`.
     pub state: String,
-    /// The distances from the data; none if there is no result.
+    /// The distances from the data; `None` if there is no result.
     pub error: Option<Distances>,
-    /// How many control points there are, in each direction.
+    /// The number of control points, in each direction.
     pub control_points: Option<String>,
     /// Why it has not converged.
     pub detail: Option<String>,

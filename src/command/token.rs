@@ -15,7 +15,7 @@ use crate::config::{Lifetime, TokenCommand};
 use crate::job::tenant::Tenant;
 use crate::terminal::say;
 
-/// How many characters an id has.
+/// The number of characters of an id.
 const ID: usize = 8;
 
 /// Runs the command; the exit status says whether it has succeeded.
@@ -73,13 +73,13 @@ fn create(
     Ok(vec![text])
 }
 
-/// When a lifetime is over.
+/// The end of a lifetime.
 fn end(begin: Timestamp, time: SignedDuration) -> Result<Timestamp, String> {
     let end = begin.checked_add(time);
     end.map_err(|_| "--expires: that is too long; never is possible, too".to_owned())
 }
 
-/// A time without its part of a second.
+/// A time rounded to seconds.
 fn second(at: Timestamp) -> Timestamp {
     Timestamp::from_second(at.as_second()).unwrap_or(at)
 }

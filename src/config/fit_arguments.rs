@@ -39,8 +39,8 @@ pub struct FitArguments {
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Vec<PathBuf>,
 
-    /// Format of the output, whatever its name ends with: json, step, iges, obj, gltf, stl, ply, dxf, svg,
-    /// geojson, gpx or csv [default: that of the ending; json on the standard output].
+    /// Format of the output, whatever the extension: json, step, iges, obj, gltf, stl, ply, dxf, svg, geojson, gpx or
+    /// csv [default: that of the extension; json on the standard output].
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<String>,
 

@@ -1,9 +1,9 @@
 //! The settings of a server: flags, `PIAD_*` variables, and a file.
 //!
 //! - `cli`: the command line of the program, `fit_arguments`: that of `piad fit`;
-//! - `values`, [`listen`], [`origin`]: how values are read;
-//! - [`file`]: a file of settings; `sources`: where each setting comes from;
-//! - `machine`: the memory that there is.
+//! - `values`, [`listen`], [`origin`]: parsing of values;
+//! - [`file`]: a file of settings; `sources`: the source of each setting;
+//! - `machine`: the available memory.
 
 mod cli;
 mod file;
@@ -71,7 +71,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
     pub tokens: Option<PathBuf>,
 
-    /// Let everybody who reaches the server use it, also on addresses of the network.
+    /// Let everybody who reaches the server use it, also on network addresses.
     #[arg(long, env = "PIAD_INSECURE_NO_AUTH")]
     pub insecure_no_auth: bool,
 
@@ -171,8 +171,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_STORE_CONNECTIONS", default_value = "10", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub store_connections: u16,
 
-    /// Seconds after which the jobs of a server that says nothing any more are taken over by others with the
-    /// same database.
+    /// Seconds after which the jobs of a server without a sign of life are taken over by others with the same database.
     #[arg(long, env = "PIAD_LEASE", default_value = "15", value_parser = some_seconds)]
     pub lease: Duration,
 
@@ -225,7 +224,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_IDLE_TIMEOUT", default_value = "120", value_parser = some_seconds)]
     pub idle_timeout: Duration,
 
-    /// Seconds after which an answer is given up of which the client takes nothing.
+    /// Seconds after which an answer is given up if the client reads nothing of it.
     #[arg(long, env = "PIAD_WRITE_TIMEOUT", default_value = "60", value_parser = some_seconds)]
     pub write_timeout: Duration,
 
@@ -255,7 +254,7 @@ pub struct Config {
 impl Config {
     /// The settings of a server that is started without flags and variables.
     pub fn standard() -> Self {
-        // The attributes above are the one place of the defaults; they always parse.
+        // The attributes above are the only definition of the defaults; they always parse.
         match Standard::try_parse_from(["piad"]) {
             Ok(standard) => standard.config,
             Err(error) => error.exit(),
@@ -286,7 +285,7 @@ impl Config {
         }
     }
 
-    /// Where the store is, and how it is used.
+    /// The store, and its settings.
     pub(crate) fn store_place(&self) -> StorePlace<'_> {
         let settings = Settings {
             connections: usize::from(self.store_connections),
@@ -295,7 +294,7 @@ impl Config {
         self.store.place(settings)
     }
 
-    /// Bytes that running fits may take together: as set, or half of what there is.
+    /// Bytes that running fits may take together: as set, or half of the available memory.
     pub fn memory_bytes(&self) -> u64 {
         let half = || machine::memory().map_or(UNKNOWN_MEMORY, |memory| memory / 2);
         self.memory.map_or_else(half, |size| size.as_u64())

@@ -11,10 +11,10 @@ use parking_lot::Mutex;
 use super::memory::{Cache, Charge};
 use piad_fit::engine::Iteration;
 
-/// The most that are kept of an iteration.
+/// The most checkpoints of an iteration.
 const MOST: usize = 8;
 
-/// The distance of the first ones, in levels.
+/// The initial distance of checkpoints, in levels.
 const NEAR: usize = 256;
 
 /// The checkpoints of one problem.
@@ -74,7 +74,7 @@ impl Checkpoints {
         }
     }
 
-    /// How many levels may be computed at once from this one, so that none is left out that may be kept.
+    /// The number of levels that may be computed at once from this one without skipping a checkpoint.
     pub(super) fn at_once(level: usize) -> usize {
         NEAR - level % NEAR
     }
@@ -86,7 +86,7 @@ impl Checkpoints {
         last.is_some_and(|(&level, _)| level > from + 2 * NEAR)
     }
 
-    /// The last one that is not beyond this level.
+    /// The last checkpoint that is not beyond this level.
     pub(super) fn before(&self, level: usize) -> Option<Iteration> {
         let kept = self.0.lock();
         let (_, checkpoint) = kept.levels.range(..=level).next_back()?;

@@ -12,8 +12,8 @@
 //! | `numbers` | ½ | what readers of difference streams have |
 //! | `cache` | 2 | recent frames, their encoded forms, jobs that have just ended |
 //!
-//! All but the last two are [shares](Share): those who need memory wait for it. A [cache](Cache) only counts its
-//! contents, which are evicted when there are too many, or not kept.
+//! All but the last two are [shares](Share), for which tasks wait. A [cache](Cache) only counts its contents, which are
+//! evicted when there are too many, or not kept.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -76,7 +76,7 @@ impl Memory {
     }
 }
 
-/// Counts the bytes that are kept to save time.
+/// Counts the bytes of caches.
 #[derive(Debug)]
 pub(crate) struct Cache {
     limit: usize,
@@ -120,7 +120,7 @@ pub(crate) struct Charge {
 }
 
 impl Charge {
-    /// Returns true if more may be kept beside it.
+    /// Returns true if more may be cached.
     pub(super) fn has_room(&self) -> bool {
         !self.cache.is_full()
     }

@@ -50,7 +50,7 @@ pub(crate) struct Outline {
     pub(crate) kernel: u32,
 }
 
-/// What a client says about a job besides the problem.
+/// Client data of a job besides the problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Label {
     /// The client's name for the job.
@@ -59,7 +59,7 @@ pub(crate) struct Label {
     pub(crate) parent: Option<Parent>,
     /// The defaults of its streams.
     pub(crate) stream: Option<Arc<StreamSpec>>,
-    /// What was understood of the file that its points come from, in sentences.
+    /// Notices about the file that its points come from, in sentences.
     #[serde(default)]
     pub(crate) notices: Vec<String>,
 }
@@ -99,7 +99,7 @@ impl Outline {
         }
     }
 
-    /// What it takes of the quota of its tenant until it has ended, besides bytes.
+    /// Its usage of the quota of its tenant until it has ended, besides bytes.
     pub(super) fn amount(&self) -> Amount {
         Amount {
             jobs: 1,

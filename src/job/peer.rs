@@ -1,5 +1,5 @@
-//! The peer that work is done for: a tenant, if the server asks for tokens; else the machine at the other end of
-//! a connection.
+//! The peer that work is done for: a tenant, if the server requires tokens; else the machine at the other end of a
+//! connection.
 //!
 //! Limits hold for each peer, so that no one client can take everything. The peer of a request is a
 //! task-local variable of the task that answers it; background work has no peer. Behind a trusted proxy the
@@ -23,7 +23,8 @@ pub(crate) enum Peer {
     /// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
     /// machine chooses its address itself.
     Machine(IpAddr),
-    /// The clients of the proxy at this address that it does not name. None of them has the limits of the proxy itself.
+    /// The clients of the proxy at this address that it does not name. They do not share the limits of the proxy
+    /// itself.
     Unnamed(IpAddr),
     /// A tenant, whose token the request has.
     Tenant(Tenant),
@@ -49,7 +50,7 @@ impl Peer {
         }
     }
 
-    /// The tenant, if the server asks for tokens.
+    /// The tenant, if the server requires tokens.
     pub(crate) fn tenant(self) -> Option<Tenant> {
         match self {
             Self::Machine(_) | Self::Unnamed(_) => None,

@@ -1,4 +1,4 @@
-//! How far a job has come, and why it has ended, in words.
+//! The progress of a job, and the reason of its end in words.
 
 use super::outline::Outline;
 use super::state::{Levels, State, Status};
@@ -11,8 +11,8 @@ impl Status {
         Some(detail(reason, self, &levels, outline))
     }
 
-    /// How far the fit has come, in [0, 1]. As PIA converges geometrically, this is
-    /// `log(e₀/e) / log(e₀/tolerance)` with a tolerance; without one, the share of `max_iterations`.
+    /// The progress of the fit, in [0, 1]. As PIA converges geometrically, this is `log(e₀/e) /
+    /// log(e₀/tolerance)` with a tolerance; without one, the share of `max_iterations`.
     pub(crate) fn progress(&self, outline: &Outline) -> f64 {
         if matches!(
             self.state,
@@ -41,7 +41,7 @@ impl Status {
     }
 }
 
-/// Why a job ended, in words, with the largest distance that is left.
+/// Why a job ended, in words, with the largest remaining distance.
 fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -> String {
     let (first, last) = (levels.first.error.max, levels.last.error.max);
     let tolerance = outline.tolerance;

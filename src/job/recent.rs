@@ -121,9 +121,9 @@ impl Recent {
         }
     }
 
-    /// Those of the jobs in memory that somebody reads, runs or makes: that are held not only here.
+    /// The jobs in memory that are in use: held not only here.
     pub(super) fn held(&self, live: &Mutex<HashMap<Uuid, Weak<Job>>>) -> HashSet<Uuid> {
-        // While this is locked, no job is taken in or given up here.
+        // While this is locked, no job is added or dropped here.
         let kept = self.kept.lock();
         let mut here: HashMap<Uuid, usize> = HashMap::new();
         for entry in &kept.jobs {

@@ -1,4 +1,4 @@
-//! What is kept of a fit that has ended: its last level.
+//! The stored result of a fit: its last level.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ impl LastGeometry {
         }
     }
 
-    /// The last frame again, of a level of this problem.
+    /// Recomputes the last frame, of a level of this problem.
     pub(crate) fn frame(self, level: Level, problem: Arc<Problem>) -> Arc<Frame> {
         let problem = match &self.bases {
             None => problem,

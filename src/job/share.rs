@@ -1,4 +1,4 @@
-//! A part of the memory, which is divided among those who need some.
+//! A part of the memory, divided among waiting tasks.
 //!
 //! A task that needs memory waits in the queue of its peer, and the peers take turns. A peer gets at most half of what
 //! the others leave, or a single piece of any size. So there is room for later peers, whatever the first one requests.
@@ -26,7 +26,7 @@ const PAGE: usize = 4096;
 /// How long a piece waits before room is made for it.
 const LONG: Duration = Duration::from_secs(10);
 
-/// A peer with this part of the share has next to nothing.
+/// A peer with at most this part of the share has next to nothing.
 const LITTLE: u32 = 32;
 
 /// A part of the memory.
@@ -44,7 +44,7 @@ struct ShareState {
     has_favourite: bool,
 }
 
-/// Who has how much.
+/// The usage of the share.
 #[derive(Debug)]
 struct Usage {
     /// All pages of the share.
@@ -192,7 +192,7 @@ fn permit(share: &Arc<Mutex<ShareState>>, piece: Piece) -> Permit {
     }
 }
 
-/// Gives those who wait what they can have now.
+/// Gives waiting tasks what they can have now.
 fn grant(share: &Arc<Mutex<ShareState>>) {
     loop {
         let next = share.lock().next();
@@ -215,7 +215,7 @@ impl Drop for Permit {
 }
 
 impl ShareState {
-    /// The next of those who wait that can have its piece, which is counted as given.
+    /// The next waiting piece that can be given, which is counted as given.
     fn next(&mut self) -> Option<Waiter> {
         let next = self.next_with_room().or_else(|| self.next_favourite())?;
         self.usage.add(next.piece);
@@ -231,7 +231,7 @@ impl ShareState {
         let waiting = || self.waiting.iter().flat_map(|(_, queue)| queue);
         let growing = || waiting().filter(grows);
         let first = growing().map(|it| it.since).min()?;
-        // One alone waits for pieces that do not wait themselves.
+        // A single one waits for pieces that do not wait themselves.
         growing().nth(1)?;
         let mut next = self.waiting.next(|_, queue| {
             let waiting = &mut queue.waiting;
@@ -264,7 +264,7 @@ impl ShareState {
         })
     }
 
-    /// The piece that has waited for the longest, too long, for nothing but room.
+    /// The piece that has waited for the longest, too long, and only for room.
     fn overdue(&self, now: Instant) -> Option<Overdue> {
         let first = self.waiting.iter().filter_map(|(_, queue)| {
             let first = queue.iter().find(|it| !it.granted.is_closed())?;
@@ -345,7 +345,7 @@ mod tests {
         assert!(take(&share, 1, 1).is_none() && take(&share, 2, 5).is_none());
         assert_eq!(share.used(), 60 * PAGE);
         drop(most);
-        // More than there is waits for all that there is.
+        // A request for more than the total waits for the total.
         let all = share.take(peer(1), usize::MAX).await.unwrap();
         assert!(take(&share, 2, 1).is_none());
         drop(all);

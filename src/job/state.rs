@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use piad_fit::engine::Reason;
 use piad_fit::engine::{Forecast, Level};
 
-/// Where a job is in its life.
+/// The state of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum State {
     /// Accepted, and waiting for memory.
@@ -84,7 +84,7 @@ impl FromStr for State {
 pub enum Failure {
     /// The distances left the range of 64-bit floating-point numbers.
     Overflow,
-    /// A defect of the program.
+    /// A bug of the program.
     Defect,
     /// The process has crashed several times while the job was running.
     Crashes,

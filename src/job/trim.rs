@@ -1,4 +1,4 @@
-//! What is left of a trimmed surface.
+//! The remaining part of a trimmed surface.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

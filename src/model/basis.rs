@@ -122,7 +122,7 @@ impl Basis {
     }
 }
 
-/// As it would be requested.
+/// A basis in the form of a request.
 impl From<&BasisChoice> for Basis {
     fn from(choice: &BasisChoice) -> Self {
         let kind = match choice {
@@ -157,7 +157,7 @@ schema_of!(
     })
 );
 
-/// The degree of a B-spline that is as usual otherwise.
+/// A B-spline of this degree with defaults.
 pub(super) enum Degree {}
 
 schema_of!(

@@ -58,31 +58,30 @@ pub struct JobRequest {
 
 object!(JobRequest, "an object");
 
-/// A job that can be computed.
+/// A valid job.
 #[derive(Debug)]
 pub struct ValidJob {
     /// The client's name for it.
     pub name: Option<String>,
-    /// What its streams are like if they do not say it themselves.
+    /// The default options of its streams.
     pub stream: Option<Arc<StreamSpec>>,
     /// The problem.
     pub problem: Problem,
 }
 
-/// What a server accepts.
+/// The limits of a server.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// The most data points.
     pub(crate) points: usize,
     /// The most iterations.
     pub(crate) iterations: usize,
-    /// What a fit may take.
+    /// The limits of a fit.
     pub(crate) admission: Admission,
 }
 
 impl JobRequest {
-    /// What would ask for the same problem again. The start of an edit is not a part of it: that is its
-    /// iteration 0.
+    /// The request for the same problem. The start of an edit is not a part of it: that is its iteration 0.
     pub(crate) fn of(name: Option<String>, stream: Option<StreamSpec>, request: &Request) -> Self {
         Self {
             name,
@@ -100,20 +99,19 @@ impl JobRequest {
         self.surface.as_ref().and_then(SurfaceInput::base)
     }
 
-    /// Checks the job against the limits and the mathematics. `base` is the surface of
-    /// `Self::base`, or why there is none.
+    /// Validates the job. `base` is the surface of `Self::base`, or why there is none.
     pub fn validate(self, limits: Limits, base: Result<&Nurbs, Mistake>) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
         let (name, stream) = (self.name.clone(), self.stream.clone());
         mistakes.keep(check_name(name.as_deref()));
         let request = self.problem(limits.points, limits.iterations, base, &mut mistakes);
-        // The points and the basis may be wrong beside what was found so far.
+        // The points and the basis may have further errors.
         let problem =
             request.and_then(|request| mistakes.fit(request, &limits.admission, SpecPart::Fit));
         ValidJob::new(name, stream, problem, mistakes)
     }
 
-    /// The problem of a job that was accepted before: no limit is looked at.
+    /// The problem of a job that was accepted before: no limit is checked.
     pub(crate) fn request(self) -> OrMistakes<Request> {
         let mut mistakes = Mistakes::default();
         match self.problem(usize::MAX, usize::MAX, Err(no_base()), &mut mistakes) {
@@ -157,7 +155,7 @@ impl JobRequest {
         if let Some(stream) = &self.stream {
             mistakes.keep(stream.check(is_surface));
         }
-        // Without points nothing is said of the method.
+        // Without points the method is not validated.
         let method = match self.method {
             None if request
                 .as_ref()
@@ -191,7 +189,7 @@ fn has_one_method(request: &Request, tolerance: Option<Tolerance>) -> bool {
 }
 
 impl ValidJob {
-    /// The job, if nothing is wrong with it.
+    /// The job, if there are no errors.
     pub(super) fn new(
         name: Option<String>,
         stream: Option<StreamSpec>,

@@ -72,7 +72,7 @@ fn correct(request: &mut Request, place: fit::Place) -> bool {
                 (Axis::V, Some(v)) => v,
                 _ => u,
             };
-            // What is explicit about the knots depends on the parameters.
+            // Explicit knots depend on the parameters.
             let given = matches!(choice.parameters, Parametrization::Explicit(_));
             choice.parameters = Parametrization::Uniform;
             given && !has_explicit_knots(choice)
@@ -82,7 +82,7 @@ fn correct(request: &mut Request, place: fit::Place) -> bool {
                 (Axis::V, Some(v)) => v,
                 _ => u,
             };
-            // What is at parameters has others then.
+            // Settings at parameters have others then.
             let at_parameters = |method: &LeastSquares| !method.constraints.is_empty();
             let depends = has_explicit_knots(choice)
                 || matches!(&request.method, Method::LeastSquares(it) if at_parameters(it));

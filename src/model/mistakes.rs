@@ -1,7 +1,7 @@
-//! What is wrong with a job or an edit, and with which part of it.
+//! Validation errors of a job or an edit, and their locations.
 //!
-//! Places are parts of the model. The language in which a request was written says where they stand
-//! there: JSON by a pointer, a protobuf message by the path of a field.
+//! Locations are parts of the model. The encoding of a request maps them: JSON to a pointer, a
+//! protobuf message to the path of a field.
 
 use std::fmt;
 
@@ -28,7 +28,7 @@ pub enum SpecPart {
     Stream(Choice, Option<usize>),
     /// The steps between heights, or one of them: along x or y.
     Spacing(Option<usize>),
-    /// Where heights start, or a coordinate of that.
+    /// The origin of heights, or a coordinate of it.
     Origin(Option<usize>),
     /// The job on whose surface scattered points have their foot points.
     FootPoints,
@@ -36,7 +36,7 @@ pub enum SpecPart {
     FootPointsIteration,
     /// Edits: the iteration to start from.
     Iteration,
-    /// Edits: whether nothing of it is kept.
+    /// Edits: the `ephemeral` setting.
     Ephemeral,
     /// Ephemeral edits: the name of the drag.
     Session,
@@ -44,34 +44,34 @@ pub enum SpecPart {
     Change(usize, ChangePart),
 }
 
-/// A part of what an edit says of a point.
+/// A part of the change of a point in an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangePart {
     /// All of it.
     Whole,
-    /// Which point.
+    /// The index of the point.
     Index,
-    /// Where it goes.
+    /// Its new position.
     Point,
     /// Its weight.
     Weight,
 }
 
-/// Where something is wrong.
+/// The location of an error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Site {
     /// In a part of the model.
     Part(SpecPart),
-    /// At a place in the language of the request that is no part of the model.
+    /// At a location in the encoding of the request that is not a part of the model.
     Text(String),
 }
 
-/// What is wrong, and where.
+/// An error, with its location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mistake {
-    /// Where.
+    /// The location.
     pub site: Site,
-    /// Why.
+    /// The reason.
     pub detail: String,
 }
 
@@ -93,7 +93,7 @@ impl Mistake {
     }
 }
 
-/// What was read of a part of a request, or all that is wrong with it.
+/// A part of a request, or all of its errors.
 pub(crate) type OrMistakes<T> = Result<T, Mistakes>;
 
 /// The independent errors that were found.

@@ -97,8 +97,7 @@ impl Index {
         Self::Pair(clamped(row), behind)
     }
 
-    /// The index in the list of all points, row by row. Returns true if a point of a curve exists is checked with the
-    /// problem.
+    /// The index in the list of all points, row by row. That a point of a curve exists is checked with the problem.
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
         let Grid { rows, columns } = grid;
         match (self, surface && grid.is_rows()) {
@@ -243,7 +242,7 @@ schema_of!(
     })
 );
 
-/// How much data points count.
+/// The weights of data points in the sum of squares.
 pub(crate) enum DataWeights {}
 
 schema_of!(DataWeights, "DataWeights", {

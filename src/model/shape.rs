@@ -68,7 +68,7 @@ pub(crate) struct CurveInput {
     /// The order of the points: that in which they are given, or the nearest one where they have none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<PointOrder>,
-    /// What becomes of points that equal the one before them.
+    /// The treatment of points that equal the one before them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeated_points: Option<RepeatedPoints>,
 }
@@ -87,8 +87,8 @@ names!(PointOrder, "order of points", [
     "nearest" => Nearest,
 ]);
 
-/// What becomes of points of a curve that equal the one before them: `refuse`, where their parameters do not increase, or
-/// `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it.
+/// The treatment of points of a curve that equal the one before them: `refuse`, where their parameters do not increase,
+/// or `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
 #[schemars(rename_all = "snake_case", extend("default" = "refuse"), example = &"merge")]
 pub(crate) enum RepeatedPoints {
@@ -103,7 +103,7 @@ names!(RepeatedPoints, "treatment of repeated points", [
 
 object!(CurveInput, "an object with points");
 
-/// What is said of a direction.
+/// The settings of a direction.
 pub(super) struct DirectionInput {
     pub(super) basis: Option<Basis>,
     pub(super) parameters: Option<ParametersInput>,
@@ -134,7 +134,7 @@ impl DirectionInput {
     }
 }
 
-/// The weights of points as a fit uses them, or none where they are wrong.
+/// The weights of points as a fit uses them, or none where they are invalid.
 pub(super) fn resolved(
     weights: Option<PerDirection<PointNumbers>>,
     rational: Option<Rational>,

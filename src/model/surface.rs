@@ -99,12 +99,12 @@ fn given_ends<S: Serializer>(
     }
 }
 
-/// The data points of a surface, and how they get their parameters.
+/// The data points of a surface, and the rule for their parameters.
 struct SurfaceData {
     points: PointGrid,
-    /// How scattered points get their parameters; those of foot points are not known yet.
+    /// The rule for scattered points; that of foot points is not resolved yet.
     scattered: Option<Scattered>,
-    /// How those of a grid do.
+    /// The rule for a grid.
     parameters: Option<PerDirection<ParametersInput>>,
 }
 
@@ -156,7 +156,7 @@ impl SurfaceData {
 }
 
 impl SurfaceInput {
-    /// How its points are arranged, if there are any.
+    /// The arrangement of its points, if there are any.
     pub(crate) fn grid(&self) -> Option<Grid> {
         let sections = self.sections.as_ref().map(|it| &it.points);
         let scattered = self.scattered.as_ref().or(sections).map(PointList::grid);
@@ -283,7 +283,7 @@ impl SurfaceInput {
             let [u, v] = [u, v].map(|it| ParametersInput(it.parameters.clone()));
             PerDirection::of(u, Some(v))
         };
-        // Sections of which it is not said are closed where their ends are near each other.
+        // Without a setting, sections are closed where their ends are near each other.
         let is_decided = match &request.scattered {
             Some(Scattered::Sections(sections)) => sections.closed.is_some(),
             _ => true,

@@ -27,7 +27,7 @@ names!(Rational, "use of weights", [
 ]);
 
 impl Rational {
-    /// How the weights of a problem are used.
+    /// The use of the weights of a problem.
     pub(crate) fn of(request: &Request) -> Option<Self> {
         match (&request.weights, &request.u.weights) {
             (Weights::Homogeneous(_), _) => Some(Self::Homogeneous),
@@ -137,7 +137,7 @@ pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
     }
 }
 
-/// Refuses to use weights that there are not.
+/// Refuses a use of weights without any.
 pub(crate) fn check_unused(rational: Option<Rational>) -> OrMistakes<()> {
     let detail = "rational says how weights are used, but there are no weights";
     match rational {

@@ -10,8 +10,7 @@ use piad_fit::basis::{End, Ends};
 use piad_fit::data::Points;
 use piad_fit::invalid::Side;
 
-/// The ends that a message asks for; `boundary` is the number of data points on a boundary and that of
-/// their coordinates.
+/// The ends of a message; `boundary` is the number of data points on a boundary and that of their coordinates.
 pub(super) fn read(
     ends: Option<pb::Ends>,
     boundary: (usize, usize),
@@ -121,7 +120,7 @@ pub(crate) fn rule(end: &End) -> pb::EndRule {
     }
 }
 
-/// Where the vectors of ends stand in a message.
+/// The locations of the vectors of ends in a message.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EndsLayout {
     /// True if the ends of u and v have tangents, at the start and at the end.

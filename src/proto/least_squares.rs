@@ -39,7 +39,7 @@ const BOUNDARIES: [((Axis, Side), m::Boundary); 4] = [
     ((Axis::V, Side::End), m::Boundary::VEnd),
 ];
 
-/// The settings that a message asks for. Without a number for v both directions have that for u.
+/// The settings of a message. Without a number for v both directions have that for u.
 pub(super) fn input(
     settings: m::LeastSquares,
     target: MethodTarget,

@@ -30,7 +30,7 @@ const SWEEPS: [(SweepsInput, m::Sweeps); 2] = [
     (SweepsInput(Sweeps::Columns), m::Sweeps::Columns),
 ];
 
-/// The method that a message asks for.
+/// The method of a message.
 pub(crate) fn input(
     method: Option<pb::Method>,
     target: MethodTarget,
@@ -104,8 +104,8 @@ fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput
     })
 }
 
-/// The method as outlines of jobs have it, of its message without the indices and thresholds of points
-/// and the entries of matrices.
+/// The method in outlines of jobs, from its message without the indices and thresholds of points and the entries of
+/// matrices.
 pub(crate) fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
     let target = MethodTarget {
         grid: Grid {

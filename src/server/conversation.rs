@@ -1,4 +1,4 @@
-//! HTTP on a connection, in the version that the client speaks.
+//! HTTP on a connection, in the version of the client.
 //!
 //! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So an idle
 //! connection is taken back from hyper, which gets it again with the next request.
@@ -29,20 +29,20 @@ use super::write_timeout::TimedStream;
 use crate::job::peer::Peer;
 use crate::trim;
 
-/// How long nothing is asked on a connection before it is taken back.
+/// How long a connection may be idle before it is taken back.
 const QUIET: Duration = Duration::from_secs(5);
 
 /// How long a connection that is being shut down may be silent before it is cut off.
 const LINGER: Duration = Duration::from_secs(2);
 
-/// What each connection with HTTP/2 begins with (RFC 9113, 3.4).
+/// The preface of each HTTP/2 connection (RFC 9113, 3.4).
 const PREFACE: &[u8] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 
 /// The most requests at a time on an HTTP/2 connection.
 const STREAMS: u32 = 100;
 
-/// How much an HTTP/2 client may send of a request before the server takes it, and of all requests of a
-/// connection: what waits there is counted nowhere else.
+/// How much an HTTP/2 client may send of a request before the server reads it, and of all requests of a connection:
+/// these bytes are outside the memory accounting.
 const STREAM_WINDOW: u32 = 64 << 10;
 const CONNECTION_WINDOW: u32 = 256 << 10;
 
@@ -82,7 +82,7 @@ async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Time
                     .initial_stream_window_size(STREAM_WINDOW)
                     .initial_connection_window_size(CONNECTION_WINDOW)
                     .serve_connection(TokioIo::new(GatheredWrites::new(io)), service);
-                // In a box: connections with HTTP/1.1 would have room for it, too.
+                // Boxed: connections with HTTP/1.1 would have room for it, too.
                 watch.serve(Box::pin(connection).as_mut()).await;
                 return;
             }
@@ -105,7 +105,7 @@ async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Time
     }
 }
 
-/// What ends a connection besides itself.
+/// The events that end a connection.
 struct Watch {
     peer: Peer,
     activity: Arc<Activity>,

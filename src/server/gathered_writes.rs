@@ -1,7 +1,7 @@
 //! Writes of HTTP/2 frames, several at a time.
 //!
-//! h2 writes each frame of data by itself, and flushes it: a call of the system and a packet for every
-//! 16 KiB. So a large write waits here for the next one, or for a flush that no write came before.
+//! h2 writes each data frame by itself, and flushes it: a system call and a packet for every 16 KiB. So a large write
+//! waits here for the next one, or for a flush that no write preceded.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -20,7 +20,7 @@ const LARGE: usize = 8 * 1024;
 pub(super) struct GatheredWrites<S> {
     stream: S,
     gathered: BytesMut,
-    /// There was a large write after the last flush.
+    /// True if there was a large write after the last flush.
     is_followed: bool,
 }
 
@@ -95,7 +95,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for GatheredWrites<S> {
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         if std::mem::take(&mut self.is_followed) && self.gathered.len() < ENOUGH {
-            // If nothing is written after all, the task flushes when it is polled again.
+            // If nothing follows, the task flushes when it is polled again.
             context.waker().wake_by_ref();
             return Poll::Ready(Ok(()));
         }
@@ -116,7 +116,7 @@ mod tests {
 
     use super::*;
 
-    /// What was written, call by call.
+    /// The writes, call by call.
     #[derive(Default)]
     struct Calls(Vec<usize>);
 

@@ -1,11 +1,12 @@
-//! A running server: binds configuration, jobs and API together.
+//! A running server: connects configuration, jobs and API.
 //!
-//! - `local`: the same without a port, for programs that answer themselves;
-//! - [`listen`]: the addresses and sockets of the server; [`listener`]: what comes there; `tls`: how it is encrypted;
-//! - `accept`: takes in connections; `connection`: serves one;
-//! - `activity`: what happens on a connection, and how long it may stay; `write_timeout`: bytes that the client does not take;
-//! - `limits`: how many connections there may be; [`proxy`]: clients behind trusted proxies;
-//! - `request_body`: the bodies of its requests; `response_body`: those of its answers; `stream_timeout`: those of HTTP/2 that the client does not take;
+//! - `local`: the same without a port, for programs that send requests to themselves;
+//! - [`listen`]: the addresses and sockets of the server; [`listener`]: their connections; `tls`: their encryption;
+//! - `accept`: accepts connections; `connection`: serves one;
+//! - `activity`: the activity on a connection, and its timeouts; `write_timeout`: bytes that the client does not read;
+//! - `limits`: limits of the number of connections; [`proxy`]: clients behind trusted proxies;
+//! - `request_body`: the bodies of requests; `response_body`: those of answers; `stream_timeout`: those of HTTP/2 that
+//!   the client does not read;
 //! - [`probe`]: asks a server whether it is ready;
 
 mod accept;
@@ -139,7 +140,7 @@ pub async fn serve(
     Ok(())
 }
 
-/// What the jobs of a server with these settings share.
+/// The shared resources of the jobs of a server with these settings.
 fn resources(config: &Config, quotas: Arc<Quotas>) -> io::Result<Arc<Resources>> {
     let workers = config.worker_count();
     scheduler::share_loops(workers);
@@ -150,7 +151,7 @@ fn resources(config: &Config, quotas: Arc<Quotas>) -> io::Result<Arc<Resources>>
     Ok(Arc::new(resources.below(config.base_path.as_str())))
 }
 
-/// Checks that strangers cannot use the server unless that is meant.
+/// Checks that the server is not open to the network unless that is intended.
 fn check_access(config: &Config, is_local: bool, has_tokens: bool) -> Result<(), &'static str> {
     let is_encrypted = config.tls_cert.is_some();
     match has_tokens {
@@ -165,7 +166,7 @@ fn check_access(config: &Config, is_local: bool, has_tokens: bool) -> Result<(),
     }
 }
 
-/// What a server with tokens checks requests by: its tickets are signed by the key in its store.
+/// The tokens that a server checks requests against: its tickets are signed by the key in its store.
 async fn access(tokens: Option<Arc<Tokens>>, store: &Store) -> io::Result<Option<Access>> {
     let Some(tokens) = tokens else {
         return Ok(None);

@@ -29,7 +29,7 @@ pub(super) fn is_trusted(networks: &[IpNet], address: IpAddr) -> bool {
     networks.iter().any(|network| network.contains(&address))
 }
 
-/// From where a request comes that a trusted proxy passes on.
+/// The origin of a request from a trusted proxy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Origin {
     /// From the proxy itself: no header names a client.
@@ -52,7 +52,8 @@ impl Origin {
     }
 }
 
-/// The origin of a request that came from a trusted proxy: the last address on its way that is no trusted proxy itself.
+/// The origin of a request that came from a trusted proxy: the last address on its way that is not a trusted proxy
+/// itself.
 pub(super) fn origin(headers: &HeaderMap, networks: &[IpNet]) -> Origin {
     let last = |way: Vec<Option<IpAddr>>| {
         let mut hops = way.into_iter().rev();
@@ -77,7 +78,7 @@ pub(super) fn origin(headers: &HeaderMap, networks: &[IpNet]) -> Origin {
     }
 }
 
-/// The addresses in all headers of a name, the nearest one last; `None` for what is no address.
+/// The addresses in all headers of a name, the nearest one last; `None` for invalid ones.
 fn way(
     headers: &HeaderMap,
     name: &str,
@@ -105,10 +106,10 @@ fn without_port(text: &str) -> Option<IpAddr> {
     text.parse().or_else(|_| host.parse()).ok()
 }
 
-/// What a trusted proxy has sent first.
+/// The first bytes of a trusted proxy.
 #[derive(Debug)]
 pub(super) struct Beginning {
-    /// From where the connection comes, if there is a header that says so.
+    /// The origin of the connection, if there is a header.
     pub(super) origin: Option<Origin>,
     /// Bytes that were read and belong to the first request.
     pub(super) rest: Vec<u8>,
@@ -118,7 +119,7 @@ pub(super) struct Beginning {
 pub(super) async fn read(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Beginning> {
     let mut bytes = Vec::new();
     loop {
-        // Byte by byte: a header is short, and what follows it is not to be waited for.
+        // Byte by byte: a header is short, and the bytes after it may not come.
         let Ok(byte) = stream.read_u8().await else {
             return Ok(Beginning {
                 origin: None,
@@ -159,7 +160,7 @@ fn begins_after(origin: Origin) -> Beginning {
     }
 }
 
-/// `PROXY TCP4 192.0.2.1 192.0.2.2 4711 80`, or `PROXY UNKNOWN` for what the proxy itself asks.
+/// `PROXY TCP4 192.0.2.1 192.0.2.2 4711 80`, or `PROXY UNKNOWN` for requests of the proxy itself.
 fn version_1(line: &[u8]) -> io::Result<Beginning> {
     let text = std::str::from_utf8(line).map_err(|_| malformed())?;
     let mut words = text.split_whitespace().skip(1);
@@ -182,7 +183,7 @@ async fn version_2(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Beginnin
     let [command, family, high, low] = head;
     let mut addresses = vec![0; usize::from(u16::from_be_bytes([high, low]))];
     stream.read_exact(&mut addresses).await?;
-    // The highest bits are the version; LOCAL is what the proxy itself asks.
+    // The highest bits are the version; LOCAL is for requests of the proxy itself.
     let is_local = match command {
         0x20 => true,
         0x21 => false,

@@ -1,5 +1,4 @@
-//! The body of an answer; its request counts as open until all of it has been sent, and what it takes to
-//! make it is done for its peer.
+//! The body of an answer; its request counts as open until all of it has been sent, and is computed for its peer.
 
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
@@ -19,10 +18,10 @@ const PIECE: usize = 16 * 1024;
 
 /// The request of an answer.
 pub(super) struct Served {
-    /// Whose it is.
+    /// Its peer.
     pub(super) peer: Peer,
     pub(super) _open: OpenRequest,
-    /// Its place among the requests of the peer, if these are limited.
+    /// Its slot among the requests of the peer, if these are limited.
     pub(super) _slot: Option<Slot>,
 }
 

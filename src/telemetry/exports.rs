@@ -1,4 +1,4 @@
-//! How many spans have been exported, and how many have not.
+//! The numbers of spans that have been exported, and that have not.
 
 use opentelemetry_sdk::Resource;
 use opentelemetry_sdk::error::OTelSdkResult;
@@ -12,8 +12,8 @@ use std::time::Duration;
 /// True if spans are exported.
 pub(super) static IS_ON: AtomicBool = AtomicBool::new(false);
 
-/// Spans that the collector has taken, and spans that it has not. Those that the queue has no room for, when many
-/// come or the collector is slow, are in neither.
+/// Spans that the collector has accepted, and spans that it has not. Those that do not fit in the queue, when many come
+/// or the collector is slow, are in neither.
 static EXPORTED: LazyLock<Counter> = LazyLock::new(Counter::default);
 static FAILED: LazyLock<Counter> = LazyLock::new(Counter::default);
 
@@ -33,7 +33,7 @@ pub(crate) fn register(registry: &mut Registry) {
     registry.register("piad_trace_spans_failed", help, FAILED.clone());
 }
 
-/// Counts what an exporter does.
+/// Counts the results of an exporter.
 #[derive(Debug)]
 pub(super) struct Counted<E>(pub E);
 

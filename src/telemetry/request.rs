@@ -60,7 +60,7 @@ impl RequestTrace {
         if span.is_disabled() {
             return None;
         }
-        // It has just been made: its parent can still be said.
+        // It has just been created: its parent can still be set.
         let _ = span.set_parent(parent(headers));
         let context = span.context().span().span_context().clone();
         Some(Self { span, context })
@@ -120,7 +120,7 @@ fn name(method: &str, route: Option<&str>) -> String {
     route.map_or_else(|| method.to_owned(), |route| format!("{method} {route}"))
 }
 
-/// The span that the headers name; none if they are not valid, or name several.
+/// The span that the headers name; `None` if they are invalid, or name several.
 fn parent(headers: &HeaderMap) -> Context {
     let joined = |name: HeaderName| {
         let values = headers.get_all(&name).iter();

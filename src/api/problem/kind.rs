@@ -1,4 +1,4 @@
-//! The kinds of problems: one table, in which a new kind has its one place.
+//! The kinds of problems, in one table.
 
 use axum::http::StatusCode;
 use tonic::Code;
@@ -12,9 +12,9 @@ pub struct Entry {
     pub status: StatusCode,
     /// The gRPC status code of calls that fail with it.
     pub code: Code,
-    /// What it is called.
+    /// Its title.
     pub title: &'static str,
-    /// What it means and what to do about it.
+    /// Its meaning, and what to do about it.
     pub meaning: &'static str,
 }
 

@@ -34,7 +34,7 @@ const BROKEN: [(&str, &str); 6] = [
     ("invalid varint", "a number is malformed"),
 ];
 
-/// Why bytes are no message, in plain words.
+/// Why bytes are not a message, in plain words.
 fn unreadable(error: &DecodeError) -> String {
     let text = error.to_string();
     let text = text
@@ -42,20 +42,20 @@ fn unreadable(error: &DecodeError) -> String {
         .unwrap_or(&text);
     let known = BROKEN.iter().find(|(end, _)| text.ends_with(end));
     let reason = known.map_or("a field has another type", |(_, plain)| plain);
-    // Fields that are known stand before the reason: "JobInput.geometry: ".
+    // The path of known fields is before the reason: "JobInput.geometry: ".
     match text.split_once(": ") {
         Some((place, _)) if place.contains('.') => format!("{place} cannot be read: {reason}"),
         _ => format!("the message cannot be read: {reason}"),
     }
 }
 
-/// The job that a body asks for, and where its parts stand.
+/// The job of a body, and the locations of its parts.
 pub(crate) fn read(body: Bytes, config: &Config) -> Result<(JobRequest, MessageLayout), Problem> {
     let input = decode(body, config.max_points)?;
     job(input, config)
 }
 
-/// The job that a message asks for, and where its parts stand, relative to the message.
+/// The job of a message, and the locations of its parts, relative to the message.
 pub(crate) fn job(
     input: pb::JobInput,
     config: &Config,

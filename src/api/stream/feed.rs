@@ -37,11 +37,11 @@ pub(crate) enum Event {
     Job {
         /// The description.
         data: Content,
-        /// The stream begins again: what the reader has is of another kernel.
+        /// The stream restarts: the reader's events are of another kernel.
         again: bool,
     },
     Iteration {
-        /// Its number, and of which kernel it is.
+        /// Its number, and its kernel.
         id: EventId,
         /// The smallest milestone that it is the first to reach.
         milestone: Option<f64>,
@@ -56,7 +56,7 @@ pub(crate) enum Event {
     Stopping,
 }
 
-/// Where a feed is.
+/// The state of a feed.
 enum Stage {
     /// Before the `job` event, which has numbers that are known only when the job has begun.
     Waiting,
@@ -64,7 +64,7 @@ enum Stage {
     Over,
 }
 
-/// What a feed was waiting for.
+/// The event that ended a wait.
 enum Happened {
     Next(Result<Next, StoreError>),
     Nothing,
@@ -76,10 +76,10 @@ pub(crate) struct Feed {
     job: Arc<Job>,
     cursor: Cursor,
     options: StreamOptions,
-    /// Events follow from each other.
+    /// Events are differences.
     chain: Option<Chain>,
     milestones: Option<Milestones>,
-    /// It has iterations of another kernel.
+    /// The client has iterations of another kernel.
     again: bool,
     /// The last iteration that the client has.
     seen: Option<usize>,
@@ -131,7 +131,7 @@ impl Feed {
         let held = Some(edit.system);
         let (every, selects) = (options.every, !options.milestones.is_empty());
         let mut feed = Self::reading(app, job, cursor, options, Start::First, held, stream);
-        // Iteration 0 is the level of the parent: who leaves out iterations does not need it.
+        // Iteration 0 is the level of the parent, which a stream that skips iterations need not send.
         if every > 1 && !selects {
             feed.cursor.seek(every);
         }
@@ -212,8 +212,8 @@ impl Feed {
     async fn advance(&mut self) {
         let happened = {
             let mut next = pin!(self.cursor.next());
-            // A frame that is ready is taken without setting up timers and wake-ups. A feed that leaves
-            // out frames has to look at its timer in between.
+            // A frame that is ready is taken without setting up timers and wake-ups. A feed that skips frames has to
+            // check its timer in between.
             let waits = *self.stopping.borrow() || self.milestones.is_some();
             let at_hand = (!waits).then(|| next.as_mut().now_or_never());
             match at_hand.flatten() {
@@ -279,7 +279,7 @@ impl Feed {
         let new = Some(frame.level.iteration) > self.seen;
         match milestone.filter(|_| new) {
             Some(milestone) => self.push_frame(frame, Some(milestone)).await?,
-            // Lets other tasks run, however many frames are left out.
+            // Lets other tasks run, however many frames are skipped.
             None => tokio::task::consume_budget().await,
         }
         Ok(())

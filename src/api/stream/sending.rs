@@ -15,7 +15,7 @@ use crate::job::scheduler::Broken;
 /// Contents up to this size are copied together with what is around them.
 const SMALL: usize = 16 * 1024;
 
-/// How many pieces are made ahead of the one that is being sent.
+/// The number of pieces that are made ahead of the one that is being sent.
 const AHEAD: usize = 3;
 
 /// After contents above this size many of the same size are expected.
@@ -144,7 +144,7 @@ impl Outgoing {
     }
 }
 
-/// Pieces that no client will read any more are not made.
+/// Pieces that will not be read any more are not made.
 impl Drop for Outgoing {
     fn drop(&mut self) {
         self.ahead.iter().for_each(JoinHandle::abort);

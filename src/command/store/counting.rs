@@ -1,4 +1,4 @@
-//! How many jobs were looked at.
+//! Reports the number of jobs examined.
 
 use std::io::{IsTerminal, stderr};
 

@@ -1,7 +1,7 @@
-//! `piad store`: the jobs of servers that do not run.
+//! `piad store`: operations on stores of stopped servers.
 //!
 //! - `copy`: to another store;
-//! - `check`, `repair`, `export`: of a store that may be damaged (`source`).
+//! - `check`, `repair`, `export`: for a store that may be damaged (`source`).
 
 mod check;
 mod copy;

@@ -17,7 +17,7 @@ pub(super) enum Source {
     Database(Store),
 }
 
-/// What could be read.
+/// The readable contents.
 #[derive(Debug, Default)]
 pub(super) struct Reading {
     /// Jobs that could be read, and those of them that have lost their end.
@@ -25,9 +25,9 @@ pub(super) struct Reading {
     pub endless: usize,
     /// Jobs that could not be read.
     pub lost: usize,
-    /// What is wrong with each of these two kinds.
+    /// The errors of each of these two kinds.
     pub reasons: Vec<String>,
-    /// What is wrong with the file beside its jobs.
+    /// The errors of the file outside its jobs.
     pub complaint: Option<String>,
 }
 
@@ -102,7 +102,7 @@ fn be_silent_of_damage() {
     }));
 }
 
-/// What is wrong, of a store that worked.
+/// The errors of a store that works.
 fn plain(error: &StoreError) -> String {
     match error {
         StoreError::Failed(reason) => reason.clone(),
@@ -145,12 +145,12 @@ impl Reading {
         Err(summary)
     }
 
-    /// Returns true if everything could be read, and nothing is wrong beside.
+    /// Returns true if everything could be read, and there is no other error.
     pub(super) fn is_whole(&self) -> bool {
         self.endless == 0 && self.lost == 0 && self.complaint.is_none()
     }
 
-    /// What could be read, in words.
+    /// The readable contents, in words.
     pub(super) fn summary(&self) -> String {
         let mut summary = match self.lost {
             0 => format!("{} can be read", jobs(self.good)),

@@ -1,4 +1,4 @@
-//! Whose turn it is, and what becomes of work that breaks.
+//! The order of turns, and the treatment of work that panics.
 
 use std::sync::mpsc::TryRecvError;
 

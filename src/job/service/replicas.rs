@@ -19,14 +19,14 @@ use crate::job::store::shared::Shared;
 use crate::job::store::shared::hints::Hint;
 use crate::job::store::{Record, StoreError};
 
-/// How often the store is looked at without a hint.
+/// The polling interval of the store without a hint.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// The most jobs of others that are taken over in one go.
+/// The most jobs of others that are taken over at once.
 const TAKEN_AT_ONCE: usize = 16;
 
 impl Jobs {
-    /// Works together with the other replicas from now on.
+    /// Cooperates with the other replicas from now on.
     pub(super) fn join(self: &Arc<Self>, shared: &Arc<Shared>) {
         tokio::spawn(keep_leases(Arc::downgrade(self), Arc::clone(shared)));
         tokio::spawn(look(Arc::downgrade(self), Arc::clone(shared)));
@@ -39,7 +39,7 @@ impl Jobs {
         id: Uuid,
     ) -> Result<Option<Arc<Job>>, StoreError> {
         let live = self.live(id);
-        // What this replica runs it knows best, as long as its lease holds.
+        // This replica knows the jobs that it runs best, as long as its lease holds.
         if let Some(job) = &live
             && !job.is_elsewhere()
             && shared.surely_runs(id)
@@ -94,7 +94,7 @@ impl Jobs {
         jobs.filter(is_followed).collect()
     }
 
-    /// Asks the store what has become of jobs that others run.
+    /// Polls the store for jobs that others run.
     pub(super) async fn refresh(
         &self,
         shared: &Shared,
@@ -115,7 +115,7 @@ impl Jobs {
         Ok(())
     }
 
-    /// A job that is not in the store any more, or never was: those who wait for its end wait no longer.
+    /// A job that is not in the store any more, or never was: its end is published.
     pub(super) fn let_go(&self, job: &Job) {
         job.follow(Status {
             state: State::Cancelled,
@@ -124,8 +124,8 @@ impl Jobs {
         self.forget(&[job.id()]);
     }
 
-    /// Shows those who have found a job in the store what becomes of it, although the answer that it was stored
-    /// was lost.
+    /// Publishes the status of a job that readers have found in the store, although the answer that it was stored was
+    /// lost.
     pub(super) fn follow_abandoned(self: &Arc<Self>, shared: Arc<Shared>, job: &Arc<Job>) {
         job.elsewhere.store(true, Ordering::Release);
         let (jobs, job) = (Arc::downgrade(self), Arc::downgrade(job));
@@ -156,7 +156,7 @@ impl Jobs {
         Ok(())
     }
 
-    /// Takes over jobs that wait at other replicas, or whose replica is gone, if there is room for them.
+    /// Takes over jobs that wait at other replicas, or whose replica is dead, if there is room for them.
     async fn take_over(self: &Arc<Self>, shared: &Shared) -> Result<(), StoreError> {
         // Where jobs wait there is no room.
         if self.suspended.load(Ordering::Acquire) || self.queued() > 0 {
@@ -182,7 +182,7 @@ impl Jobs {
     }
 }
 
-/// Renews the leases of this replica's jobs, and puts those of replicas that are gone back into the queue.
+/// Renews the leases of this replica's jobs, and puts those of dead replicas back into the queue.
 async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
     loop {
         sleep(shared.heartbeat()).await;
@@ -201,7 +201,7 @@ async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
     }
 }
 
-/// Looks at what the other replicas do, from time to time and at their hints.
+/// Polls the other replicas' changes from time to time, and at their hints.
 async fn look(jobs: Weak<Jobs>, shared: Arc<Shared>) {
     let mut hints = shared.hints();
     let mut ticks = interval(LOOK);

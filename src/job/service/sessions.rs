@@ -1,4 +1,4 @@
-//! Drags: each ephemeral edit of a session takes the place of the one before.
+//! Drags: each ephemeral edit of a session replaces the one before.
 
 use std::collections::HashMap;
 

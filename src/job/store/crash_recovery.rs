@@ -1,14 +1,14 @@
-//! Crash recovery: what becomes of the jobs that were running when the process crashed.
+//! Crash recovery: the treatment of the jobs that were running when the process crashed.
 //!
 //! They go back to the queue and run again one at a time: each is on probation for a moment before the
 //! next one starts. If the process crashes meanwhile, the crash is counted for the job on probation and
 //! for jobs that were running for the first time, not for jobs that have passed. So a job that crashes the
 //! process as soon as it runs fails after [`MOST_CRASHES`], and the others do not.
 //!
-//! Crashes while nothing is on probation are counted for every running job, but none fails with them: the fault
-//! may be that of a request, or of nothing here at all. With each crash that is counted for a job its next
-//! probation is twice as long, up to [`LONGEST_PROBATION`], so that it is on probation when it crashes the process
-//! again. An orderly stop clears the counts.
+//! Crashes while nothing is on probation are counted for every running job, but none fails with them: a request, or
+//! something outside the process, may be the cause. With each crash that is counted for a job its next probation is
+//! twice as long, up to [`LONGEST_PROBATION`], so that it is on probation when it crashes the process again. An orderly
+//! stop clears the counts.
 
 use std::time::Duration;
 
@@ -23,7 +23,7 @@ pub(crate) const MOST_CRASHES: u32 = 3;
 /// How long a job that was running in a crash runs before the next one starts.
 const PROBATION: Duration = Duration::from_millis(250);
 
-/// How long a job that was running in many crashes does.
+/// The longest probation of a job that was running in many crashes.
 const LONGEST_PROBATION: Duration = Duration::from_secs(32);
 
 /// How long a job that was running in this many crashes runs before the next one starts.

@@ -1,4 +1,4 @@
-//! Records of the store, as the fuzz targets read and write them: from bytes that may be anything.
+//! Records of the store for the fuzz targets, which read and write arbitrary bytes.
 
 use uuid::Uuid;
 

@@ -1,4 +1,4 @@
-//! What the stores promise: in a file, in memory and in a database.
+//! Guarantees of the stores: in a file, in memory and in a database.
 
 use std::sync::Arc;
 use std::time::Duration;

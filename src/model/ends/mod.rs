@@ -233,7 +233,7 @@ impl EndsInput {
         }
     }
 
-    /// How it is written.
+    /// Its JSON.
     pub(crate) fn form(&self, surface: bool) -> EndsForm {
         let field = |end: &Option<EndInput>| match end {
             Some(EndInput::Vectors(name, _)) => *name,
@@ -246,7 +246,7 @@ impl EndsInput {
         }
     }
 
-    /// The ends that it asks for.
+    /// The ends that it requests.
     pub(super) fn ends(self, axis: Axis, is_surface: bool) -> Result<Ends, Mistake> {
         let side = |end: Option<EndInput>, side| {
             end.map_or(Ok(End::Estimated), |end| end.end((axis, side), is_surface))
@@ -258,7 +258,7 @@ impl EndsInput {
     }
 }
 
-/// Refuses more orders of derivatives than a fit of any degree has, before anything is made of each.
+/// Refuses more orders of derivatives than a fit of any degree has, before each is processed.
 pub(crate) fn check_orders(count: usize) -> Result<(), String> {
     match count > MAX_DEGREE {
         true => Err(format!(

@@ -27,7 +27,7 @@ number_or_word!(
     "a number that is not negative, or \"auto\""
 );
 
-/// What a request can say of fairness.
+/// The forms of fairness in a request.
 pub(crate) enum FairnessSchema {}
 
 schema_of!(FairnessSchema, "Fairness", _generator => json_schema!({
@@ -100,7 +100,7 @@ pub(crate) struct LeastSquaresInput {
 }
 
 impl LeastSquaresInput {
-    /// How they are written.
+    /// Their form.
     pub(super) fn form(&self) -> MethodForm {
         let most = self.max_control_points;
         MethodForm {

@@ -1,7 +1,7 @@
 //! Requested methods, and their form for a fit.
 //!
 //! - `settings`: their settings; `least_squares`: those of least squares, with `constraint` and `counts`;
-//! - `choice`: what they are for a fit; `form`: where their settings stand; `schema`: their schema.
+//! - `choice`: their form for a fit; `form`: the locations of their settings; `schema`: their schema.
 
 mod choice;
 mod constraint;
@@ -191,7 +191,7 @@ impl MethodInput {
         }
     }
 
-    /// How it is written.
+    /// Its form.
     pub(crate) fn form(&self) -> MethodForm {
         match self {
             Self::LeastSquares(settings) => settings.form(),

@@ -175,7 +175,7 @@ impl ConvexInput {
 impl LocalInput {
     pub(super) fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
         let selected = self.indices.map(|mut given| {
-            // Among more than there are points one is wrong, or given twice.
+            // If there are more indices than points, one is invalid, or given twice.
             given.truncate(grid.count().saturating_add(1));
             let of_point = |(k, index): (usize, Index)| {
                 let wrong = |detail| Mistake::at(SpecPart::Fit(P::Index(k)), detail);
@@ -279,7 +279,7 @@ fn matrix(rows: &[Vec<f64>]) -> Matrix {
     AtMost(rows.iter().cloned().map(AtMost).collect())
 }
 
-/// A setting is missing.
+/// The error for a missing setting.
 fn incomplete<T>(detail: &str) -> OrMistakes<T> {
     Err(Mistake::at(SpecPart::Fit(P::Method), detail).into())
 }

@@ -1,4 +1,4 @@
-//! How far the directions of explicit parameters go.
+//! The extents of the directions of explicit parameters.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

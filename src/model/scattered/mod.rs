@@ -198,11 +198,11 @@ impl<'de> Visitor<'de> for ParametersVisitor {
     }
 }
 
-/// What is wrong with parameters that have several rules.
+/// The error for parameters with several rules.
 const ONE_OF: &str =
     "parameters are u and v, or project, or pairs, or sections, or triangles, or foot_points";
 
-/// What parameters may have as an object.
+/// The fields of parameters as an object.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Each {

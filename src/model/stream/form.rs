@@ -1,4 +1,4 @@
-//! The form in which an iteration is shown: what of it, and how its numbers are written.
+//! The form of an iteration: its view, and the encoding of its numbers.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ const SURFACE_SAMPLES: Grid = Grid {
 /// far below the largest number of 32 bits, 3.4e38.
 const LARGEST_F32: f64 = 1e35;
 
-/// What to show of an iteration.
+/// The view of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum View {
     /// The complete control net.
@@ -36,7 +36,7 @@ pub(crate) enum View {
     Errors,
 }
 
-/// How arrays of numbers are written.
+/// The encoding of arrays of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
     /// Lists of numbers.
@@ -52,11 +52,11 @@ pub(crate) enum Encoding {
 /// The form of an iteration on the wire.
 #[derive(Clone, Debug)]
 pub(crate) struct Form {
-    /// What is shown.
+    /// The view.
     pub view: View,
-    /// How arrays of numbers are written.
+    /// The encoding of arrays of numbers.
     pub encoding: Encoding,
-    /// How many digits coordinates have.
+    /// The precision of coordinates.
     pub digits: Digits,
     /// True if fits that choose their knots report them.
     pub knots: bool,
@@ -143,7 +143,7 @@ impl Form {
         if self.knots { full.with_knots() } else { full }
     }
 
-    /// The same with the knots of fits that choose them by themselves.
+    /// The same with the knots of fits that choose them.
     pub(crate) fn with_knots(&self) -> Self {
         Self {
             knots: true,
@@ -171,7 +171,7 @@ fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
                 choices.mistake(Choice::Samples, not_samples(&samples.to_string(), surface))
             })
         }
-        // A number of samples that the job sets is for those who choose this view.
+        // A number of samples that the job sets applies only to this view.
         (_, Some(_)) if choices.is_default_for(Choice::Samples, Choice::View) => Ok(view),
         (_, Some(_)) => {
             let detail = "it is given, but the view is not samples: add view=samples";
@@ -180,7 +180,7 @@ fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
     }
 }
 
-/// Refuses numbers of 32 bits, where they are chosen, that have no room for the data.
+/// Refuses 32-bit numbers that cannot hold the data.
 pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(), ChoiceMistake> {
     if choices.get(|spec| spec.encoding) != Some(chosen::Encoding::Base64F32) {
         return Ok(());

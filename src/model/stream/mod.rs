@@ -1,6 +1,7 @@
-//! What the event streams of a job are like, as far as a client says it.
+//! Options of the event streams of a job.
 //!
-//! - [`options`]: how a stream goes; [`form`]: what is shown of an iteration; [`choices`]: who has chosen it;
+//! - [`options`]: the resolved options of a stream; [`form`]: the form of an iteration; [`choices`]: the source of each
+//!   choice;
 //! - `words`, `samples`: its choices; `schema`: the schemas of these.
 
 pub(crate) mod choices;
@@ -24,7 +25,7 @@ pub(crate) use words::{Choice, Describe, Digits, Encoding, OnDisconnect, Pace, V
 /// The most milestones of a stream.
 pub(crate) const MOST_MILESTONES: usize = 100;
 
-/// What the event streams of a job are like if they do not say it themselves. Some choices rule others out.
+/// The default options of the event streams of a job. Some choices exclude others.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "StreamDefaults")]

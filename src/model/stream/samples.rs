@@ -46,7 +46,7 @@ impl Samples {
     }
 }
 
-/// As it is written: `200` or `40x40`.
+/// Its text: `200` or `40x40`.
 impl fmt::Display for Samples {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -97,7 +97,7 @@ impl<'de> Deserialize<'de> for Samples {
     }
 }
 
-/// Why a text is no number of samples of a curve or a surface.
+/// The error for an invalid number of samples of a curve or a surface.
 pub(crate) fn not_samples(text: &str, surface: bool) -> String {
     let form = match surface {
         false => "200 for a curve",

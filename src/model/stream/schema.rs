@@ -1,4 +1,4 @@
-//! The schemas of what streams are like.
+//! The schemas of stream options.
 
 use schemars::json_schema;
 

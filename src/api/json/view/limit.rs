@@ -1,4 +1,4 @@
-//! Where the difference vectors of the fixed points of a local fit end.
+//! The limits of the difference vectors of the fixed points of a local fit.
 
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! What iterations and results have in common: the control net, knots and weights.
+//! Common parts of iterations and results: the control net, knots and weights.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -73,7 +73,7 @@ pub(super) struct BadWeight {
 }
 
 impl BadWeight {
-    /// What is wrong with a homogeneous level: no CAD kernel takes a weight that is not positive.
+    /// The warning about a homogeneous level: CAD kernels do not accept weights that are not positive.
     pub(super) fn of(level: &Level, problem: &Problem) -> Option<Self> {
         let (index, weight) = level.bad_weight?;
         Some(Self {

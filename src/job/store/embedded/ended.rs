@@ -1,4 +1,4 @@
-//! Which of the jobs that have ended to forget: the bookkeeping of stores that keep it in memory.
+//! The jobs that have ended, in the order of removal: the bookkeeping of stores in memory.
 
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ impl Ended {
         self.bytes -= self.jobs.remove(&(at, id)).unwrap_or(0);
     }
 
-    /// The jobs to be forgotten, without those that are in use. Younger jobs are not removed in their place: until they
+    /// The jobs to be removed, without those that are in use. Younger jobs are not removed in their place: until they
     /// are released, the store has more jobs than its limit.
     pub(crate) fn surplus(
         &self,

@@ -1,4 +1,4 @@
-//! Errors of the database and of what stands in it.
+//! Errors of the database and of its contents.
 
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,7 +25,7 @@ pub(super) fn closed() -> StoreError {
     StoreError::Failed("the store is closed".to_owned())
 }
 
-/// Returns true if an error says that there is no room.
+/// Returns true if an error means that there is no space.
 pub(super) fn means_full(kind: ErrorKind) -> bool {
     matches!(
         kind,

@@ -21,15 +21,15 @@ FROM unnest($1::uuid[], $2::bigint[], $4::bytea[]) AS mine (id, epoch, status)
 WHERE jobs.id = mine.id AND jobs.epoch = mine.epoch AND jobs.state = 'running'
 RETURNING jobs.id, jobs.cancel";
 
-/// Back into the queue: jobs that this replica has, by the database, and does not know of. The answer that they
-/// were stored was lost, or came after it was given up. Those whose answer is under way have a lease.
+/// Back into the queue: jobs that this replica has, by the database, and does not know of. The answer that they were
+/// stored was lost, or came after it was abandoned. Those whose answer is under way have a lease.
 const RELEASE: &str = "
 UPDATE jobs SET state = 'queued', status = $3, on_probation = false, owner = NULL, lease_until = NULL
 WHERE owner = $1 AND state = 'running' AND lease_until < now() AND id <> ALL($2)
 RETURNING id";
 
-/// A replica whose lease of a job has run out, with all the jobs that it ran. Where some of its leases still
-/// hold, it is not gone.
+/// A dead replica, whose lease of a job has expired, with all the jobs that it ran. A replica with valid leases is
+/// alive.
 const ABANDONED: &str = "
 SELECT id, outline, status, crashes, on_probation, cancel, epoch FROM jobs
 WHERE state = 'running' AND lease_until < now() AND owner = (
@@ -52,7 +52,7 @@ const CANCEL: &str =
     "UPDATE jobs SET cancel = true WHERE id = $1 AND finished IS NULL RETURNING id";
 
 impl Shared {
-    /// How often a replica says that it runs its jobs: twice in vain, and they are still its own.
+    /// The interval of renewing leases: after two failed renewals the jobs are still its own.
     pub(crate) fn heartbeat(&self) -> Duration {
         self.lease / 3
     }
@@ -100,8 +100,8 @@ impl Shared {
         Ok(cancelled)
     }
 
-    /// Puts jobs back into the queue that this replica has without knowing it: others take them for its own as
-    /// long as it renews the leases of some.
+    /// Puts jobs back into the queue that this replica has without knowing it: others consider them its own as long as
+    /// it renews some leases.
     pub(crate) async fn release_unknown(&self) -> Result<(), StoreError> {
         let known: Vec<Uuid> = self.claims.lock().keys().copied().collect();
         let status = record::write(&Status::QUEUED)?;
@@ -116,9 +116,9 @@ impl Shared {
         Ok(())
     }
 
-    /// Notes which claims of these jobs were renewed; the others are lost, and are given back. Those that have ended meanwhile
-    /// are not claimed any more. A claim that is lost is kept for its epoch, by which what is written of the
-    /// job will be refused.
+    /// Notes which claims of these jobs were renewed; the others are lost, and are returned. Those that have ended
+    /// meanwhile are not claimed any more. A lost claim is kept for its epoch, by which later writes of the job will be
+    /// refused.
     fn lose(&self, ids: Vec<Uuid>, renewed: &HashSet<Uuid>, begin: Instant) -> Vec<Uuid> {
         let mut claims = self.claims.lock();
         let mut lost = ids;

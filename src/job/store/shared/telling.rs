@@ -17,10 +17,10 @@ use super::hints::Hint;
 /// The most hints that have not been sent or read yet; further ones are dropped.
 pub(super) const MOST: usize = 4096;
 
-/// After so long without a hint the connection is made anew: one that was cut off says nothing.
+/// After this long without a hint the connection is remade, as a dead one is silent.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// The pause before a connection that was lost is made anew.
+/// The pause before a lost connection is remade.
 const PAUSE: Duration = Duration::from_secs(1);
 
 const NOTIFY: &str = "

@@ -1,8 +1,7 @@
-//! What changes a job: each change is one statement, or one transaction where there are many bytes.
+//! Changes of a job: each is one statement, or one transaction where there are many bytes.
 //!
-//! Each is done again if its answer is lost, so it must find what it has done before. Changes of a job that
-//! this replica runs say which claim they belong to, its epoch: they change nothing once another replica has
-//! claimed the job.
+//! Each is repeated if its answer is lost, so it must be idempotent. Changes of a job that this replica runs carry the
+//! epoch of their claim: they change nothing once another replica has claimed the job.
 
 use std::time::Instant;
 
@@ -45,8 +44,8 @@ WITH key AS (
 )
 SELECT id FROM job";
 
-/// A claim of a job that waits, or news of one that this replica has claimed. In the queue of the replica that
-/// has accepted it it still waits.
+/// A claim of a job that waits, or progress of one that this replica has claimed. In the queue of the replica that has
+/// accepted it it still waits.
 const START: &str = "
 UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
     epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
@@ -73,7 +72,7 @@ WITH job AS (
 )
 SELECT others FROM job";
 
-/// Others know of the end of a job that has ended.
+/// True if other replicas know of a job that has ended.
 const REMOVE: &str = "
 DELETE FROM jobs WHERE id = $1
 RETURNING finished IS NULL AND (followed OR owner IS DISTINCT FROM $2) AS others";
@@ -290,7 +289,7 @@ impl Shared {
         Ok(false)
     }
 
-    /// Deletes a job; says whether there was one.
+    /// Deletes a job; returns true if there was one.
     pub(super) async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
         let deleted = self
             .connections
@@ -322,7 +321,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Deletes keys that have expired, and jobs that are beyond the retention; gives the ids of these.
+    /// Deletes keys that have expired, and jobs that are beyond the retention; returns the ids of these.
     pub(super) async fn delete_surplus(
         &self,
         retention: Retention,

@@ -53,7 +53,7 @@ impl Schema {
         statement.execute(&mut connection).await.unwrap();
     }
 
-    /// Has all leases run out.
+    /// Lets all leases expire.
     async fn run_out(&self) {
         let statement = format!(
             "UPDATE {}.jobs SET lease_until = now() - interval '1 s'",
@@ -96,7 +96,7 @@ async fn a_job_is_claimed_by_one_replica() {
     } else {
         (&other, &one)
     };
-    // Who does not run it cannot end it.
+    // A replica that does not run it cannot end it.
     assert!(!reader.finish(id, converged(0), None).await.unwrap());
     assert_eq!(state(reader, id).await, State::Running);
     assert!(
@@ -209,7 +209,7 @@ async fn a_job_that_its_replica_does_not_know_of_goes_back() {
     assert_eq!(state(&one, unknown).await, State::Running);
     schema.run_out().await;
     replica.renew(silent).await.unwrap();
-    // Others take it for one that runs.
+    // Others consider it running.
     other.shared().unwrap().recover().await.unwrap();
     assert_eq!(state(&one, unknown).await, State::Running);
     replica.release_unknown().await.unwrap();
@@ -260,7 +260,7 @@ async fn a_job_is_cancelled_from_any_replica() {
     );
     cancel(runs).await;
     assert_eq!(state(&one, runs).await, State::Running);
-    // Its replica is gone before it could obey.
+    // Its replica dies before it can cancel it.
     schema.run_out().await;
     other.shared().unwrap().recover().await.unwrap();
     assert_eq!(state(&one, runs).await, State::Cancelled);
@@ -269,7 +269,7 @@ async fn a_job_is_cancelled_from_any_replica() {
     assert_eq!(state(&one, runs).await, State::Cancelled);
 }
 
-/// What is said of these jobs, to the last of it. Other tests talk in the same database.
+/// The hints about these jobs, to the last of them. Other tests use the same database.
 async fn heard(hints: &mut Receiver<Hint>, of: &[Uuid], last: Hint) -> Vec<Hint> {
     let mut heard = Vec::new();
     while heard.last() != Some(&last) {

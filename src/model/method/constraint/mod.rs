@@ -94,7 +94,7 @@ enum Meaning {
 }
 
 impl ConstraintInput {
-    /// The constraint on data points that are arranged in a grid, or why it is none.
+    /// The constraint on data points that are arranged in a grid, or the error.
     pub(super) fn constraint(self, grid: Grid, surface: bool) -> Result<Constraint, String> {
         use Meaning::{Across, Derivative, Tangent};
         let fields = [
