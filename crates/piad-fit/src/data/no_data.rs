@@ -12,9 +12,8 @@ const LARGE: f64 = 1e30;
 /// Such a value differs from all others by more than this part of their range.
 const AWAY: f64 = 0.1;
 
-/// The value of the last coordinate that stands for missing data, and how often it is there: one that
-/// programs use for it, more than once, and away from all others. Points with these indices, which increase,
-/// are not looked at.
+/// The value of the last coordinate that stands for missing data, and how often it is there: one that programs use for
+/// it, more than once, and away from all others. Points with these indices, which increase, are ignored.
 pub(crate) fn no_data(points: &Points, missing: &[usize]) -> Option<(f64, usize)> {
     let values = points.lanes().last()?;
     let is_given = |index: usize| missing.binary_search(&index).is_err();

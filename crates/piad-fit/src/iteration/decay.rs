@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(forecast(|k| 0.5_f64.powf(k), 20, 1.0, None), Some(20));
     }
 
-    /// However many levels there are, and wherever one is looked for.
+    /// However many levels there are, and wherever one is searched for.
     #[test]
     fn little_is_remembered_of_long_fits() {
         let mut decay = Decay::default();

@@ -83,7 +83,7 @@ pub struct Iteration {
     decrease: f64,
     /// The errors of the levels so far, for the prediction.
     decay: Decay,
-    /// Where this level leaves its data between neighbours, once that has been looked for.
+    /// Where this level leaves its data between neighbours, once that has been computed.
     excursion: OnceLock<Option<Excursion>>,
 }
 

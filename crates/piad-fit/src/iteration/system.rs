@@ -21,7 +21,7 @@ use crate::matrix::forecast::Forecast;
 pub struct System {
     problem: Arc<Problem>,
     equations: Equations,
-    /// Where the fit will end, once that has been looked for.
+    /// Where the fit will end, once that has been computed.
     prediction: OnceLock<Option<Prediction>>,
 }
 

@@ -203,8 +203,8 @@ impl Banded {
         })
     }
 
-    /// The entries of column `j` that differ from zero: rows, increasing, and values. Only rows near
-    /// it are looked at, as far from the diagonal as entries reach.
+    /// The entries of column `j` that differ from zero: rows, increasing, and values. Only rows
+    /// near it are examined, as far from the diagonal as entries reach.
     pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let (rows, columns) = (self.rows as i64, self.columns as i64);
         let (low, high) = (j as i64 - self.reach as i64, (j + self.reach + 1) as i64);

@@ -61,7 +61,7 @@ pub struct Request {
     pub unordered: bool,
     /// True if points of a curve that equal the one before them are kept once.
     pub merge_repeated: bool,
-    /// Indices of missing points, for least-squares fits; their coordinates are not looked at.
+    /// Indices of missing points, for least-squares fits; their coordinates are ignored.
     pub missing: Vec<usize>,
     /// The rule for the parameters of scattered points of a surface: then they are in a grid of one column, and the
     /// parameters of the directions are ignored.

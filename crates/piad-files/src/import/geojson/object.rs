@@ -148,7 +148,7 @@ impl<'de> Deserialize<'de> for Properties {
     }
 }
 
-/// The type of an object in JSON, as far as its first member of this name: what follows is not looked at.
+/// The type of an object in JSON, as far as its first member of this name: what follows is ignored.
 pub(super) fn top_level_type(json: &[u8]) -> Option<String> {
     let mut found = None;
     let mut deserializer = serde_json::Deserializer::from_slice(json);

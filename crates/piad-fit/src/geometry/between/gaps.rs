@@ -10,13 +10,13 @@ use crate::geometry::freedom;
 use crate::invalid::Side;
 use crate::setup::Setup;
 
-/// Places at which gaps and spans are looked at, as parts of them.
+/// Places at which gaps and spans are examined, as parts of them.
 const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// The same of surfaces, in each direction.
 const PLACES_OF_SURFACES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 
-/// Only the middle is looked at where there are more gaps than this.
+/// Only the middle is examined where there are more gaps than this.
 const MANY: usize = 100_000;
 
 /// The sides of a cell are parallel if the sine of their angle has a square below this.

@@ -30,8 +30,8 @@ pub struct CurveShape {
     /// Where its curvature is least and largest, to rounding beside samples of each knot span. Curvature of plane curves
     /// has a sign, so that the least is the sharpest turn to the right.
     pub extremes: Extremes,
-    /// Parameters at which the derivative vanishes, so that there is no curvature, and near which it may be
-    /// unbounded: at most [`MOST_DEGENERATE`] of those at which it was looked for.
+    /// Parameters at which the derivative vanishes, so that there is no curvature, and near which it may be unbounded:
+    /// at most [`MOST_DEGENERATE`] of those at which it was searched for.
     pub degenerate: Vec<f64>,
     /// The number of inner knots, and of the one where a closed curve returns to its start.
     pub joint_count: usize,

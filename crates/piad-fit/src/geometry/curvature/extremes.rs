@@ -22,7 +22,7 @@ pub struct Extremes {
     pub largest: Option<Extreme>,
 }
 
-/// An interval of a knot span in which a value is looked for.
+/// An interval of a knot span in which a value is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bracket {
     pub span: usize,

@@ -10,7 +10,7 @@ use crate::geometry::nurbs::{KnotVector, Nurbs};
 /// The most knots whose continuity is listed.
 pub const MOST_JOINTS: usize = 10_000;
 
-/// The knots that are looked at at a time.
+/// The knots that are examined at a time.
 const TOGETHER: usize = 1 << 11;
 
 /// Tangents within this angle are one direction: a hundredth of a degree.

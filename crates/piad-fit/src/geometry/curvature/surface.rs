@@ -8,7 +8,7 @@ use super::principal::principal;
 use crate::geometry::nurbs::sampling::SpanParameter;
 use crate::geometry::nurbs::{KnotVector, Nurbs};
 
-/// About the number of parameters of each direction at which extremes are looked for.
+/// About the number of parameters of each direction at which extremes are searched for.
 const PARAMETERS: usize = 512;
 
 /// The least number of steps in a knot span, where there are few.
@@ -28,8 +28,8 @@ pub struct SurfaceShape {
     pub area: f64,
     /// Where the larger and the smaller principal curvature, the Gaussian and the mean curvature are least and largest.
     pub extremes: [Extremes; 4],
-    /// Parameters at which there is no normal, and near which curvatures may be unbounded: at most
-    /// [`MOST_DEGENERATE`] of those at which it was looked for.
+    /// Parameters at which there is no normal, and near which curvatures may be unbounded: at most [`MOST_DEGENERATE`]
+    /// of those at which it was searched for.
     pub degenerate: Vec<[f64; 2]>,
     /// The number of inner knots in each direction, with that where a closed one returns to its start.
     pub line_counts: [usize; 2],
@@ -134,7 +134,7 @@ impl Measured<'_> {
         let (u, v) = (Steps::new(&self.nurbs.u), Steps::new(self.across));
         let columns = v.sites.len();
         let mut values = Vec::with_capacity(columns * (u.count + 1));
-        // All rows of a knot span are there before its places are looked at, so that the places beside them are known.
+        // All rows of a knot span are there before its places are examined, so that the places beside them are known.
         for (span, rows) in u.sites.chunks(u.count + 1).enumerate() {
             values.clear();
             self.each(rows, &v.sites, |_, _, principal| values.push(principal));

@@ -25,7 +25,7 @@ pub(super) enum Reach {
     /// Beyond this number of control points the fit continues: a curve should need only a part of the freedom of its
     /// data.
     Near,
-    /// A fit that has gone on has stalled beyond this.
+    /// A fit that has continued has stalled beyond this.
     Far,
 }
 

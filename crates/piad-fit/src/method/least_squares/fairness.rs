@@ -155,8 +155,8 @@ impl Energy {
         }
     }
 
-    /// About how many multiplications take as long as all integrals of products: each product is looked
-    /// for among those of its function, four in the time of a multiplication.
+    /// About how many multiplications take as long as all integrals of products: each product is searched for among
+    /// those of its function, four in the time of a multiplication.
     pub(super) fn cost(setup: &Setup, order: usize) -> usize {
         let of = |direction: &Direction| {
             let width = direction.basis.degree() + 1;

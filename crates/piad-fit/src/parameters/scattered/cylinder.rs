@@ -1,8 +1,8 @@
 //! The cylinder nearest to points: u goes around it, a length on it, and v along its axis.
 //!
-//! Its axis is looked for among the direction that the normals of the points have least of and the principal axes of the
-//! points, each with the circle of Kåsa (1976) across it; from the best of them Gauss–Newton steps lead to the least sum of
-//! squared distances.
+//! Its axis is searched for among the direction that the normals of the points have least of and the principal axes of
+//! the points, each with the circle of Kåsa (1976) across it; from the best of them Gauss–Newton steps lead to the
+//! least sum of squared distances.
 
 use std::sync::Arc;
 

@@ -21,8 +21,8 @@ pub(crate) struct CurveShapeView {
     length: Option<f64>,
     /// Where the curvature is least and largest.
     curvature: ExtremesView,
-    /// Parameters at which the derivative vanishes, and near which the curvature may be unbounded: of those that were
-    /// looked at up to 100.
+    /// Parameters at which the derivative vanishes, and near which the curvature may be unbounded: up to 100 of those
+    /// examined.
     degenerate: Vec<f64>,
     /// The continuity at inner knots, and where a closed curve returns to its start.
     continuity: Joints,

@@ -21,8 +21,7 @@ pub(crate) struct SurfaceShapeView {
     area: Option<f64>,
     /// Where the principal, Gaussian and mean curvatures are least and largest.
     curvature: SurfaceExtremes,
-    /// Parameters at which there is no normal, and near which curvatures may be unbounded: of those that were looked at
-    /// up to 100.
+    /// Parameters at which there is no normal, and near which curvatures may be unbounded: up to 100 of those examined.
     degenerate: Vec<[f64; 2]>,
     /// The continuity across the lines at inner knots, and where a closed direction returns to its start.
     continuity: Lines,

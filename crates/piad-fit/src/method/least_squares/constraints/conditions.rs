@@ -166,7 +166,7 @@ fn end(setup: &Setup, point: usize) -> Option<Condition> {
     })
 }
 
-/// The parameters of a data point; that of v is not looked at on curves.
+/// The parameters of a data point; that of v is ignored on curves.
 fn parameters(setup: &Setup, point: usize) -> [f64; 2] {
     let columns = setup.grid().columns;
     let (row, column) = match setup.is_scattered() {
