@@ -70,7 +70,7 @@ pub(crate) async fn keep_current<R: Reload>(it: Arc<R>, failures: Counter) {
         };
         let reloaded = Arc::clone(&it);
         match spawn_blocking(move || reloaded.load_again(is_asked_for)).await {
-            Ok(Ok(true)) => info!("the {} were loaded again", R::WHAT),
+            Ok(Ok(true)) => info!("the {} were reloaded", R::WHAT),
             Ok(Ok(false)) => {}
             Ok(Err(reason)) => {
                 failures.inc();

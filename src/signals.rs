@@ -20,7 +20,7 @@ pub fn interrupted() -> impl Future<Output = ()> + Send + 'static {
     #[cfg(not(unix))]
     async {
         if let Err(reason) = tokio::signal::ctrl_c().await {
-            warn!("interrupts are not noticed: {reason}");
+            warn!("cannot handle interrupts: {reason}");
             std::future::pending::<()>().await;
         }
     }
@@ -45,7 +45,7 @@ impl Noticed {
     fn new(name: &str, kind: SignalKind) -> Self {
         let signal = signal(kind);
         if let Err(reason) = &signal {
-            warn!("{name} is not noticed: {reason}");
+            warn!("cannot handle {name}: {reason}");
         }
         Self {
             signal: signal.ok(),

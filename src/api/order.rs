@@ -227,7 +227,7 @@ impl EditOrder {
 
 /// Refuses an ephemeral edit whose stream is not requested.
 pub(super) fn no_stream(words: &impl Words) -> Problem {
-    let detail = "all that there is of an ephemeral edit is its stream: ask for a stream, with POST /v1/jobs/{id}/edits/stream or the Accept header";
+    let detail = "an ephemeral edit exists only as a stream: request one with POST /v1/jobs/{id}/edits/stream or the Accept header";
     Problem::of_mistakes(Mistake::at(SpecPart::Ephemeral, detail).into(), words)
 }
 

@@ -132,7 +132,7 @@ impl<'a> Events<'a> {
 
     /// Reconnects after the last iteration.
     async fn resume(&mut self, reason: &str) -> Result<(), Failure> {
-        let failed = || Failure::Failed(format!("the stream of events broke off: {reason}"));
+        let failed = || Failure::Failed(format!("the event stream was interrupted: {reason}"));
         let job = self.client.job.get().ok_or_else(failed)?;
         let last = self.last.map(|last| format!("&last_event_id={last}"));
         let path = format!("{job}/events?{PROGRESS}{}", last.unwrap_or_default());

@@ -263,7 +263,7 @@ fn output(path: &Path, given: Option<OutputFormat>) -> Result<Output, Failure> {
     };
     let format = given.or_else(by_name);
     let format = format.ok_or_else(|| {
-        let formats = formats("its ending is none of");
+        let formats = formats("its extension is none of");
         Failure::usage(format!("{place}: {formats}; --format says the format"))
     })?;
     Ok(Output { place, format })
@@ -286,7 +286,7 @@ pub(super) fn check(outputs: &[Output]) -> Result<(), Failure> {
     let mut places = HashSet::new();
     for Output { place, .. } in outputs {
         if !places.insert(place) {
-            return Err(Failure::usage(format!("{place}: it is asked for twice")));
+            return Err(Failure::usage(format!("{place}: it is given twice")));
         }
         if let Place::File(path) = place {
             let wrong = |detail: &str| Err(Failure::usage(format!("{place}: {detail}")));

@@ -124,7 +124,7 @@ async fn follow(mut lines: Lines, name: &str, mut progress: Progress) -> Result<
             "{name}: a line of the answer is not understood: {reason}"
         ))
     };
-    let broken = |reason: String| Failure::Failed(format!("the answer broke off: {reason}"));
+    let broken = |reason: String| Failure::Failed(format!("the answer was interrupted: {reason}"));
     loop {
         let line = lines.next().await.map_err(broken)?;
         let line = line.ok_or_else(|| broken("it ended too early".to_owned()))?;

@@ -12,11 +12,11 @@ use piad_files::export::{Style, Unit, Version};
 
 /// The help below the flags.
 const MORE: &str = "\
-Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, KML, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job or batch as POST /v1/jobs and /v1/batch take them. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then. Meshes with faces are surfaces to the vertices of their largest piece.
+Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, KML, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job or batch as POST /v1/jobs and /v1/batch take them. Points are a surface where blank lines part their rows, where their x and y form a grid, or where --surface says so; points without an order are scattered points of a surface then. Meshes with faces are surfaces to the vertices of their largest piece.
 
 Output is written as the ending of its name says: .json, .step (.stp), .iges (.igs), .obj, .gltf (.glb), .stl, .ply, .dxf, .svg, .geojson, .gpx, .csv. Without -o the result goes to the standard output. Files appear when they are complete; those that are there are overwritten.
 
-Exit status: 0 converged; 1 not converged (files are written all the same), or failed; 2 wrong usage or data, told with file and line; 130 interrupted.
+Exit status: 0 converged; 1 not converged (files are written all the same), or failed; 2 wrong usage or data, reported with file and line; 130 interrupted.
 
 Examples:
   piad fit wing.dat --tolerance 1e-4 -o wing.step
@@ -104,7 +104,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "FAIRNESS", help_heading = "Fit")]
     pub(crate) fairness: Option<String>,
 
-    /// A least-squares fit without points that are far from where their neighbours lead.
+    /// A least-squares fit without points that are far from where their neighbours predict them.
     #[arg(long, help_heading = "Fit")]
     pub(crate) robust: bool,
 

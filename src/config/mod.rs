@@ -71,7 +71,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
     pub tokens: Option<PathBuf>,
 
-    /// Let everybody who reaches the server use it, also on network addresses.
+    /// Let everyone who reaches the server use it, also on network addresses.
     #[arg(long, env = "PIAD_INSECURE_NO_AUTH")]
     pub insecure_no_auth: bool,
 

@@ -90,7 +90,7 @@ impl<T: Kept> EncodingCache<T> {
             Some(made) => Encoding::Done(made?),
             None => {
                 let task = peer::spawn(encoding);
-                let broken = |_| Err(StoreError::Failed("an encoding broke down".to_owned()));
+                let broken = |_| Err(StoreError::Failed("an encoding panicked".to_owned()));
                 let made = task.map(move |made| made.unwrap_or_else(broken));
                 Encoding::Pending(made.boxed().shared())
             }

@@ -48,8 +48,8 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
     let left = format!("a distance of {last:.3e} is left, the tolerance is {tolerance:.3e}");
     match reason {
         Reason::Minimum if status.state == State::Converged => format!(
-            "no step brings the fit nearer to all of the data: a distance of {last:.3e} is left, and no tolerance was \
-             asked for"
+            "no step brings the fit nearer to all of the data: a distance of {last:.3e} is left, \
+             and no tolerance was requested"
         ),
         Reason::Minimum if matches!(levels.last.found, Some(Warning::Folded(_))) => format!(
             "no step brings the fit nearer to all of the data, as their parameters fold: {left}; give other parameters"
@@ -76,8 +76,9 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
                 )
             }
             _ => format!(
-                "a fit within the tolerance at the data leaves them where there are none, and one that does not is not \
-                 within it: {left}; use a larger tolerance, fairness, or a number of control points"
+                "a fit within the tolerance at the data deviates between them, and one that does \
+                 not deviate is not within it: {left}; use a larger tolerance, fairness, or a \
+                 number of control points"
             ),
         },
     }

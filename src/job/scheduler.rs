@@ -130,7 +130,7 @@ pub(super) trait Work: Send + Sync {
 
 /// Work has panicked, which is a bug; other work is not affected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("the computation broke down")]
+#[error("the computation panicked")]
 pub struct Broken;
 
 /// The compute pool. Its threads end when it is closed, or dropped.
@@ -382,7 +382,7 @@ impl Queues {
             Ok(Turn::Done) => {}
             Err(panic) => {
                 if !panic.is::<Interrupted>() {
-                    error!("a computation panicked; its job fails, the others go on");
+                    error!("a computation panicked; its job fails, the others continue");
                 }
                 task.work.broken();
             }

@@ -398,7 +398,7 @@ mod tests {
         };
         {
             let mut one = Box::pin(share.extend(first, 40 * PAGE));
-            assert!(one.as_mut().now_or_never().is_none(), "the others go on");
+            assert!(one.as_mut().now_or_never().is_none(), "the others continue");
             let mut other = Box::pin(share.extend(third, 40 * PAGE));
             assert!(other.as_mut().now_or_never().is_none());
             assert!(one.now_or_never().is_some(), "it came first");

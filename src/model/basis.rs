@@ -18,7 +18,7 @@ pub(crate) const DEFAULT_DEGREE: usize = 3;
 #[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(example = &"bspline")]
-#[allow(missing_docs, reason = "schemas repeat what is said of a value")]
+#[allow(missing_docs, reason = "schemas repeat the documentation of a value")]
 pub(crate) enum BasisKind {
     #[default]
     Bspline,

@@ -133,7 +133,7 @@ fn clamped(index: usize) -> u32 {
 
 /// An index as it is kept, in four bytes.
 fn small<E: Error>(index: u64) -> Result<u32, E> {
-    let detail = || format!("{index} is not the index of a point: no job has so many");
+    let detail = || format!("{index} is not the index of a point: no job has this many");
     u32::try_from(index).map_err(|_| E::custom(detail()))
 }
 

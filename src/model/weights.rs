@@ -15,7 +15,7 @@ use piad_fit::invalid::{self as fit, Axis, Invalid};
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(example = &"homogeneous")]
-#[allow(missing_docs, reason = "schemas repeat what is said of a value")]
+#[allow(missing_docs, reason = "schemas repeat the documentation of a value")]
 pub(crate) enum Rational {
     Homogeneous,
     Fixed,

@@ -66,7 +66,7 @@ impl Doors {
                 Err(reason) if is_of_the_connection(&reason) => {}
                 Err(reason) => {
                     if let Some(times) = failures.record(Instant::now()) {
-                        error!(times, "connections cannot be taken in: {reason}");
+                        error!(times, "cannot accept connections: {reason}");
                     }
                     sleep(PAUSE).await;
                 }

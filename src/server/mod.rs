@@ -156,11 +156,11 @@ fn check_access(config: &Config, is_local: bool, has_tokens: bool) -> Result<(),
     let is_encrypted = config.tls_cert.is_some();
     match has_tokens {
         true if !is_local && !is_encrypted => {
-            warn!("tokens come over the network as they are: use TLS, here or in a proxy");
+            warn!("tokens are sent over the network unencrypted: use TLS, here or in a proxy");
             Ok(())
         }
         false if !is_local && config.tls_client_ca.is_none() && !config.insecure_no_auth => Err(
-            "everybody who reaches this address could use the server: give it tokens (piad token create, --tokens FILE) or client certificates (--tls-client-ca), or say --insecure-no-auth if that is meant",
+            "this address is open to the network without authentication: give the server tokens (piad token create, --tokens FILE) or client certificates (--tls-client-ca), or pass --insecure-no-auth if that is intended",
         ),
         _ => Ok(()),
     }

@@ -63,7 +63,7 @@ pub(super) async fn unless_stalled(limit: Duration, task: impl Future<Output = (
             }
         }
         if stalled && timer.as_mut().poll(context).is_ready() {
-            debug!("an answer is given up: the client has left it no room for {limit:?}");
+            debug!("an answer is abandoned: the client has granted it no window for {limit:?}");
             return Poll::Ready(());
         }
         Poll::Pending

@@ -98,7 +98,7 @@ impl<S> TimedStream<S> {
         let limit = self.limit;
         let stalled = self.stalled.get_or_insert_with(|| Box::pin(sleep(limit)));
         stalled.as_mut().poll(context).map(|()| {
-            let reason = format!("the client has taken nothing for {limit:?}");
+            let reason = format!("the client has read nothing for {limit:?}");
             Err(io::Error::new(io::ErrorKind::TimedOut, reason))
         })
     }

@@ -27,7 +27,7 @@ pub(crate) fn register(registry: &mut Registry) {
     if !is_on() {
         return;
     }
-    let help = "Spans of traces that the collector has taken";
+    let help = "Spans of traces that the collector has accepted";
     registry.register("piad_trace_spans_exported", help, EXPORTED.clone());
     let help = "Spans of traces that were sent to the collector without success, and are lost";
     registry.register("piad_trace_spans_failed", help, FAILED.clone());

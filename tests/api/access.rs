@@ -193,7 +193,7 @@ async fn every_route_asks_for_its_token() {
             "{reason}"
         );
     }
-    assert!(told.contains("a request was turned away"));
+    assert!(told.contains("a request was denied"));
 }
 
 /// Every call with every kind of token, as bytes: what is denied is denied before a message is read.

@@ -1,5 +1,5 @@
-//! `converged` with a tolerance that was asked for means within it; a least-squares minimum above it
-//! is `stalled`.
+//! `converged` with a tolerance that was requested means within it; a least-squares minimum above
+//! it is `stalled`.
 
 use prost::Message;
 use serde_json::{Value, json};

@@ -209,7 +209,7 @@ fn formats_that_cannot_hold_the_points_are_refused_before_the_fit() {
         ),
         (
             vec!["values.csv", "-o", "out.json", "--shape", "out.json"],
-            "out.json: it is asked for twice",
+            "out.json: it is given twice",
         ),
     ] {
         let told = folder.fit(&arguments);

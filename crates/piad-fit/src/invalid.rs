@@ -104,7 +104,7 @@ impl Invalid {
     pub(super) fn parameter_range(axis: Axis) -> Self {
         Self::at(
             Place::Parameters(axis),
-            "the parameters span more than the range of 64-bit numbers, or too little to be told apart",
+            "the parameters span more than the range of 64-bit numbers, or too little to be distinct",
         )
     }
 

@@ -279,21 +279,23 @@ impl Warning {
                 )
             }
             Self::EvenDegree { degree, .. } => format!(
-                "degree {degree} is even: with knots at the data a point that is moved is felt along the whole curve; \
-                 use an odd degree or averaged knots"
+                "degree {degree} is even: with knots at the data one moved point affects the whole \
+                 curve; use an odd degree or averaged knots"
             ),
             Self::Rounding { left, iterations } => format!(
                 "rounding is expected to leave a distance of about {left:.0e} when the extended method has come to its \
                  end after {iterations} iterations, as distances in between are much larger than the data; use direct"
             ),
             Self::ShorterInterval { least, begin } => format!(
-                "the least eigenvalue of the collocation matrix, {least:.2e}, says little of this matrix: with Chebyshev \
-                 steps for [{least:.2e}, 1] distances would rise far above those of the data; the steps are for \
-                 [{begin:.2e}, 1], which takes more iterations; direct gives the limit"
+                "the least eigenvalue of the collocation matrix, {least:.2e}, is unreliable for \
+                 this matrix: with Chebyshev steps for [{least:.2e}, 1] distances would rise far \
+                 above those of the data; the steps are for [{begin:.2e}, 1], which takes more \
+                 iterations; direct gives the limit"
             ),
             Self::SlowSteps { iterations } => format!(
-                "chebyshev makes all parts of the error shrink alike, here to a hundredth in {iterations} iterations; \
-                 global is nearer to the data in the first ones, and direct gives the limit"
+                "chebyshev makes all parts of the error shrink at the same rate, here to a \
+                 hundredth in {iterations} iterations; global is nearer to the data in the first \
+                 ones, and direct gives the limit"
             ),
             Self::IllConditioned { least, iterations } => format!(
                 "the least eigenvalue of the collocation matrix is {least:.2e}: the part of the error that belongs to it \
@@ -322,8 +324,8 @@ impl Warning {
                  give null for missing points, which least squares leaves out"
             ),
             Self::Between(excursion) => format!(
-                "{excursion}: its errors at the data say nothing of that; give more points there, use another \
-                 parametrization or averaged knots, or least squares with fairness"
+                "{excursion}: its errors at the data do not show that; give more points there, use \
+                 another parametrization or averaged knots, or least squares with fairness"
             ),
             Self::Folded(Fold {
                 points: [first, second],
@@ -334,11 +336,11 @@ impl Warning {
                  {{\"project\": \"xy\"}}, take foot points on another surface, or give parameters"
             ),
             Self::Spikes { count: 1, index } => format!(
-                "point {index} is far from where its neighbours lead, and the fit is drawn towards it: {ROBUST}"
+                "point {index} is far from where its neighbours predict it, and the fit is drawn towards it: {ROBUST}"
             ),
             Self::Spikes { count, index } => format!(
-                "{count} points, of which the first is point {index}, are far from where their neighbours lead, and the fit \
-                 is drawn towards them: {ROBUST}"
+                "{count} points, of which the first is point {index}, are far from where their \
+                 neighbours predict them, and the fit is drawn towards them: {ROBUST}"
             ),
             Self::RoundedCorners { count: 1, index } => format!(
                 "the points have a corner at point {index}, and the curve rounds it: {CORNERS}"

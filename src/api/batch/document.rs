@@ -169,13 +169,13 @@ impl Document {
         let name: String = serde_json::from_slice(&text).map_err(|_| wrong())?;
         let (field, given) = match name.as_str() {
             "defaults" if self.has_items => {
-                let detail = "it stands before the items, which are read as they come";
+                let detail = "it must come before the items, which are read as they arrive";
                 return Err(at("/defaults", detail));
             }
             "defaults" => (Field::Defaults, &mut self.has_defaults),
             "items" => (Field::Items, &mut self.has_items),
             other => {
-                let detail = format!("unknown field {}; there are defaults, items", quoted(other));
+                let detail = format!("unknown field {}; expected one of defaults, items", quoted(other));
                 return Err(at(&format!("/{other}"), &detail));
             }
         };

@@ -32,7 +32,7 @@ impl Sending {
         let app = &settings.app;
         let mut outgoing = Outgoing::new(Arc::clone(app.jobs.resources()));
         outgoing.text().put(answer::beginning(settings.framing));
-        let broken = "the batch broke off";
+        let broken = "the batch was interrupted";
         Self {
             outgoing,
             answer: Some(batch.run()),

@@ -172,7 +172,7 @@ mod tests {
             ),
             (
                 r#"{"curve": {}}"#,
-                "/curve: unknown field \"curve\"; there are defaults, items",
+                "/curve: unknown field \"curve\"; expected one of defaults, items",
             ),
             (r#"{"items" []}"#, "expected :"),
             (r#"{"items": [}"#, "/items/0: expected an item"),

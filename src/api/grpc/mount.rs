@@ -87,7 +87,7 @@ async fn take_in(State(app): State<App>, request: Request, next: Next) -> Respon
             }
         })
     });
-    let broken = |_| Status::internal("the call ran into a defect of the server").into_http();
+    let broken = |_| Status::internal("internal error in the call").into_http();
     let answer = aside.await.unwrap_or_else(broken);
     drop(waiting);
     answer

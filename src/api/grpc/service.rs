@@ -135,7 +135,7 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
     loop {
         let (ends, event) = match feed.next().await {
             None => {
-                let problem = Problem::new(Kind::Internal, "the stream broke off");
+                let problem = Problem::new(Kind::Internal, "the stream was interrupted");
                 return Some((Err(problem.into()), None));
             }
             Some(Event::Stopping) => {
@@ -231,7 +231,7 @@ impl FittingService for Service {
         let before = match message.page_token.as_str() {
             "" => None,
             token => Some(Uuid::try_parse(token).map_err(|_| {
-                let detail = "it is not one that this server gave";
+                let detail = "it is not from this server";
                 Problem::at_field("page_token", detail)
             })?),
         };

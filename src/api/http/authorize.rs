@@ -106,7 +106,7 @@ impl Guard {
             None => self.strangers.lock().record(Instant::now()),
         };
         if let Some(count) = count {
-            info!(reason, %method, route, peer, token, count, "a request was turned away");
+            info!(reason, %method, route, peer, token, count, "a request was denied");
         }
         let problem = problem(denial);
         let challenge = match denial {
@@ -131,12 +131,12 @@ fn problem(denial: &Denial) -> Problem {
         Denial::Missing => "a token is needed: Authorization: Bearer piad_…".to_owned(),
         Denial::Malformed(why) => format!("Authorization: {why}"),
         Denial::Unknown => "the token is not valid".to_owned(),
-        Denial::Expired { .. } => "the time of the token is over".to_owned(),
+        Denial::Expired { .. } => "the token has expired".to_owned(),
         Denial::Ticket => {
-            "the ticket is not valid for this stream, or its minute is over".to_owned()
+            "the ticket is not valid for this stream, or has expired".to_owned()
         }
         Denial::Scope { needed, .. } => {
-            let detail = format!("the token has not the scope {needed}");
+            let detail = format!("the token lacks the scope {needed}");
             return Problem::new(Kind::Forbidden, detail);
         }
     };

@@ -265,7 +265,7 @@ pub(in crate::api) fn check_rate(
     let least = rate.as_u64() as f64 * passed.as_secs_f64();
     if passed > pause && (received as f64) < least {
         let detail = format!(
-            "only {received} bytes of the body came in {} seconds; bodies that take that long come at {rate} per second or more",
+            "only {received} bytes of the body came in {} seconds; bodies that take this long must arrive at {rate} per second or more",
             passed.as_secs()
         );
         return Err(Problem::new(Kind::BodyTimeout, detail));
@@ -292,7 +292,7 @@ pub(in crate::api) async fn take_memory(
         }
     };
     timeout(WAIT, taken).await.map_err(|_| {
-        busy("the server is taking in as many requests of this size as it has memory for")
+        busy("the memory for requests of this size is in use")
     })
 }
 

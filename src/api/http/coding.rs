@@ -47,7 +47,7 @@ pub(crate) fn of_body(headers: &HeaderMap) -> Result<Option<Coding>, Problem> {
         for name in given.split(',').map(str::trim).filter(plain) {
             let refuse = |why: &str| {
                 let detail = format!(
-                    "the body is encoded as {}{why}; {UNDERSTOOD} and no coding at all are understood",
+                    "the body is encoded as {}{why}; {UNDERSTOOD} and no coding at all are supported",
                     quoted(name)
                 );
                 Problem::new(Kind::UnsupportedEncoding, detail)

@@ -82,7 +82,7 @@ fn refusal(hosts: &Hosts, request: &Request) -> Option<Problem> {
         return None;
     }
     let detail = format!(
-        "this server is not {host:?}; it is reached as localhost, or by names that it is told with --allowed-host"
+        "host {host:?} is not allowed; allowed are localhost and the names of --allowed-host"
     );
     Some(Problem::new(Kind::UnknownHost, detail))
 }

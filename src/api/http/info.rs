@@ -85,9 +85,9 @@ pub(super) async fn metrics(
     }
     let gauge = |bytes: usize| ConstGauge::new(i64::try_from(bytes).unwrap_or(i64::MAX));
     let memory = &app.jobs.resources().memory;
-    let help = "Memory that is handed out, or kept to be quick, in bytes";
+    let help = "Memory in use or cached, in bytes";
     registry.register("piad_memory_used_bytes", help, gauge(memory.used()));
-    let help = "Memory that may be handed out and kept, in bytes";
+    let help = "Limit of the memory in use or cached, in bytes";
     registry.register("piad_memory_limit_bytes", help, gauge(memory.limit()));
     let build = [
         ("version", env!("CARGO_PKG_VERSION")),
@@ -137,7 +137,7 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
 
 /// The documentation of a `type` of problem objects.
 #[derive(Serialize, JsonSchema)]
-#[schemars(extend("examples" = [{"type": "/problems/queue-full", "title": "The server has as many jobs as it takes", "status": 503, "meaning": "Send the job again after the number of seconds in Retry-After."}]))]
+#[schemars(extend("examples" = [{"type": "/problems/queue-full", "title": "The server has reached its limit of jobs", "status": 503, "meaning": "Send the job again after the number of seconds in Retry-After."}]))]
 pub(crate) struct ProblemType {
     /// The type.
     #[schemars(extend("format" = "uri-reference"))]

@@ -235,7 +235,7 @@ impl IterationQuery {
             origin: self.origin.as_deref().map(origin).transpose()?,
         };
         if let Some(by) = self.by.as_deref().filter(|by| *by != BY_LENGTH) {
-            let detail = format!("{} is no choice; there is {BY_LENGTH}", quoted(by));
+            let detail = format!("unknown choice {}; expected {BY_LENGTH}", quoted(by));
             return Err(Problem::at_parameter("by", detail));
         }
         check_options(format, surface, &options).map_err(|error| {
@@ -280,7 +280,7 @@ impl StreamQuery {
             "false" => Ok(false),
             "true" => Ok(true),
             _ => {
-                let detail = format!("{} is no choice; there are false, true", quoted(text));
+                let detail = format!("unknown choice {}; expected false or true", quoted(text));
                 Err(wrong(Choice::Changed, detail))
             }
         };
@@ -309,7 +309,7 @@ fn named<T: Named>(parameter: &str, text: &Option<String>) -> Result<Option<T>, 
     let value = |text: &String| {
         T::of_name(text).ok_or_else(|| {
             let names = T::names().join(", ");
-            let detail = format!("{} is no choice; there are {names}", quoted(text));
+            let detail = format!("unknown choice {}; expected one of {names}", quoted(text));
             Problem::at_parameter(parameter, detail)
         })
     };

@@ -65,7 +65,7 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
             use axum::response::IntoResponse;
             Problem::new(
                 Kind::Internal,
-                "the request ran into a defect of the server",
+                "internal error in the request",
             )
             .into_response()
         }))
@@ -148,7 +148,7 @@ fn method_not_allowed(methods: &Methods, request: &Request) -> Problem {
     let matched = request.extensions().get::<MatchedPath>();
     let understood = matched.and_then(|matched| methods.get(matched.as_str()));
     let understood =
-        understood.map_or("others, which the Allow header names".to_owned(), |verbs| {
+        understood.map_or("see the Allow header".to_owned(), |verbs| {
             let names = verbs.iter().map(|(verb, _)| match *verb {
                 "get" => "GET, HEAD".to_owned(),
                 verb => verb.to_uppercase(),
@@ -157,7 +157,7 @@ fn method_not_allowed(methods: &Methods, request: &Request) -> Problem {
         });
     Problem::new(
         Kind::MethodNotAllowed,
-        format!("{path} does not understand {method}, but {understood}"),
+        format!("{path} does not support {method}; allowed: {understood}"),
     )
 }
 

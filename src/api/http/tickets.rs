@@ -41,7 +41,7 @@ pub(super) async fn make(
 ) -> Result<Response, Problem> {
     let job = jobs::find(&app, &id).await?;
     let (Some(Extension(token)), Some(access)) = (token, &app.access) else {
-        let detail = "this server asks for no tokens, and its streams need no tickets";
+        let detail = "this server requires no tokens, so its streams need no tickets";
         return Err(Problem::new(Kind::NoTickets, detail));
     };
     let (ticket, expires) = Ticket::issue(&access.tickets, &token, job.id());

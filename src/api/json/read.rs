@@ -86,7 +86,7 @@ const SYNTAX: [(&str, &str); 8] = [
     ("trailing comma", "a comma with nothing after it"),
     (
         "recursion limit exceeded",
-        "lists and objects stand within one another too often",
+        "lists and objects are nested too deep",
     ),
 ];
 
@@ -129,11 +129,11 @@ fn words(text: &str) -> String {
                 vec![],
             ),
         };
-        let there_are = match names.is_empty() {
-            true => "no settings".to_owned(),
-            false => names.join(", "),
+        let known = match names.is_empty() {
+            true => "there are no settings".to_owned(),
+            false => format!("expected one of {}", names.join(", ")),
         };
-        return format!("unknown field {}; there are {there_are}", quoted(name));
+        return format!("unknown field {}; {known}", quoted(name));
     }
     if let Some(name) = between(text, "missing field `", "`") {
         return format!("the field {name:?} is missing");

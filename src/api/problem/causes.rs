@@ -74,7 +74,7 @@ impl From<Failure> for Problem {
                     "the server has crashed at least {MOST_CRASHES} times while this job was running; it is not tried again"
                 ),
             ),
-            Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
+            Failure::Defect => Self::new(Kind::Internal, "the computation panicked"),
         }
     }
 }

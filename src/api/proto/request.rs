@@ -27,7 +27,7 @@ const BROKEN: [(&str, &str); 6] = [
     ),
     (
         "recursion limit reached",
-        "messages stand within one another too often",
+        "messages are nested too deep",
     ),
     ("data is not UTF-8 encoded", "a text is not UTF-8"),
     ("invalid tag value: 0", "a field has the number 0"),

@@ -233,7 +233,7 @@ impl Feed {
                     Err(StoreError::Gone(_)) => self.push_end(&self.job.status()),
                     Err(reason) => {
                         // The client did not get the end, so it will reconnect.
-                        error!(job = %self.job.id(), %reason, "a stream broke off");
+                        error!(job = %self.job.id(), %reason, "a stream was interrupted");
                         self.stage = Stage::Over;
                     }
                 }

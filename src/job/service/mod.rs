@@ -169,7 +169,7 @@ impl Jobs {
         // The quickest first, as they end soonest.
         unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
         if !unfinished.is_empty() {
-            info!(count = unfinished.len(), "jobs go on where they were left");
+            info!(count = unfinished.len(), "unfinished jobs continue");
         }
         for record in unfinished {
             let job = self.bring_to_life(record, None, false);
@@ -355,7 +355,7 @@ impl Jobs {
             let since = match self.store.now().await {
                 Ok(since) => since,
                 Err(error) => {
-                    error!(%error, "old jobs could not be looked for");
+                    error!(%error, "expired jobs could not be searched for");
                     return self.held();
                 }
             };

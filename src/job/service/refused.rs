@@ -14,7 +14,7 @@ pub enum Refused {
     #[error("{limit} jobs are unfinished, the limit of this server")]
     Full { limit: usize },
     /// The peer has as many unfinished jobs as allowed.
-    #[error("{limit} of your jobs are unfinished, as many as one client may have now")]
+    #[error("{limit} of your jobs are unfinished, the limit for one client now")]
     PeerFull { limit: usize },
     /// The tenant has reached its quota.
     #[error(transparent)]

@@ -134,7 +134,7 @@ impl Jobs {
                 && !job.status().state.is_final()
             {
                 if let Err(error) = jobs.refresh(&shared, vec![job]).await {
-                    debug!(%error, "the jobs of other replicas could not be looked at");
+                    debug!(%error, "the jobs of other replicas could not be read");
                 }
                 drop(jobs);
                 sleep(LOOK).await;
@@ -193,10 +193,10 @@ async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
         }
         drop(jobs);
         if let Err(error) = shared.release_unknown().await {
-            debug!(%error, "jobs whose acknowledgement was lost could not be looked for");
+            debug!(%error, "jobs whose acknowledgement was lost could not be searched for");
         }
         if let Err(error) = shared.recover().await {
-            debug!(%error, "jobs of replicas that are gone could not be looked for");
+            debug!(%error, "jobs of dead replicas could not be searched for");
         }
     }
 }
@@ -229,7 +229,7 @@ async fn look(jobs: Weak<Jobs>, shared: Arc<Shared>) {
             },
         };
         if let Err(error) = done {
-            debug!(%error, "the jobs of other replicas could not be looked at");
+            debug!(%error, "the jobs of other replicas could not be read");
         }
     }
 }

@@ -89,8 +89,8 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub gap_stiffness: Option<f64>,
-    /// Of curves and scattered points: points that are far from where their neighbours lead are left out. They are listed as
-    /// `outliers`. Default: `false`.
+    /// Of curves and scattered points: points that are far from where their neighbours predict them are left out. They
+    /// are listed as `outliers`. Default: `false`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust: Option<bool>,
     /// What every iteration obeys: points to pass through and derivatives.
@@ -270,6 +270,6 @@ schema_of!(
     EndPointsInput,
     "LeastSquaresEnds",
     schema_of_names::<Self>(
-        "Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others."
+        "How a least-squares fit treats its end points, which are the first and the last data point of an open curve and the corners of an open surface: it passes through them, or (`free`) they are data points like others."
     )
 );

@@ -100,7 +100,7 @@ impl StreamOptions {
     /// Refuses options that exclude each other.
     fn check(&self, choices: Choices<'_>) -> Result<(), ChoiceMistake> {
         const COMPLETE: &str =
-            "what has changed is said from each iteration to the next, so none may be left out";
+            "changes are reported from each iteration to the next, so none can be skipped";
         let changed = self.changes.is_some();
         let some = self.every > 1;
         let selects = !self.milestones.is_empty();

@@ -35,7 +35,7 @@ pub enum Format {
 /// There is no format with this name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "{0:?} is not a format; there are step, iges, obj, gltf, stl, ply, dxf, svg, geojson, gpx and csv"
+    "unknown format {0:?}; expected one of step, iges, obj, gltf, stl, ply, dxf, svg, geojson, gpx, csv"
 )]
 pub struct UnknownFormat(String);
 

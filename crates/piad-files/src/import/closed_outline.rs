@@ -33,9 +33,9 @@ pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
         part.breaks.retain(|index| *index < last);
     }
     let what = match (closed, hints.closed) {
-        (true, _) => "the curve is closed, and the point is there once",
+        (true, _) => "the curve is closed, and the point is kept once",
         (false, None) => "with a corner there or few points, so the curve stays open",
-        (false, Some(_)) => "and the curve stays open, as it was asked for",
+        (false, Some(_)) => "and the curve stays open, as requested",
     };
     let notice = format!("The last point is the first one again: {what}.");
     part.notices.push(notice);

@@ -197,7 +197,7 @@ impl Range {
             && from > to
         {
             return Err(format!(
-                "columns {text} are none: give the lower number first"
+                "columns {text} are not a range: give the lower number first"
             ));
         }
         Ok(Self::Many(text.to_owned(), from, to))
@@ -255,7 +255,7 @@ impl Column {
         match text.parse() {
             Ok(number) if (1..=MOST_COLUMNS).contains(&number) => Ok(Self::Number(number)),
             _ => Err(format!(
-                "column {} is none: they are numbered from 1 to at most {MOST_COLUMNS}",
+                "column {} does not exist: they are numbered from 1 to at most {MOST_COLUMNS}",
                 quoted(text)
             )),
         }

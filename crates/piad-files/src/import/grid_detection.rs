@@ -12,7 +12,7 @@ use piad_fit::data::{Grid, Points};
 use piad_fit::engine::is_unordered;
 
 /// The notice about points that seem to have no order along a curve.
-const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=auto in a query), or put them in order (--order nearest, or curve.order=nearest), or say that theirs is meant (--order given, or curve.order=given)";
+const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=auto in a query), or put them in order (--order nearest, or curve.order=nearest), or confirm that theirs is intended (--order given, or curve.order=given)";
 
 /// The notice about them if they are those of a surface.
 const SCATTERED: &str = "The points have no order, and are scattered points of a surface.";
@@ -150,7 +150,7 @@ pub(super) fn shown(part: &mut Part) -> Option<Grid> {
     }
     let (grid, why) = match rows(part) {
         Some(grid) => (grid, "blank lines are between the rows"),
-        None => (lattice(&part.points)?, "x and y form a lattice"),
+        None => (lattice(&part.points)?, "x and y form a grid"),
     };
     part.notices.push(format!(
         "The points are {} rows of {}: {why}.",

@@ -342,7 +342,7 @@ impl<'a> Reader<'a> {
         }
         if let Some(line) = self.remarks.first().and_then(|first| first.line) {
             notices.push(format!(
-                "What follows the points from line {line} on, {}, is words, which are not read.",
+                "The text after the points, from line {line} on, {}, is skipped.",
                 quoted(&self.remark)
             ));
         }

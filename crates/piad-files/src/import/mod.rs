@@ -180,7 +180,7 @@ fn parts_of_format(file: &[u8], hints: &Hints) -> Result<(Parts, bool), FileErro
 
 /// Refuses columns where there is no table.
 fn check_no_columns(hints: &Hints) -> Result<(), FileError> {
-    let detail = "columns are chosen in a table, and this file is none";
+    let detail = "columns can be chosen only in a table, and this file is not one";
     match hints.columns {
         None => Ok(()),
         Some(_) => Err(FileError::of_hint(COLUMNS, detail)),

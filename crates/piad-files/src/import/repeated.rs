@@ -28,9 +28,9 @@ pub(super) fn leave_out(part: &mut Part) {
     };
     part.keep(&kept);
     part.notices.push(match repeated.len() {
-        1 => format!("The point {place} equals the one before, and is there once."),
+        1 => format!("The point {place} equals the one before, and is kept once."),
         count => format!(
-            "{count} points equal the one before, the first of them {place}: each is there once."
+            "{count} points equal the one before, the first of them {place}: each is kept once."
         ),
     });
 }

@@ -473,7 +473,7 @@ fn points_of_curves_that_come_again_are_kept_once() {
         [0.0, 0.0, 1.0, 2.0, 3.0, 1.0, 1.0, 2.0]
     );
     assert_eq!(imported.lines, [2, 3, 6, 7]);
-    let notice = "2 points equal the one before, the first of them in line 4: each is there once.";
+    let notice = "2 points equal the one before, the first of them in line 4: each is kept once.";
     assert_eq!(imported.notices, [notice]);
     let array = read("[[0, 0],\n[1, 2],\n[1, 2],\n[3, 1]]", &HINTS).unwrap();
     assert_eq!((array.points.len(), &array.lines[..]), (3, &[1, 2, 4][..]));

@@ -14,7 +14,7 @@ pub(super) fn parameters(part: &mut Part, hints: &Hints) -> Result<Option<Vec<f6
         return Ok(None);
     }
     let Some(times) = part.times.take() else {
-        let detail = "the file has no times, which are asked for as parameters";
+        let detail = "the file has no times, which are requested as parameters";
         return Err(FileError::of_file(detail));
     };
     let back = times.windows(2).position(|pair| match pair {

@@ -286,8 +286,8 @@ impl<'de> Visitor<'de> for Row<'_> {
         }
         if heights.get() && length <= MAX_SURFACE_DIMENSION {
             return Err(A::Error::custom(format_args!(
-                "expected a row of points, found {length} numbers: a list of points is a curve, and rows of so few \
-                 heights are written as points, [[z], …]"
+                "expected a row of points, found {length} numbers: a list of points is a curve, and \
+                 rows of this few heights are written as points, [[z], …]"
             )));
         }
         Ok(length)

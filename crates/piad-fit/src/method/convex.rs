@@ -76,7 +76,7 @@ impl Scheme for Convex {
         let found = if scope.is_surface {
             "this is a surface"
         } else if scope.dimension != 2 {
-            "the points have not two coordinates"
+            "the points do not have two coordinates"
         } else if scope.is_homogeneous {
             "the weights are homogeneous"
         } else {

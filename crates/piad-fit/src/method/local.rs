@@ -151,7 +151,7 @@ fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
     if indices.is_empty() {
         return Err(Invalid::at(
             Place::Setting(Setting::Indices),
-            "there is no index to adjust",
+            "indices is empty; expected at least one",
         ));
     }
     let mut seen = vec![false; count];

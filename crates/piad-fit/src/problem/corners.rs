@@ -155,7 +155,7 @@ pub(super) fn check_indices(
                 )
             }
             _ if !closed && (index == 0 || index + 1 == count) => {
-                format!("{thing} {index} is an end of {whole}, which turns nowhere")
+                format!("{thing} {index} is an end of {whole}, where it cannot turn")
             }
             Some(before) if index <= before => {
                 format!("{thing} {index} comes after {thing} {before}: their indices must increase")

@@ -58,7 +58,7 @@ impl Inliers {
         };
         if 2 * outliers.len() > count {
             let detail = format!(
-                "{} of {count} points lie far from where their neighbours lead: with more than half of them left out nothing is fitted",
+                "{} of {count} points lie far from where their neighbours predict them: a fit without more than half of its points is refused",
                 outliers.len()
             );
             return Err(Invalid::at(Place::Points, detail));

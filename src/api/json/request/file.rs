@@ -90,7 +90,7 @@ impl FileHints {
             ORDER => {
                 let [given, nearest] = ORDERS;
                 return Err(format!(
-                    "{} is no order; there are {given} and {nearest}",
+                    "unknown order {}; expected {given} or {nearest}",
                     short::quoted(text)
                 ));
             }

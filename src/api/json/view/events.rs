@@ -231,13 +231,13 @@ schema_of!(ServerSentEvent, "ServerSentEvent", generator => {
         generator.subschema_for::<EndEvent>(),
     ];
     json_schema!({
-        "description": "The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless they are asked for, then `end` with the id `end`. Comments keep quiet streams open.",
+        "description": "The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless these are requested, then `end` with the id `end`. Comments keep quiet streams open.",
         "type": "object",
         "properties": {
             "event": {"description": "What has happened.", "type": "string", "enum": ["job", "iteration", "end"]},
             "id": {"description": "The number of the iteration, or `end`. A version of the program whose numbers differ from those of the version that accepted the job adds its own number: `7@2`.", "type": "string", "pattern": "^([0-9]+(@[0-9]+)?|end)$"},
             "data": {
-                "description": "What is to be said of it, as JSON: a JobEvent, an IterationEvent or an EndEvent.",
+                "description": "Its data, as JSON: a JobEvent, an IterationEvent or an EndEvent.",
                 "type": "string",
                 "contentMediaType": "application/json",
                 "contentSchema": {"anyOf": data},
@@ -294,7 +294,7 @@ fn line_schema<T: JsonSchema>(
     example: serde_json::Value,
 ) -> Schema {
     let mut data = generator.subschema_for::<T>();
-    data.insert("description".to_owned(), json!("What is to be said of it."));
+    data.insert("description".to_owned(), json!("Its data."));
     let mut schema = json_schema!({
         "description": format!("The `{name}` event as a line."),
         "type": "object",

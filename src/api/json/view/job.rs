@@ -263,7 +263,7 @@ schema_of!(
     State,
     "JobState",
     json_schema!({
-        "description": "Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was asked for at its minimum) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.",
+        "description": "Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was requested at its minimum) | exhausted (at max_iterations) | stalled (the method cannot continue) | failed | cancelled.",
         "type": "string",
         "enum": State::ALL.map(State::name),
         "examples": ["converged"],
@@ -277,7 +277,7 @@ schema_of!(
     EndReason,
     "EndReason",
     json_schema!({
-        "description": "Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.",
+        "description": "Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was requested, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.",
         "type": "string",
         "enum": Reason::ALL.map(Reason::name),
         "examples": ["minimum"],

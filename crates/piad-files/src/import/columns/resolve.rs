@@ -94,7 +94,7 @@ impl File<'_> {
         match from <= to {
             true => Ok((from..=to).collect()),
             false => Err(self.error(format!(
-                "columns {} are none: the second one stands before the first",
+                "columns {} are not a range: the second one is before the first",
                 quoted(text)
             ))),
         }

@@ -379,7 +379,7 @@ fn gaps_of_grids_are_missing() {
     assert_eq!(
         read_lattice.notices,
         [
-            "The points are 2 rows of 3: x and y form a lattice.",
+            "The points are 2 rows of 3: x and y form a grid.",
             "2 points are missing in the grid, the first of them in line 3."
         ]
     );

@@ -92,7 +92,7 @@ fn finish(machine: Machine, feeds: bool) -> Result<Parts, FileErrors> {
         notices.push(format!("The coordinates are in {units}."));
     }
     if feeds {
-        let notice = "Moves that feed no material (E) part the paths, as rapid moves do.";
+        let notice = "Moves that feed no material (E) separate the paths, as rapid moves do.";
         notices.push(notice.to_owned());
     }
     if machine.plunges {

@@ -107,10 +107,10 @@ const TOO_MANY: &str =
     "there are too many control points for the data to choose it: give a number, or fewer of them";
 
 /// The data determine no curve with any fairness.
-const UNKNOWN: &str = "the data do not say what is noise: give a number, or fewer control points";
+const UNKNOWN: &str = "the data do not determine the noise: give a number, or fewer control points";
 
 /// They have no noise.
-const NOTHING: &str = "the data have no noise, so that nothing is to be smoothed: leave fairness out, or give a number";
+const NOTHING: &str = "the data have no noise, so that there is nothing to smooth: leave fairness out, or give a number";
 
 /// What is known of a value of f.
 struct Score {

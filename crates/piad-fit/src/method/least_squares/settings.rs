@@ -276,7 +276,7 @@ impl Fairness {
             _ => Err(Invalid::at(
                 Place::Setting(Setting::FairnessOrder),
                 format!(
-                    "fairness is by the second or the third derivative, and order {order} is asked for"
+                    "fairness_order is {order}; expected 2 or 3"
                 ),
             )),
         }

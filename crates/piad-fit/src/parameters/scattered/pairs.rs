@@ -62,7 +62,7 @@ impl Domain {
         let wrong = |detail: String| Err(Invalid::at(Place::Parameters(axis), detail));
         if !(low.is_finite() && high.is_finite() && low < high) {
             return wrong(format!(
-                "{low} and {high} are no ends of a direction: the first is less than the second"
+                "{low} and {high} are not the ends of a direction: the first must be less than the second"
             ));
         }
         if poles != [false; 2] && axis == Axis::U {

@@ -111,7 +111,7 @@ impl Mesh {
     pub(super) fn solved(&self, points: &Points, is_closed: bool) -> Result<Solved, Invalid> {
         let count = self.triangles.len();
         if count == 0 {
-            return Err(wrong("a mesh has triangles, and there are none"));
+            return Err(wrong("the mesh has no triangles"));
         }
         self.check_count()?;
         let cloud = Cloud::new(points, "mesh")?;
