@@ -73,7 +73,7 @@ impl fmt::Display for EventId {
     }
 }
 
-/// The event of a job with this id; `None` for an empty id. The error says what is wrong with the id.
+/// The event of a job with this id; `None` for an empty id. The error gives the reason.
 pub(crate) fn last_event(job: &Job, id: Option<&str>) -> Result<Option<LastEvent>, String> {
     match id {
         None | Some("") => Ok(None),

@@ -162,7 +162,8 @@ async fn follow(
             Event::Iteration(level) => progress.step(&level),
             Event::End(end) => {
                 progress.end();
-                let unsaid = || Failure::Failed("the stream ended without a `job` event".to_owned());
+                let unsaid =
+                    || Failure::Failed("the stream ended without a `job` event".to_owned());
                 return Ok((job.ok_or_else(unsaid)?, end));
             }
         }

@@ -48,7 +48,7 @@ pub enum Command {
         /// A file of settings, of which it takes these.
         #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
         config_file: Option<PathBuf>,
-        /// How many seconds to wait for the answer.
+        /// Seconds to wait for the answer.
         #[arg(long, default_value = "3")]
         timeout: u64,
     },

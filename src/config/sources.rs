@@ -77,11 +77,11 @@ fn beneath(command: Command, file: &SettingsFile) -> Command {
 
 /// The error of a value in a file.
 fn of_file(command: &mut Command, file: &SettingsFile, error: &Error) -> Error {
-    let told = error.to_string();
-    let told = told.lines().next().unwrap_or_default();
-    let told = told.trim_start_matches("error: ");
+    let text = error.to_string();
+    let text = text.lines().next().unwrap_or_default();
+    let text = text.trim_start_matches("error: ");
     let path = file.path.display().to_string();
-    command.error(error.kind(), format!("{}: {told}", escaped(&path)))
+    command.error(error.kind(), format!("{}: {text}", escaped(&path)))
 }
 
 /// The error without passwords and control characters in the values that it repeats.

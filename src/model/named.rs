@@ -52,7 +52,9 @@ pub(crate) trait Named: Copy + PartialEq + 'static {
 /// The error for an unknown name.
 fn unknown<E: Error>(name: &str, what: &str, names: &[&str]) -> E {
     let (name, names) = (quoted(name), names.join(", "));
-    E::custom(format_args!("unknown {what} {name}; expected one of {names}"))
+    E::custom(format_args!(
+        "unknown {what} {name}; expected one of {names}"
+    ))
 }
 
 /// Reads a value by its name.

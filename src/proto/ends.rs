@@ -87,7 +87,7 @@ fn vectors(
     Ok(flat.chunks_exact(numbers).map(order).collect())
 }
 
-/// The message that asks for these ends.
+/// The message of these ends.
 pub(super) fn message(ends: &Ends) -> pb::Ends {
     let side = |end: &End| {
         let mut message = pb::End {

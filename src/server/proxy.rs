@@ -285,7 +285,7 @@ mod tests {
         for pairs in [
             &[("x-forwarded-for", "192.0.2.1, unknown")][..],
             &[("x-forwarded-for", "")],
-            &[("x-forwarded-for", "nobody, 10.1.1.1")],
+            &[("x-forwarded-for", "nowhere, 10.1.1.1")],
             &[("forwarded", "for=unknown")],
             &[("forwarded", "for=_hidden")],
             &[("forwarded", "for=\"")],
@@ -338,7 +338,7 @@ mod tests {
         assert_eq!(begins(&version_2(b"\x20\0\0\0GET")).await, itself);
         assert_eq!(begins(&version_2(b"\x21\0\0\0GET")).await, itself);
         for bytes in [
-            &b"PROXY TCP4 nobody\r\n"[..],
+            &b"PROXY TCP4 nowhere\r\n"[..],
             b"PROXY HTTP\r\n",
             &[b"PROXY TCP4 ", &[b'1'; 200][..]].concat(),
             &version_2(b"\x31\x11\0\0"),

@@ -13,8 +13,7 @@ use crate::matrix::sparse::Sparse;
 use crate::matrix::tensor::Tensor;
 use crate::parameters::Domain;
 
-/// How many eliminations are counted for the preparation of a fit: λ_min takes some, and the method
-/// one more.
+/// The number of eliminations counted for the preparation of a fit: λ_min takes some, and the method one more.
 const ELIMINATIONS: usize = 8;
 
 /// A validated fitting problem but for its method, which is a [`Method`](super::method::Method).
@@ -243,8 +242,8 @@ impl Setup {
         self.data().dimension() * self.grid().count() * width
     }
 
-    /// About how many multiplications prepare the first iteration: evaluating the basis, and the
-    /// eliminations that the spectrum and the method need.
+    /// The approximate number of multiplications before the first iteration: evaluating the basis, and the eliminations
+    /// that the spectrum and the method need.
     pub(super) fn preparation_cost(&self) -> usize {
         let each = self.directions().map(|direction| {
             let width = direction.basis.support_width();

@@ -175,7 +175,10 @@ impl Document {
             "defaults" => (Field::Defaults, &mut self.has_defaults),
             "items" => (Field::Items, &mut self.has_items),
             other => {
-                let detail = format!("unknown field {}; expected one of defaults, items", quoted(other));
+                let detail = format!(
+                    "unknown field {}; expected one of defaults, items",
+                    quoted(other)
+                );
                 return Err(at(&format!("/{other}"), &detail));
             }
         };

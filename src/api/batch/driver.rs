@@ -61,7 +61,7 @@ pub(in crate::api) struct Batch {
     pending_bytes: usize,
     /// The number of items so far.
     items: usize,
-    /// How many items the next group has.
+    /// The number of items of the next group.
     group_size: usize,
     /// Groups whose lines have not been sent, in order.
     groups: VecDeque<Running>,

@@ -179,8 +179,8 @@ mod tests {
             ("{7: 1}", "expected the name of a field"),
         ] {
             for part in 1..=body.len().max(1) {
-                let told = pieces(BodyForm::Document, body.as_bytes(), part).unwrap_err();
-                assert!(told.contains(reason), "{body} by {part}: {told}");
+                let detail = pieces(BodyForm::Document, body.as_bytes(), part).unwrap_err();
+                assert!(detail.contains(reason), "{body} by {part}: {detail}");
             }
         }
     }
@@ -189,8 +189,11 @@ mod tests {
     fn pieces_have_a_limit() {
         let long = format!(r#"{{"items": [{{"a": "{}"}}]}}"#, "x".repeat(LIMIT));
         for part in [10, 10_000] {
-            let told = pieces(BodyForm::Document, long.as_bytes(), part).unwrap_err();
-            assert!(told.contains("an item is larger than 1000 bytes"), "{told}");
+            let detail = pieces(BodyForm::Document, long.as_bytes(), part).unwrap_err();
+            assert!(
+                detail.contains("an item is larger than 1000 bytes"),
+                "{detail}"
+            );
         }
         let many = format!(r#"{{"items": [{}1]}}"#, "1, ".repeat(500));
         let found = pieces(BodyForm::Document, many.as_bytes(), 10).unwrap();

@@ -132,9 +132,7 @@ fn problem(denial: &Denial) -> Problem {
         Denial::Malformed(why) => format!("Authorization: {why}"),
         Denial::Unknown => "the token is not valid".to_owned(),
         Denial::Expired { .. } => "the token has expired".to_owned(),
-        Denial::Ticket => {
-            "the ticket is not valid for this stream, or has expired".to_owned()
-        }
+        Denial::Ticket => "the ticket is not valid for this stream, or has expired".to_owned(),
         Denial::Scope { needed, .. } => {
             let detail = format!("the token lacks the scope {needed}");
             return Problem::new(Kind::Forbidden, detail);

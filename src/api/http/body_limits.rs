@@ -291,9 +291,9 @@ pub(in crate::api) async fn take_memory(
             None => *room = share.take(Peer::current(), bytes).await,
         }
     };
-    timeout(WAIT, taken).await.map_err(|_| {
-        busy("the memory for requests of this size is in use")
-    })
+    timeout(WAIT, taken)
+        .await
+        .map_err(|_| busy("the memory for requests of this size is in use"))
 }
 
 fn too_large(limit: usize) -> Problem {

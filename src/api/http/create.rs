@@ -71,7 +71,7 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
     posted.create(&app, order).await
 }
 
-/// The job that a body asks for; with fields, the body has its points.
+/// The job of a body; with fields, the body has its points.
 pub(super) async fn order(
     app: &App,
     language: Language,

@@ -87,7 +87,7 @@ fn refusal(hosts: &Hosts, request: &Request) -> Option<Problem> {
     Some(Problem::new(Kind::UnknownHost, detail))
 }
 
-/// The Host header, which HTTP/1.1 requires exactly once. The error says what is wrong with it.
+/// The Host header, which HTTP/1.1 requires exactly once. The error gives the reason.
 fn in_header(headers: &HeaderMap, version: Version) -> Result<Option<Authority>, &'static str> {
     let mut values = headers.get_all(header::HOST).iter();
     match (values.next(), values.next()) {

@@ -181,7 +181,10 @@ fn explain(text: &str) -> Problem {
     if let Some((name, rest)) = of_field("unknown field `") {
         // The known names are between the other backticks.
         let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
-        let detail = format!("there is no such parameter; expected one of {}", known.join(", "));
+        let detail = format!(
+            "there is no such parameter; expected one of {}",
+            known.join(", ")
+        );
         return Problem::at_parameter(name, detail);
     }
     Problem::new(Kind::InvalidRequest, "the query cannot be understood")

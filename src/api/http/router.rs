@@ -63,11 +63,7 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
         .layer(middleware::from_fn_with_state(hosts, host::check))
         .layer(CatchPanicLayer::custom(|_| {
             use axum::response::IntoResponse;
-            Problem::new(
-                Kind::Internal,
-                "internal error in the request",
-            )
-            .into_response()
+            Problem::new(Kind::Internal, "internal error in the request").into_response()
         }))
         .option_layer(guard);
     let base_path = app.config.base_path.clone();
@@ -147,14 +143,13 @@ fn method_not_allowed(methods: &Methods, request: &Request) -> Problem {
     let path = short::plain(request.uri().path());
     let matched = request.extensions().get::<MatchedPath>();
     let understood = matched.and_then(|matched| methods.get(matched.as_str()));
-    let understood =
-        understood.map_or("see the Allow header".to_owned(), |verbs| {
-            let names = verbs.iter().map(|(verb, _)| match *verb {
-                "get" => "GET, HEAD".to_owned(),
-                verb => verb.to_uppercase(),
-            });
-            names.collect::<Vec<_>>().join(", ")
+    let understood = understood.map_or("see the Allow header".to_owned(), |verbs| {
+        let names = verbs.iter().map(|(verb, _)| match *verb {
+            "get" => "GET, HEAD".to_owned(),
+            verb => verb.to_uppercase(),
         });
+        names.collect::<Vec<_>>().join(", ")
+    });
     Problem::new(
         Kind::MethodNotAllowed,
         format!("{path} does not support {method}; allowed: {understood}"),

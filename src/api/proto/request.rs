@@ -25,10 +25,7 @@ const BROKEN: [(&str, &str); 6] = [
         "delimited length exceeded",
         "a field is longer than what it is in",
     ),
-    (
-        "recursion limit reached",
-        "messages are nested too deep",
-    ),
+    ("recursion limit reached", "messages are nested too deep"),
     ("data is not UTF-8 encoded", "a text is not UTF-8"),
     ("invalid tag value: 0", "a field has the number 0"),
     ("invalid varint", "a number is malformed"),

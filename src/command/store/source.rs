@@ -130,7 +130,7 @@ impl Reading {
         self.reasons.push(plain(error));
     }
 
-    /// Prints the damaged jobs and what is wrong with them.
+    /// Prints the damaged jobs and their errors.
     pub(super) fn tell_reasons(&self) {
         self.reasons.iter().for_each(say);
     }

@@ -12,7 +12,7 @@ const FINENESS: f64 = 64.0;
 const MOST: f64 = i32::MAX as f64;
 
 /// A number of this size has no bits behind the point: adding it to a number below 2⁵¹ rounds that to a whole number,
-/// which stands in the lowest bits of the sum.
+/// which is in the lowest bits of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Copies the numbers of an array from one on, point by point.

@@ -86,7 +86,7 @@ pub(crate) struct Jobs {
     recent: Recent,
     /// Notified when a job has ended.
     ended: Arc<Notify>,
-    /// How many times jobs were deleted.
+    /// The number of deletions of jobs.
     deletions: AtomicUsize,
     /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,

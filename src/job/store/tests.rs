@@ -122,7 +122,7 @@ async fn insert_record(store: &Store, record: &Record) {
     assert_eq!(inserted.await.unwrap(), Insertion::New);
 }
 
-/// Inserts a job with a key; gives the id of the job that was made for the key before.
+/// Inserts a job with a key; returns the id of the job that was made for the key before.
 async fn insert_with_key(store: &Store, record: &Record, name: &str) -> Option<Uuid> {
     let (problem, key) = (Arc::new(problem()), Some(key(name)));
     let inserted = store.insert(record.clone(), problem, key, NONE);
@@ -392,7 +392,7 @@ async fn lists_can_be_of_a_tenant(store: &Store) {
         assert_eq!(list(9).await, [jobs[first], jobs[second]]);
         assert_eq!(list(1).await, [jobs[first]]);
     }
-    let nobody = Some("nobody".parse().unwrap());
+    let nobody = Some("absent".parse().unwrap());
     let selection = Selection {
         tenant: nobody,
         ..ALL

@@ -21,7 +21,7 @@ use piad_fit::method::{
 };
 
 number_or_word!(
-    /// A multiple of the energy, or `"auto"`: as the noise of the data asks for.
+    /// A multiple of the energy, or `"auto"`: by the noise of the data.
     FairnessInput(f64),
     "auto",
     "a number that is not negative, or \"auto\""

@@ -34,7 +34,7 @@ pub struct StreamSpec {
     /// What the events show.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<View>,
-    /// How many samples they have; with the view `samples`.
+    /// The number of samples; with the view `samples`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<Samples>,
     /// Only iterations that are multiples of this number, and the last.
@@ -67,7 +67,7 @@ pub struct StreamSpec {
     /// How arrays of numbers are written.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<Encoding>,
-    /// How many digits coordinates have.
+    /// The precision of coordinates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digits: Option<Digits>,
     /// What becomes of the job when its client goes away.

@@ -29,7 +29,7 @@ named!(
 );
 
 named!(
-    /// How many digits coordinates have in JSON.
+    /// The precision of coordinates in JSON.
     Digits, "choice" {
         /// All.
         Full = "full",

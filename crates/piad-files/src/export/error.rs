@@ -27,7 +27,7 @@ pub enum ExportError {
     ManyCoordinates {
         /// The number of coordinates.
         format: Format,
-        /// How many coordinates there are.
+        /// The number of coordinates.
         dimension: usize,
     },
     /// Rational B-splines need positive weights.

@@ -168,8 +168,8 @@ const LENGTH_COST: usize = 20;
 /// The approximate number of samples for a spacing; the exact number is unknown before the length of the curve.
 const SPACED: usize = 1 << 14;
 
-/// About how many multiplications it takes to sample a level for a format; 0 for those that are exact, and for tables
-/// at equal steps, which are sampled while they are sent.
+/// The approximate number of multiplications that it takes to sample a level for a format; 0 for those that are exact,
+/// and for tables at equal steps, which are sampled while they are sent.
 pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> usize {
     let by_length = options.is_by_length();
     let suitable = || match problem.v() {

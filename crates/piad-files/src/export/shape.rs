@@ -10,10 +10,10 @@ use piad_fit::engine::curvature::{CurveShape, SurfaceShape};
 use piad_fit::engine::{Problem, samples};
 use piad_fit::geometry::{KnotVector, Nurbs};
 
-/// How many times the work of a sample is for curvature: two more derivatives, and what is made of them.
+/// The cost of a sample with curvature, as a multiple of one without: two more derivatives, and what is made of them.
 const CURVATURE_COST: usize = 4;
 
-/// How many times the work of samples at equal steps those at equal distances are.
+/// The cost of samples at equal distances, as a multiple of samples at equal steps.
 const LENGTH_COST: usize = 20;
 
 /// The evaluations of a curve for each of its control points, for extremes, length and continuity.
@@ -68,7 +68,7 @@ pub enum NoShape {
     Samples(#[from] ExportError),
 }
 
-/// About how many multiplications it takes to measure a shape with these samples.
+/// The approximate number of multiplications that it takes to measure a shape with these samples.
 pub fn cost(problem: &Problem, options: &Options) -> usize {
     let surface = problem.v().is_some();
     let chosen = grid(options, surface);

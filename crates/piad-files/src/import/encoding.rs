@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::error::FileError;
 use crate::short::without_mark;
 
-/// How many bytes show that a text without a byte-order mark is UTF-16.
+/// The number of bytes examined to detect that a text without a byte-order mark is UTF-16.
 const LOOKED_AT: usize = 64;
 
 /// The fewest bytes that show it.

@@ -79,7 +79,7 @@ fn outlines_that_come_back_are_closed_unless_there_is_a_corner() {
     for (closed, text, expected, notice) in [
         (None, outline, true, "is closed"),
         (Some(true), outline, true, "is closed"),
-        (Some(false), outline, false, "as it was asked for"),
+        (Some(false), outline, false, "as requested"),
         // Three points of which one is on an edge, a corner, and a trailing edge.
         (None, "2 0\n0 .2\n4 .2\n2 0\n", false, "few points"),
         (None, "0 0\n2 0\n2 2\n0 2\n0 0\n", false, "a corner"),

@@ -36,7 +36,7 @@ impl Blocks {
         }
     }
 
-    /// How many there are.
+    /// Their number.
     pub(crate) fn count(self) -> usize {
         self.grid.rows.div_ceil(self.lines) * self.parts
     }

@@ -94,7 +94,7 @@ impl<'a> Tree<'a> {
         path
     }
 
-    /// The point that is farthest from another one along the tree, and for each point the one before it on the way.
+    /// The point that is farthest from another one along the tree, and for each point the one before it on its path.
     fn farthest(&self, from: usize) -> (usize, Vec<Option<usize>>) {
         let mut parents = vec![None; self.neighbours.len()];
         let (mut most, mut end) = (0.0, from);

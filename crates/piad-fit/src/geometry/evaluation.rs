@@ -294,7 +294,7 @@ impl Values {
 
 /// The values of the basis functions of a direction at some parameters.
 struct LineValues {
-    /// How many functions can differ from zero at a parameter.
+    /// The number of functions that can differ from zero at a parameter.
     width: usize,
     /// At each parameter the free control points of these functions.
     indices: Vec<u32>,

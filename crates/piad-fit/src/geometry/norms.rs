@@ -99,7 +99,7 @@ pub(crate) struct Norms {
     homogeneous: bool,
     /// Which points count; all of them without it.
     counted: Option<Vec<bool>>,
-    /// How many points count.
+    /// The number of points that count.
     count: usize,
     layout: Blocks,
     /// The norms of each block, as it was last measured.

@@ -12,8 +12,8 @@ use crate::data::grid::Grid;
 use crate::data::points::Points;
 use crate::setup::Setup;
 
-/// How many samples are evaluated at a time: the values of all basis functions at their parameters,
-/// of which there can be thousands each, are held for that long.
+/// The number of samples evaluated at a time: the values of all basis functions at their parameters, of which there can
+/// be thousands each, are held for that long.
 const AT_ONCE: usize = 256;
 
 /// Parameters at equal distances over the domain of a direction, both ends included.
@@ -32,7 +32,7 @@ impl Uniform {
         }
     }
 
-    /// How many there are.
+    /// Their number.
     pub fn count(self) -> usize {
         self.count
     }
@@ -56,7 +56,7 @@ pub struct Samples {
     pub v: Option<Uniform>,
 }
 
-/// About how many multiplications it takes to evaluate a grid of samples.
+/// The approximate number of multiplications that it takes to evaluate a grid of samples.
 pub fn multiplications(setup: &Setup, grid: Grid) -> usize {
     let Grid { rows, columns } = grid;
     let (count, u) = (grid.count(), &setup.u().basis);
@@ -90,17 +90,17 @@ impl Samples {
         }
     }
 
-    /// How many there are in a row.
+    /// Their number in a row.
     pub fn columns(&self) -> usize {
         self.v.map_or(1, Uniform::count)
     }
 
-    /// How many there are.
+    /// Their number.
     pub fn count(&self) -> usize {
         self.u.count() * self.columns()
     }
 
-    /// About how many multiplications it takes to evaluate all of them.
+    /// The approximate number of multiplications that it takes to evaluate all of them.
     pub fn multiplications(&self) -> usize {
         let (rows, columns) = (self.u.count(), self.columns());
         multiplications(&self.setup, Grid { rows, columns })

@@ -39,7 +39,7 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
     if method.ends_when_exact() {
         return exact.map(Prediction::End);
     }
-    // Of the other exact methods nothing better is known on the way.
+    // Of the other exact methods there is no better prediction.
     let exact = exact.map(|end| Prediction::About { end, seen: end });
     let steps = LOOK / problem.step_cost().max(1);
     // Errors do not fall to zero: fits without a tolerance run to the last allowed level.

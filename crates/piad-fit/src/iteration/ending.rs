@@ -5,7 +5,7 @@ use crate::method::Progress;
 use crate::method::update::Update;
 use crate::termination::{Outcome, Reason};
 
-/// How many rounding errors of the data sums of many terms leave.
+/// The rounding of sums of many terms, in rounding errors of the data.
 const SUMS: f64 = 64.0;
 
 impl Iteration {

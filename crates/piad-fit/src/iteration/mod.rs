@@ -56,7 +56,7 @@ pub struct Level {
     pub error: FitError,
     /// The largest distance as a multiple of that of the level before.
     pub rate: Option<f64>,
-    /// How many control points the last update moved.
+    /// The number of control points that the last update moved.
     pub moved: usize,
     /// Homogeneous fits: the first control point whose weight is not positive, and that weight.
     pub bad_weight: Option<(usize, f64)>,

@@ -74,7 +74,7 @@ impl Breaks {
         self.spans() + control_points_beyond_spans(self.degree, self.closed)
     }
 
-    /// How many control points are fixed at each end: those of an open line, which passes through its ends.
+    /// The number of control points that are fixed at each end: those of an open line, which passes through its ends.
     pub(super) fn fixed_ends(&self) -> usize {
         usize::from(!self.closed)
     }
@@ -163,13 +163,13 @@ impl Breaks {
     }
 }
 
-/// How many more control points than spans there are.
+/// The number of control points beyond that of spans.
 pub(crate) fn control_points_beyond_spans(degree: usize, closed: bool) -> usize {
     if closed { 0 } else { degree }
 }
 
-/// How many of increasing parameters satisfy a condition, which the first ones do. Most runs are short compared with
-/// the rest: doubling steps find where one ends.
+/// The number of increasing parameters that satisfy a condition, which the first ones do. Most runs are short compared
+/// with the rest: doubling steps find where one ends.
 fn run_length(t: &[f64], is_within: impl Fn(f64) -> bool) -> usize {
     let mut step = 1;
     while step < t.len() && is_within(t[step]) {

@@ -8,7 +8,7 @@ use crate::data::points::Points;
 /// The fewest parts of an edge.
 const PARTS: usize = 8;
 
-/// About how many more parts there are in all, longer edges having more of them.
+/// The approximate number of further parts in all, longer edges having more of them.
 const SHARED: usize = 2000;
 
 /// The most points of each edge, where there are few edges.

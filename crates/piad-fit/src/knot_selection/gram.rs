@@ -18,7 +18,7 @@ const SINGULAR: f64 = 1e-13;
 #[derive(Clone, Debug)]
 pub(super) struct Gram {
     order: Order,
-    /// How many entries are kept beside the diagonal.
+    /// The number of entries that are kept beside the diagonal.
     band: usize,
     /// Row by row entries (i, i − band) … (i, i).
     rows: Vec<f64>,

@@ -214,7 +214,7 @@ impl<'a> Line<'a> {
         [before.or(after), after.or(before)].map(|part| part.unwrap_or(1.0))
     }
 
-    /// How many parts the points of a gap divide it into.
+    /// The number of parts into which the points divide a gap.
     fn parts(&self, gap: usize) -> usize {
         let [before, after] = self.parts_of_freedom(gap);
         match before.min(after) < 1.0 {

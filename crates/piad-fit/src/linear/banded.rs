@@ -1,8 +1,8 @@
 //! Matrices whose rows hold a few consecutive entries each, possibly around the end.
 //!
 //! Nearly everywhere the entries of the next row start one column further on. Such *stretches* of
-//! rows are multiplied many rows at a time: entry k of all rows stands in one array, a *diagonal*,
-//! so that each product is one of arrays:
+//! rows are multiplied many rows at a time: entry k of all rows is in one array, a *diagonal*, so
+//! that each product is one of arrays:
 //!
 //! ```text
 //! row i:   columns i + s … i + s + W − 1,   offset s of its stretch

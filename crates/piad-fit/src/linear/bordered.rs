@@ -52,7 +52,7 @@ struct Shape {
     left: usize,
     /// The number of columns of a window.
     window: usize,
-    /// How many rows at the bottom have entries around the corner.
+    /// The number of rows at the bottom that have entries around the corner.
     wrapped: usize,
     /// The first column of the border.
     core: usize,

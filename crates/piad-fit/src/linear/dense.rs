@@ -232,7 +232,7 @@ impl NullaryFnOnce for Product<'_> {
     }
 }
 
-/// How many sums are added up side by side: the numbers of the widest vector.
+/// The number of sums that are added up side by side: the numbers of the widest vector.
 const SUMS: usize = 8;
 
 /// `Σ a_j b_j`

@@ -87,7 +87,7 @@ impl BandedLu {
         }
     }
 
-    /// Solves `B x = b` in place; `at` says which index stands at each place of the order of rows.
+    /// Solves `B x = b` in place; `at` says which index is at each place of the order of rows.
     fn solve(&self, x: &mut [f64], at: impl Fn(usize) -> usize) {
         let n = self.n;
         for k in 0..n {

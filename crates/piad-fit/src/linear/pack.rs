@@ -37,9 +37,9 @@ struct Run {
 }
 
 impl Banded {
-    /// Packs rows with `columns` columns. Entry k of all rows stands in `lanes[k]`, and the entries
-    /// of each stretch start at its offset from the diagonal, reduced by the period or not. Zeros
-    /// at either end of a stretch are left out, unless a few of them make the stretches long.
+    /// Packs rows with `columns` columns. Entry k of all rows is in `lanes[k]`, and the entries of
+    /// each stretch start at its offset from the diagonal, reduced by the period or not. Zeros at
+    /// either end of a stretch are left out, unless a few of them make the stretches long.
     pub fn pack(mut lanes: Vec<Lane>, given: &[Stretch], columns: usize) -> Self {
         let rows = lanes.first().map_or(0, |lane| lane.len());
         let runs = || parts(given, rows).map(|(stretch, rows)| Run::new(stretch, rows, &lanes));

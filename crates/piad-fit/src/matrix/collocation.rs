@@ -53,7 +53,7 @@ impl Collocation {
         }
     }
 
-    /// How many bytes the matrix of a direction takes, before it is made.
+    /// The number of bytes that the matrix of a direction takes, before it is made.
     pub fn memory(direction: &Direction) -> usize {
         let (rows, columns) = (direction.parameters.len(), direction.free());
         if direction.basis.is_local() {

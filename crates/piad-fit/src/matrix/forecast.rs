@@ -29,9 +29,9 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// How many iterations of a local fit reduce an error to the tolerance, both in data units, by
-    /// the least eigenvalue of its block: `ln(tolerance / error) / ln(rate)`, rounded up. The block
-    /// is small, so that its least eigenvalue soon dominates.
+    /// The number of iterations of a local fit that reduce an error to the tolerance, both in data
+    /// units, by the least eigenvalue of its block: `ln(tolerance / error) / ln(rate)`, rounded up.
+    /// The block is small, so that its least eigenvalue soon dominates.
     pub(crate) fn iterations_of_block(&self, error: f64, tolerance: f64) -> Option<usize> {
         let rate = self.rate.filter(|_| self.block.is_some())?;
         let count = (tolerance / error).ln() / rate.ln();

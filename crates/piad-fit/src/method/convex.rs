@@ -128,7 +128,7 @@ struct Steps {
     step: Points,
     /// The signs of the turns of that polygon.
     turns: Vec<i8>,
-    /// How many steps in a row were no progress.
+    /// The number of steps in a row that were no progress.
     idle: usize,
 }
 

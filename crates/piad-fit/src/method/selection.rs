@@ -19,7 +19,7 @@ use super::update::{Change, State, Update};
 use crate::geometry::norms::Norms;
 use crate::matrix::tensor::Tensor;
 
-/// How many multiplications of whole arrays take as long as one of an entry that is looked up.
+/// The cost of a multiplication of an entry that is looked up, in multiplications of whole arrays.
 const LOOK_UP: usize = 6;
 
 /// The rule by which the moved control points are chosen.

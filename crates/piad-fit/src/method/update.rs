@@ -15,18 +15,18 @@ use crate::termination::{Outcome, Reason};
 pub(crate) enum Change {
     /// Any control point: the residual is to be computed.
     All {
-        /// How many control points moved.
+        /// The number of control points that moved.
         moved: usize,
     },
     /// Any control point; the residual is up to date.
     Residual {
-        /// How many control points moved.
+        /// The number of control points that moved.
         moved: usize,
     },
     /// Some control points; the residual is up to date, and has changed at the points of
     /// [`State::changed`] only.
     Some {
-        /// How many control points moved.
+        /// The number of control points that moved.
         moved: usize,
     },
 }

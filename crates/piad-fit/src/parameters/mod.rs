@@ -234,7 +234,7 @@ struct Sums<'a, F> {
     step: F,
     /// The sum for each point of a line; that for the first one stays zero.
     totals: Vec<f64>,
-    /// How many distances have been added to each sum, if points are missing.
+    /// The number of distances added to each sum, if points are missing.
     pairs: Vec<u32>,
 }
 

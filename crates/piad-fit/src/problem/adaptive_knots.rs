@@ -40,7 +40,7 @@ pub(super) fn check(request: &Request) -> Result<(), Invalid> {
     wrong(Axis::U, found)
 }
 
-/// How many multiplications it takes.
+/// The number of multiplications that it takes.
 pub(super) fn cost(request: &Request, setup: &Setup) -> usize {
     if !request.u.is_adaptive() {
         return 0;
@@ -50,7 +50,8 @@ pub(super) fn cost(request: &Request, setup: &Setup) -> usize {
     2 * adaptive::ROUNDS * setup.grid().count() * each
 }
 
-/// How many bytes it takes: the values of the functions at all data, twice while one fit replaces another, and distances.
+/// The number of bytes that it takes: the values of the functions at all data, twice while one fit replaces another,
+/// and distances.
 pub(super) fn memory(request: &Request, setup: &Setup) -> usize {
     match request.u.is_adaptive() {
         true => {

@@ -32,9 +32,8 @@ impl Problem {
             .max(self.control_grid().count())
     }
 
-    /// How many bytes iterating this problem once takes, the data included: vectors of n points,
-    /// collocation matrices and their factorizations. It is an upper bound by what the method
-    /// demands, for admission.
+    /// The number of bytes to iterate this problem once, the data included: vectors of n points, collocation matrices
+    /// and their factorizations. It is an upper bound by what the method demands, for admission.
     pub fn memory(&self) -> usize {
         let points = self.grid().count();
         let demand = self.method().scheme().demand();

@@ -99,8 +99,8 @@ pub(crate) fn finer(setup: &Setup, request: &Request) -> Option<Setup> {
 /// its bound of multiplications leaves room for.
 const FACTOR: usize = 1 << 21;
 
-/// About how many bytes a fit takes besides its data: values of functions, and the levels that a
-/// schedule remembers, with at most `most` control points.
+/// The approximate number of bytes that a fit takes besides its data: values of functions, and the
+/// levels that a schedule remembers, with at most `most` control points.
 pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usize {
     let dimension = setup.dimension();
     let width: usize = setup

@@ -15,7 +15,7 @@ use crate::method::{At, Constraint, LeastSquares, Method};
 use crate::parameters::scattered::nearest_to_their_plane;
 use crate::parameters::{Parametrization, Scattered, parameters};
 
-/// About how many multiplications take as long as comparing a point with its neighbours in all rounds.
+/// The cost, in multiplications, of comparing a point with its neighbours in all rounds.
 const MULTIPLICATIONS: usize = 10_000;
 
 /// Bytes that a point takes meanwhile, with its neighbours.

@@ -90,8 +90,8 @@ impl Steps {
         }
     }
 
-    /// How many cells on either side of its own a point at v fills, of rows that become shorter towards poles as the parallels
-    /// of a sphere do.
+    /// The number of cells on either side of its own that a point at v fills, of rows that become shorter towards poles
+    /// as the parallels of a sphere do.
     fn reach(self, v: f64, poles: [bool; 2], around: Self) -> usize {
         if poles == [false; 2] || !around.side.is_closed {
             return 0;

@@ -5,7 +5,7 @@ use crate::data::grid::Grid;
 use crate::interrupt::Meter;
 use crate::invalid::{Invalid, Place};
 
-/// About how many points a filled cell of scattered points has, so that few cells between them are empty.
+/// The approximate number of points of a filled cell of scattered points, so that few cells between them are empty.
 const IN_A_CELL: f64 = 2.3;
 
 /// By how much cells grow until they hold as many.

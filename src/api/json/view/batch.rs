@@ -146,11 +146,11 @@ pub(crate) struct BatchEnd {
 #[derive(Clone, Copy, Default, Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"items": 3, "converged": 2, "failed": 1, "seconds": 0.0031}]))]
 pub(crate) struct BatchTotals {
-    /// How many items there were.
+    /// The number of items.
     pub items: usize,
-    /// How many of them have converged.
+    /// The number of items that have converged.
     pub converged: usize,
-    /// How many have not: those with a problem.
+    /// The number of items that have not converged: those with a problem.
     pub failed: usize,
     /// Seconds from the beginning of the request to its end.
     pub seconds: f64,

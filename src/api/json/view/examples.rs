@@ -1,4 +1,4 @@
-//! Examples of what stands in several answers.
+//! Examples for several answers.
 
 use serde_json::{Value, json};
 

@@ -42,7 +42,7 @@ pub(crate) struct IterationEvent {
     /// The approximate total number of iterations, by the errors so far; absent if unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted: Option<usize>,
-    /// How many control points the last step has moved.
+    /// The number of control points that the last step moved.
     moved: usize,
     /// The knots, where they are others than in the event before; of fits that choose them by themselves.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -68,7 +68,7 @@ pub(super) struct BadWeight {
     control_point: Index,
     /// Its weight.
     weight: f64,
-    /// What is wrong with it.
+    /// The reason.
     detail: &'static str,
 }
 

@@ -59,8 +59,8 @@ struct SurfacePoints {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ScatteredPoints>")]
     scattered: Option<PointList>,
-    /// How many of them each section has, the triangles of the mesh, or the parameters of the rows and columns of a grid with
-    /// missing points, if x and y say them.
+    /// The number of points of each section, the triangles of the mesh, or the parameters of the rows and columns of a
+    /// grid with missing points, if x and y say them.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<SurfaceParameters>,
 }

@@ -204,8 +204,8 @@ fn divide(number: f64, by: f64) -> (f64, f64) {
     (quotient, number - quotient * by)
 }
 
-/// An integer from 0 to 2³² − 1. Added to 2⁵² it stands in the lowest bits; `as` also looks for numbers that are
-/// out of range, which takes longer than all the rest.
+/// An integer from 0 to 2³² − 1. Added to 2⁵² it is in the lowest bits; `as` also looks for numbers that are out of
+/// range, which takes longer than all the rest.
 #[inline(always)]
 fn integer(x: f64) -> u32 {
     const FIFTY_TWO_BITS: f64 = (1_u64 << 52) as f64;

@@ -83,7 +83,7 @@ fn example() -> Value {
     json!({"at": "start", "tangent": [0.0, 1.0]})
 }
 
-/// What a field of a constraint asks for.
+/// The condition of a field of a constraint.
 #[derive(Clone, Copy)]
 enum Meaning {
     /// A point or a derivative of these orders.

@@ -68,7 +68,7 @@ impl Table {
         Ok(Self { source })
     }
 
-    /// About how many multiplications it takes to evaluate all lines.
+    /// The approximate number of multiplications that it takes to evaluate all lines.
     pub fn multiplications(&self) -> usize {
         match &self.source {
             Source::Level(samples) => samples.multiplications(),
@@ -76,7 +76,7 @@ impl Table {
         }
     }
 
-    /// How many lines follow the names.
+    /// The number of lines after the names.
     pub fn lines(&self) -> usize {
         match &self.source {
             Source::Level(samples) => samples.count(),

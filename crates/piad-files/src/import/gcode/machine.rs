@@ -230,7 +230,7 @@ impl Machine {
         if self.motion == Motion::Rapid || travels {
             self.end_path()?;
         } else {
-            // Where the tool stands before the first move is not known, but with relative ones it does not matter.
+            // Where the tool is before the first move is not known, but with relative ones it does not matter.
             let is_known = self.is_relative || matches!(self.known, [true, true, _]);
             if self.curve.points.is_empty() && is_known {
                 self.curve.push(self.place, line);

@@ -36,7 +36,7 @@ fn paths_are_parts_between_rapid_moves() {
             "All points have z = -1, which is left out."
         ]
     );
-    // Where the tool stands before is not known, and its height counts where it changes.
+    // Where the tool is before is not known, and its height counts where it changes.
     let part = parts("G1 X1 Y1\nX2 Z1\nX3 Z2\n").unwrap().remove(0);
     assert_eq!(
         points(&part),

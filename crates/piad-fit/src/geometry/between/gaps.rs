@@ -22,7 +22,7 @@ const MANY: usize = 100_000;
 /// The sides of a cell are parallel if the sine of their angle has a square below this.
 const SINGULAR: f64 = 1e-9;
 
-/// About how many places are evaluated at a time.
+/// The approximate number of places evaluated at a time.
 pub(super) const AT_ONCE: usize = 16_384;
 
 /// The gaps of a curve, or the cells of a grid.
@@ -92,7 +92,8 @@ impl<'a> Gaps<'a> {
     }
 
     /// The freedom of each cell: that which its bends leave, but no more than its corners are apart, and infinite where
-    /// one of these is missing; none where edges are data. Beside ends at which the fit stands still, it is how far these are apart.
+    /// one of these is missing; none where edges are data. Beside ends at which the fit has a zero derivative, it is
+    /// how far these are apart.
     pub(super) fn freedom(&self) -> Vec<f64> {
         if self.setup.polyline {
             return vec![0.0; self.count()];

@@ -34,7 +34,7 @@ pub struct Sides {
     pub before: SpanParameter,
     /// The one behind it.
     pub behind: SpanParameter,
-    /// How many times the knot stands there; at most p + 1.
+    /// The multiplicity of the knot; at most p + 1.
     pub multiplicity: usize,
     /// The order of continuity that the multiplicity m guarantees, p − m; −1 allows a gap.
     pub guaranteed: i64,
@@ -47,12 +47,12 @@ pub struct Joint {
     pub parameter: f64,
     /// The point there.
     pub point: Vec<f64>,
-    /// How many times the knot stands there.
+    /// The multiplicity of the knot.
     pub multiplicity: usize,
     /// The order of continuity that the multiplicity guarantees.
     pub guaranteed: i64,
-    /// The order of parametric continuity that was measured: the number of derivatives that are equal on both sides. At least what is
-    /// guaranteed; more than 2 is not looked for.
+    /// The order of parametric continuity that was measured: the number of derivatives that are equal on both sides. At
+    /// least what is guaranteed; orders above 2 are not tested.
     pub parametric: i64,
     /// The order of geometric continuity that was found: 0 a corner, 1 the same tangent, 2 the same curvature.
     pub geometric: i64,

@@ -187,8 +187,8 @@ fn check(fit: &Nurbs, v: &KnotVector, points: &Points) -> Result<(), NoFootPoint
     Ok(())
 }
 
-/// About how many bytes the search on a fit takes: its control net in three forms, the pieces of its knot
-/// spans with their matrices, and its cells in the tree.
+/// The approximate number of bytes that the search on a fit takes: its control net in three forms, the pieces of its
+/// knot spans with their matrices, and its cells in the tree.
 pub fn memory(setup: &Setup) -> usize {
     let counts = setup.directions().map(|direction| {
         let (functions, degree) = (direction.basis.functions(), direction.basis.degree());

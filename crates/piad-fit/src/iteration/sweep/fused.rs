@@ -35,7 +35,7 @@ const SHORT: usize = 2 * LANES;
 pub(super) struct Rows<'a, const D: usize> {
     /// The columns of X that the rows need, from column `base` on.
     pub x: [&'a [f64]; D],
-    /// The column of B that stands first in `x`.
+    /// The column of B that is first in `x`.
     pub base: i64,
     /// The data P at the rows.
     pub data: [&'a [f64]; D],

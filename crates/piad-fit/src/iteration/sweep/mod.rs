@@ -74,7 +74,7 @@ const TILED: usize = 32_768;
 pub struct Plan {
     /// The number of parts that threads can work on at the same time, at least 1.
     pub parts: usize,
-    /// How many levels are computed in one pass: 1 to [`LEVELS`], of surfaces always 1.
+    /// The number of levels computed in one pass: 1 to [`LEVELS`], of surfaces always 1.
     pub levels: usize,
     /// The number of points of a tile of `tiles`, a multiple of `BLOCK`.
     pub tile: usize,
@@ -205,7 +205,7 @@ impl Sweep {
         self.returned.add(points);
     }
 
-    /// How many levels are best computed in one pass.
+    /// The best number of levels for one pass.
     pub fn levels(&self) -> usize {
         self.plan.levels
     }

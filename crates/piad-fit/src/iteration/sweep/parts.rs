@@ -37,7 +37,7 @@ pub(super) struct Part<'a> {
     pub workspaces: &'a mut [Workspace],
     /// The points of a line.
     columns: usize,
-    /// How many whole lines are how many whole blocks.
+    /// The numbers of whole lines that make whole blocks.
     unit: (usize, usize),
 }
 

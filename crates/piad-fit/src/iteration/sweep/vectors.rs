@@ -1,7 +1,7 @@
 //! Arrays and sums as vectors of whatever length the processor has.
 //!
-//! What stands in a loop that is compiled for every width, dimension and instruction set is
-//! compiled as often; these functions are compiled for few types.
+//! Code in a loop that is compiled for every width, dimension and instruction set is compiled as
+//! often; these functions are compiled for few types.
 
 use std::array::from_fn;
 

@@ -198,7 +198,7 @@ impl Fit {
         })
     }
 
-    /// How many control points would do if each span of a direction were divided by itself.
+    /// The number of control points that would suffice if each span of a direction were divided by itself.
     fn asked(&self, data: &dyn Data, tolerance: f64) -> [usize; 2] {
         [0, 1].map(|axis| {
             let line = &self.level.lines[axis];

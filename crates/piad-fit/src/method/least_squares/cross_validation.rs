@@ -28,7 +28,7 @@ use band::Band;
 /// Values of f: powers of ten from this one on, by quarters.
 const FIRST_POWER: f64 = -14.0;
 
-/// How many values there are, up to ten.
+/// The number of values, up to ten.
 const VALUES: usize = 61;
 
 /// A score that is at most this multiple of the smallest is as good.
@@ -211,7 +211,7 @@ impl<'a> Equations<'a> {
         })
     }
 
-    /// About how many multiplications the choice takes for a surface.
+    /// The approximate number of multiplications that the choice takes for a surface.
     fn cost(&self) -> usize {
         let band = self.data.width.saturating_mul(self.data.width);
         let factor = self.places.len().saturating_mul(band);

@@ -155,8 +155,8 @@ impl Energy {
         }
     }
 
-    /// About how many multiplications take as long as all integrals of products: each product is searched for among
-    /// those of its function, four in the time of a multiplication.
+    /// The cost, in multiplications, of all integrals of products: each product is searched for among those of its
+    /// function, four in the time of a multiplication.
     pub(super) fn cost(setup: &Setup, order: usize) -> usize {
         let of = |direction: &Direction| {
             let width = direction.basis.degree() + 1;
@@ -166,7 +166,7 @@ impl Energy {
         grams.saturating_mul(order + 1)
     }
 
-    /// How many rows there are.
+    /// The number of rows.
     pub(super) fn count(setup: &Setup, settings: &LeastSquares) -> usize {
         let gaps = settings.gap_stiffness().map_or(0, |_| Gaps::count(setup));
         let bending = settings

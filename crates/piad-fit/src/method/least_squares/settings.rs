@@ -275,9 +275,7 @@ impl Fairness {
             2 | 3 => Ok(()),
             _ => Err(Invalid::at(
                 Place::Setting(Setting::FairnessOrder),
-                format!(
-                    "fairness_order is {order}; expected 2 or 3"
-                ),
+                format!("fairness_order is {order}; expected 2 or 3"),
             )),
         }
     }

@@ -230,7 +230,7 @@ pub(super) fn is_whole(setup: &Setup, separable: bool) -> bool {
     setup.v().is_some() && (scattered || setup.missing().is_some() || !separable)
 }
 
-/// About how many multiplications the factorization takes.
+/// The approximate number of multiplications that the factorization takes.
 pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
     match setup.v() {
         Some(v) if sums_products(setup, settings) => {

@@ -121,7 +121,7 @@ impl Steps {
             .for_each(|(c, x)| projection.correct(c, x));
     }
 
-    /// How many control points have no data in the support of their basis function.
+    /// The number of control points without data in the support of their basis function.
     pub(super) fn without_data(equations: &Equations, settings: &LeastSquares) -> usize {
         let objective = Objective::new(&equations.setup, settings);
         let conditions = conditions(&equations.setup, settings);

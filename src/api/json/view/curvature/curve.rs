@@ -56,7 +56,7 @@ struct JointView {
     parameter: f64,
     /// The point there.
     point: Vec<f64>,
-    /// How many times the knot stands there.
+    /// The multiplicity of the knot.
     multiplicity: usize,
     /// The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
     guaranteed: i64,

@@ -77,7 +77,7 @@ struct LinesView {
 struct LineView {
     /// The knot.
     parameter: f64,
-    /// How many times the knot stands there.
+    /// The multiplicity of the knot.
     multiplicity: usize,
     /// The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
     guaranteed: i64,

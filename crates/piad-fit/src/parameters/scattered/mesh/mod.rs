@@ -45,7 +45,7 @@ pub const MAX_TRIANGLES: usize = 4_000_000;
 /// Bytes that a triangle takes while parameters are computed.
 const BYTES: usize = 500;
 
-/// About how many multiplications take as long as the parameters of a triangle.
+/// The cost, in multiplications, of the parameters of a triangle.
 const MULTIPLICATIONS: usize = 8_000;
 
 /// Loops that are shorter than this part of the longest one are holes.
