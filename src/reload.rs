@@ -50,7 +50,7 @@ impl State {
     }
 }
 
-/// What is read from files.
+/// The value read from files.
 pub(crate) trait Reload: Send + Sync + 'static {
     /// Its name in the log.
     const WHAT: &'static str;

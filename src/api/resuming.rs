@@ -102,8 +102,8 @@ fn after(job: &Job, id: EventId) -> Result<Start, String> {
     }
 }
 
-/// Checks that a job can have had an iteration that a client says it has seen. A job that runs again after a restart,
-/// or that was cancelled then, may have been further before.
+/// Checks that a job can have had an iteration that a client claims to have received. A job that runs again after a
+/// restart, or that was cancelled then, may have been further before.
 fn check_seen(job: &Job, k: usize) -> Result<(), String> {
     let status = job.status();
     let ended_by_itself = match status.state {

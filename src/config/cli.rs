@@ -125,7 +125,7 @@ pub enum StoreCommand {
         /// Where they go.
         to: Storage,
     },
-    /// Read everything in a store and say what is damaged; the store stays as it is. Exit status 1 if anything is.
+    /// Read everything in a store and report damage; the store is not changed. Exit status 1 if anything is damaged.
     Check {
         /// A directory, or the URL of a PostgreSQL database.
         store: Storage,

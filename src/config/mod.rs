@@ -246,7 +246,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_LOG_FORMAT", value_enum, default_value_t = LogFormat::Text)]
     pub log_format: LogFormat,
 
-    /// What is logged: a level, or directives such as `info,piad::job=debug`.
+    /// The log filter: a level, or directives such as `info,piad::job=debug`.
     #[arg(long, env = "PIAD_LOG", default_value = "info")]
     pub log: String,
 }

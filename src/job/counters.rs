@@ -1,4 +1,4 @@
-//! The metrics of a server for Prometheus: what it has done since its start, and what is open now.
+//! The metrics of a server for Prometheus: counters since its start, and gauges.
 
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::metrics::counter::Counter;

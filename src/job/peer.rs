@@ -58,7 +58,7 @@ impl Peer {
         }
     }
 
-    /// The tenant that owns what is made for a peer.
+    /// The tenant that owns the results of work for a peer.
     pub(crate) fn owner(peer: Option<Self>) -> Tenant {
         peer.and_then(Self::tenant).unwrap_or(Tenant::DEFAULT)
     }

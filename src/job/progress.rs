@@ -5,7 +5,7 @@ use super::state::{Levels, State, Status};
 use piad_fit::engine::{Reason, Warning};
 
 impl Status {
-    /// Why it ended, in words, where the state does not say it.
+    /// The reason of the end, in words, if the state does not imply it.
     pub(crate) fn detail(&self, outline: &Outline) -> Option<String> {
         let (reason, levels) = self.reason.zip(self.levels)?;
         Some(detail(reason, self, &levels, outline))

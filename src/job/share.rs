@@ -329,7 +329,7 @@ mod tests {
         Some(Peer::at([192, 0, 2, last].into()))
     }
 
-    /// A share of 64 pages, and what is taken of it in pages.
+    /// A share of 64 pages, and its usage in pages.
     fn share() -> Share {
         Share::new(64 * PAGE)
     }

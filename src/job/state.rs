@@ -97,7 +97,7 @@ pub(crate) struct Levels {
     pub(crate) first: Level,
     /// The last level so far.
     pub(crate) last: Level,
-    /// What is known about the convergence.
+    /// The forecast of the convergence.
     pub(crate) forecast: Forecast,
 }
 
@@ -111,7 +111,7 @@ pub(crate) struct Status {
     pub(crate) started: Option<Timestamp>,
     /// When it ended.
     pub(crate) finished: Option<Timestamp>,
-    /// Why it ended, where the state does not say it.
+    /// The reason of the end, if the state does not imply it.
     pub(crate) reason: Option<Reason>,
     /// Why it failed.
     pub(crate) failure: Option<Failure>,

@@ -90,7 +90,7 @@ impl JobTrace {
         self.child(|job| debug_span!(target: TARGET, parent: job, "queue"))
     }
 
-    /// What is computed before level 0.
+    /// The computation before level 0.
     pub(super) fn set_up(&self) -> Span {
         self.child(|job| debug_span!(target: TARGET, parent: job, "set-up"))
     }

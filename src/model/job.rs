@@ -51,7 +51,7 @@ pub struct JobRequest {
     /// When the iteration ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stop: Option<StopRules>,
-    /// What the event streams of the job are like if they do not say it themselves.
+    /// The default stream options of the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stream: Option<StreamSpec>,
 }

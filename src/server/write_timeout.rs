@@ -43,7 +43,7 @@ impl<S> TimedStream<S> {
         }
     }
 
-    /// What is read next, before what is received.
+    /// The bytes to read next, before new input.
     pub(super) fn unread(&mut self, bytes: Bytes) {
         self.unread = bytes;
     }

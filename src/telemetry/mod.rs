@@ -94,8 +94,8 @@ impl Telemetry {
             .with_filter(dynamic_filter_fn(|span, _| span.target() == TARGET))
     }
 
-    /// Exports what is left, within two seconds and the grace period. Must be called outside of any runtime, as
-    /// it blocks the thread.
+    /// Exports the rest, within two seconds and the grace period. Must be called outside of any runtime, as it blocks
+    /// the thread.
     pub fn stop(self, grace: Duration) {
         // Success is visible at the collector; the log has ended.
         let _ = self.provider.shutdown_with_timeout(grace.min(LAST_EXPORT));

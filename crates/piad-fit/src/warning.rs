@@ -1,4 +1,4 @@
-//! Warnings: fits that can be computed but may not be what was meant.
+//! Warnings: fits that can be computed but may not be intended.
 //!
 //! Some warnings follow from the problem alone (degrees that few points do not determine, even degrees with knots at
 //! the data). Others follow from the collocation matrix (eigenvalues, trial runs); methods give those,

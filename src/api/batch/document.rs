@@ -22,7 +22,7 @@ pub(super) struct Document {
     has_items: bool,
 }
 
-/// What is expected next.
+/// The next expected token.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Next {
     /// The object.

@@ -289,7 +289,7 @@ impl Batch {
         scheduler.compute(WorkLane::Wire, read).await?
     }
 
-    /// Sends lines; the batch ends with those that say so.
+    /// Sends lines; the batch ends with its last line.
     async fn send(
         &mut self,
         mut lines: Lines,
@@ -320,7 +320,7 @@ impl Batch {
         self.group_size = due.clamp(1, MOST_ITEMS).min(2 * self.group_size);
     }
 
-    /// Reads what is left of the body.
+    /// Reads the rest of the body.
     async fn discard(&mut self) {
         while self
             .arrival

@@ -249,7 +249,7 @@ impl Group {
         self.stage = match ended {
             None => Stage::Fitting(fitting),
             Some(ended) => {
-                // Small ones share what is left.
+                // Small ones share the rest.
                 self.memory.take_if(|(_, bytes)| *bytes > SMALL_FIT);
                 Stage::Ended(fitting, Box::new(ended))
             }

@@ -88,7 +88,7 @@ impl Guard {
             Method::HEAD | Method::GET => "get",
             Method::POST => "post",
             Method::DELETE => "delete",
-            // The resource does not support the method, and says so.
+            // The resource does not support the method, and reports that.
             _ => return Needs::Nothing,
         };
         let found = methods.iter().find(|(it, _)| *it == verb);

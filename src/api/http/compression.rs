@@ -16,7 +16,7 @@ const LEAST: u64 = 1024;
 /// longer.
 const LEVEL: CompressionLevel = CompressionLevel::Precise(2);
 
-/// Compresses what is worthwhile.
+/// Compresses answers that are worth it.
 pub(super) fn layer() -> CompressionLayer<Worthwhile> {
     CompressionLayer::new()
         .quality(LEVEL)

@@ -1,6 +1,6 @@
 //! Checks the Host of requests.
 //!
-//! A server on the loopback interface is meant for programs on this machine, but a web page can reach it through the
+//! A server on the loopback interface is intended for programs on this machine, but a web page can reach it through the
 //! browser: with DNS rebinding, the page's own host name resolves to 127.0.0.1, and the browser treats the server as
 //! part of the page's origin. The Host header then has the wrong name.
 

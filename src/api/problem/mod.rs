@@ -54,10 +54,10 @@ pub struct ProblemBody {
     /// The errors of single fields.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<FieldError>,
-    /// The id of the request, as X-Request-Id has it.
+    /// The id of the request, as in X-Request-Id.
     #[serde(skip_serializing_if = "Option::is_none")]
     request_id: Option<String>,
-    /// The id of the trace of the request, as traceresponse has it, if the server exports traces.
+    /// The id of the trace of the request, as in traceresponse, if the server exports traces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace_id: Option<String>,
 }

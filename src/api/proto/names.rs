@@ -25,7 +25,7 @@ pub(crate) fn state(state: State) -> pb::JobState {
     }
 }
 
-/// Why a job has ended, where the state does not say it.
+/// The reason of the end of a job, if the state does not imply it.
 pub(crate) fn reason(reason: Option<Reason>) -> pb::EndReason {
     match reason {
         None => pb::EndReason::Unspecified,

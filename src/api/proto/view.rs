@@ -138,7 +138,7 @@ pub(crate) fn distances(error: &FitError, method: &Method) -> pb::Distances {
     }
 }
 
-/// Those of the last level of a job so far, with what is known of it between its data.
+/// The distances of the last level of a job so far, with its deviation between data.
 fn last_distances(level: &Level, method: &Method) -> pb::Distances {
     pb::Distances {
         between: level.between,

@@ -12,7 +12,7 @@ use crate::job::peer;
 use crate::job::resources::Resources;
 use crate::job::scheduler::Broken;
 
-/// Contents up to this size are copied together with what is around them.
+/// Contents up to this size are copied together with their surroundings.
 const SMALL: usize = 16 * 1024;
 
 /// The number of pieces that are made ahead of the one that is being sent.

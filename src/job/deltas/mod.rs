@@ -61,7 +61,7 @@ impl Step {
 }
 
 impl Numbers {
-    /// Bytes of memory for what is shown in these arrays.
+    /// Bytes of memory for the numbers in these arrays.
     fn bytes(arrays: &[Lanes]) -> usize {
         arrays.iter().map(|array| 8 * array.count()).sum()
     }

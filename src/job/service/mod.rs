@@ -66,7 +66,7 @@ pub(crate) struct JobLimits {
     pub jobs: usize,
     /// The retention of ended jobs.
     pub jobs_of_a_peer: PerPeer,
-    /// What is kept of jobs that have ended.
+    /// The retention of ended jobs.
     pub retention: Retention,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! - [`embedded`]: in a file or in the memory of one process; [`shared`]: in PostgreSQL, for any number of
 //!   replicas;
-//! - `kept`: what is kept of a job, and requests; [`record`]: its bytes; `error`: failures;
+//! - `kept`: the records of a job, and requests; [`record`]: their bytes; `error`: failures;
 //! - [`crash_recovery`]: the treatment of jobs that were running in a crash;
 //! - [`copy`]: from one store to another.
 

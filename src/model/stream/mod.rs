@@ -61,7 +61,7 @@ pub struct StreamSpec {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub changed: Option<bool>,
-    /// What the `job` event says of the job.
+    /// The contents of the `job` event.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub describe: Option<Describe>,
     /// How arrays of numbers are written.

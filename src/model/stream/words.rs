@@ -3,7 +3,7 @@
 use crate::model::named::named;
 
 named!(
-    /// What is shown of an iteration.
+    /// The view of an iteration.
     View, "choice" {
         /// Its complete control points.
         ControlPoints = "control_points",
@@ -59,7 +59,7 @@ named!(
 );
 
 named!(
-    /// What the `job` event says of the job.
+    /// The contents of the `job` event.
     Describe, "choice" {
         /// All.
         Full = "full",

@@ -65,8 +65,8 @@ use mesh::MOST_ALONG_SURFACE;
 use piad_fit::data::Grid;
 use piad_fit::engine::{Problem, samples};
 
-/// The highest degree for STEP and IGES: that of OpenCASCADE and of the many systems built on it.
-/// They refuse to load a file with a higher one, and some say so only in their log.
+/// The highest degree for STEP and IGES: that of OpenCASCADE and of the many systems built on it. They refuse to load a
+/// file with a higher one, and some report this only in their log.
 pub const MOST_CAD_DEGREE: usize = 25;
 
 /// Exact files hold the numbers of the fit to the last bit: reals are written with as many digits (up to 17) as are

@@ -10,7 +10,7 @@ use piad_fit::engine::curvature::{CurveShape, SurfaceShape};
 use piad_fit::engine::{Problem, samples};
 use piad_fit::geometry::{KnotVector, Nurbs};
 
-/// The cost of a sample with curvature, as a multiple of one without: two more derivatives, and what is made of them.
+/// The cost of a sample with curvature, as a multiple of one without: two more derivatives, and the curvature.
 const CURVATURE_COST: usize = 4;
 
 /// The cost of samples at equal distances, as a multiple of samples at equal steps.

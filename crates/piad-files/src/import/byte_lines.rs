@@ -24,7 +24,7 @@ impl<'a> ByteLines<'a> {
         }
     }
 
-    /// What is below the lines that were passed.
+    /// The bytes below the lines that were passed.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
     }

@@ -38,7 +38,7 @@ fn zeros(file: &[u8], places: &[usize]) -> bool {
     start.len() >= LEAST && bytes.all(|(index, byte)| places.contains(&(index % 4)) == (*byte == 0))
 }
 
-/// A text in UTF-16. What is no character becomes one that says so.
+/// A text in UTF-16. Invalid characters become replacement characters.
 fn decoded(text: &[u8], unit: fn([u8; 2]) -> u16) -> Cow<'_, [u8]> {
     let (units, _) = text.as_chunks::<2>();
     let characters = char::decode_utf16(units.iter().map(|it| unit(*it)));

@@ -96,7 +96,7 @@ fn keep_missing(part: &mut Part, missing: Vec<usize>) {
     part.missing = missing;
 }
 
-/// Leaves points out, with a notice that names what is missing.
+/// Leaves points out, with a notice that names the missing values.
 fn leave_out(part: &mut Part, missing: &[usize], what: &str) -> Result<(), FileError> {
     let Some(first) = missing.first() else {
         return Ok(());

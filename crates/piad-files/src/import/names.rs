@@ -125,7 +125,7 @@ fn words(name: &str) -> impl Iterator<Item = &str> {
     words.filter(|word| !word.is_empty())
 }
 
-/// A name without what is in brackets behind it, unless that is a number.
+/// A name without brackets behind it, unless these contain a number.
 fn without_unit(name: &str) -> &str {
     let at = name.find(['(', '[']).filter(|at| *at > 0);
     let parts = at.and_then(|at| name.split_at_checked(at));

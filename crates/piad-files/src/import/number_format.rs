@@ -166,8 +166,8 @@ pub(super) fn column_end(text: &str, separator: Option<char>) -> usize {
     end.map_or(text.len(), |end| start + end)
 }
 
-/// The length of what is between quotes at the beginning of a text, and 0 if no quote ends before a separator: that is
-/// no quoted text, but one with a quote in it. A quote in a quoted text is there twice.
+/// The length of a quoted text at the beginning of a text, and 0 if no quote ends before a separator: then it is an
+/// unquoted text that contains a quote. A quote in a quoted text is doubled.
 fn quoted_length(text: &str, separator: Option<char>) -> usize {
     let is_blank = |c: char| c.is_whitespace() && separator != Some(c);
     let bare = match separator {

@@ -65,7 +65,7 @@ impl<'a> Sample<'a> {
     ) -> Self {
         let width = notation.fields(line).count();
         let next = below.rows().find(|line| !line.is_empty());
-        // The last field of the first row may be empty: the names say it, or the next row does.
+        // The last field of the first row may be empty: the names show it, or the next row does.
         let is_wider = notation.ends_empty(line)
             && wanted.or_else(|| Some(notation.fields(next?).count())) == Some(width + 1);
         let width = width + usize::from(is_wider);

@@ -6,7 +6,7 @@ use super::imported::{Hints, Kind};
 use super::part::{Order, Part, Parts};
 use piad_fit::engine::is_stack;
 
-/// The hint that says it.
+/// The hint for sections.
 const SECTIONS: &str = "surface.sections";
 
 /// The fewest points of a section that is recognised as one.

@@ -402,7 +402,7 @@ fn files_of_mses_have_a_domain_and_one_element() {
     let wrong = errors(&flap);
     assert_eq!((wrong.len(), wrong[0].0), (1, Some(6)));
     assert!(wrong[0].1.contains("another element"), "{wrong:?}");
-    // Points with four columns, and what is no domain.
+    // Points with four columns, and numbers that are no domain.
     let cloud = read("a scan\n1 2 3 4\n5 6 7 8\n", &HINTS).unwrap();
     assert_eq!(cloud.points.len(), 2);
     assert_eq!(errors("N+3\n3 -2 -2.5 3.5\n1 0.5\n0 0\n")[0].0, Some(3));

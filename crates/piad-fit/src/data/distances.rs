@@ -49,7 +49,7 @@ impl Distances {
         Self::of_squares(squares.collect(), unit)
     }
 
-    /// The same without what is free of each.
+    /// The same without the free parts of each.
     pub(crate) fn beyond(&self, freedom: &[f64], unit: f64) -> Self {
         let left = |(distance, free): (&f64, &f64)| match distance - free {
             left if left < 0.0 => 0.0,

@@ -100,7 +100,7 @@ mod tests {
         for count in 0..5 {
             assert!(!is_unordered(&spiral(count, 3)), "{count}");
         }
-        // Distances whose squares are beyond the range of numbers say nothing.
+        // Distances whose squares are beyond the range of numbers are ignored.
         let mut far = Points::new(3);
         (0..50).for_each(|i| far.push(&[1e300 * noise(i), -1e300 * noise(2 * i), 0.0]));
         assert!(!is_unordered(&far));

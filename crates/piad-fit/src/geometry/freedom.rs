@@ -172,8 +172,8 @@ pub(crate) fn length_of(mut coordinates: impl Iterator<Item = f64>) -> f64 {
 /// Squares that are below this part of another one are so in spite of their rounding errors.
 const SURELY_LESS: f64 = 1.0 - 1e-12;
 
-/// Returns true if a vector with these coordinates is certainly shorter than that, by their squares: roots, which are
-/// slow, say nothing new then.
+/// Returns true if a vector with these coordinates is certainly shorter than that, by their squares: slow square roots
+/// are not needed then.
 pub(crate) fn is_surely_shorter(coordinates: impl Iterator<Item = f64>, than: f64) -> bool {
     let square = than * than;
     square.is_normal() && coordinates.map(|x| x * x).sum::<f64>() < SURELY_LESS * square

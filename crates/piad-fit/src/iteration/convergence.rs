@@ -1,4 +1,4 @@
-//! When a fit will end: what is known before its first step.
+//! Predicts when a fit will end, before its first step.
 //!
 //! Methods say what they know by eigenvalues and trial runs ([`Forecast`](crate::matrix::forecast::Forecast)); clients see it
 //! before they wait. That alone is far too pessimistic, as data has little of the slowest eigenvectors. So a
@@ -30,8 +30,7 @@ impl Iteration {
     }
 }
 
-/// Where a fit will end: short fits are tried, of longer ones the beginning. `None` if that does
-/// not say it.
+/// The predicted end of a fit: short fits are tried, of longer ones the beginning. `None` if that is not enough.
 fn end(system: &Arc<System>) -> Option<Prediction> {
     let problem = system.problem();
     let method = problem.method().scheme();

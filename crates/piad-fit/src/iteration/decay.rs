@@ -66,9 +66,8 @@ impl Decay {
         Some(((index * self.stride) as f64, log))
     }
 
-    /// The level at which the error will be within the tolerance, if the errors so far say it. Both
-    /// are in the same unit. In the long run each level reduces the error at least by the factor
-    /// `slowest`, if that is known.
+    /// The level at which the error will be within the tolerance, if the errors so far determine it. Both are in the
+    /// same unit. In the long run each level reduces the error at least by the factor `slowest`, if that is known.
     pub(crate) fn end(
         &self,
         level: usize,

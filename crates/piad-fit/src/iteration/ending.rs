@@ -122,7 +122,7 @@ impl Iteration {
         rule.stop(&self.progress()).or_else(measured)
     }
 
-    /// What the stop rule of the method goes by.
+    /// The input of the stop rule of the method.
     fn progress(&self) -> Progress {
         Progress {
             iteration: self.level.iteration,

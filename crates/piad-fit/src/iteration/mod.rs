@@ -65,7 +65,7 @@ pub struct Level {
     /// At the last level of curves and grids: by how much it leaves its data between neighbours, beyond the freedom that
     /// these leave, in data units.
     pub between: Option<f64>,
-    /// At the last level: what is doubtful about it, where the data do not show it.
+    /// At the last level: warnings about deviations that the data do not show.
     pub found: Option<Warning>,
 }
 

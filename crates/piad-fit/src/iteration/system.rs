@@ -84,7 +84,7 @@ impl System {
         &self.equations.collocation
     }
 
-    /// What is known of the convergence.
+    /// The forecast of the convergence.
     pub fn forecast(&self) -> Forecast {
         self.equations.forecast
     }

@@ -109,7 +109,7 @@ impl Attempt {
         self.without_gain >= PATIENCE || elsewhere && self.tries >= ENOUGH && self.slow > 1
     }
 
-    /// Returns true if the tolerance is so far away that distances say little about the number of
+    /// Returns true if the tolerance is so far away that distances are no guide to the number of
     /// control points needed.
     pub(super) fn is_hopeless(&self, tolerance: f64) -> bool {
         self.lowest() > HOPELESS * tolerance

@@ -4,7 +4,7 @@
 //! on a circle that is pressed flat, in which they have twice the bandwidth. The factorization
 //! `L Lᵀ` takes n b² operations and stays within the band.
 //!
-//! What is added to the equations, as the energy of a fairness term, goes through [`Gram::add`].
+//! Additions to the equations, such as the energy of a fairness term, go through [`Gram::add`].
 
 use super::values::Values;
 use crate::basis::quadrature::Row;

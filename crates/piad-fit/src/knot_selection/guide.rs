@@ -56,7 +56,7 @@ pub(crate) struct Guide {
 
 impl Guide {
     /// The most control points of a curve through `data` data with points between them. It is more than the number of
-    /// data, as few data say little about corners and long lists hardly need more.
+    /// data, as few data do not resolve corners, and long lists hardly need more.
     pub(crate) fn most_control_points(data: usize) -> usize {
         data.saturating_add(MOST_MORE.min((PARTS - 1) * data))
     }

@@ -133,7 +133,7 @@ impl Dense {
         entries.filter(|&(_, value)| value != 0.0)
     }
 
-    /// The matrix as nalgebra has it.
+    /// The matrix in nalgebra's form.
     pub fn to_matrix(&self) -> DMatrix<f64> {
         self.transposed.transpose()
     }

@@ -1,6 +1,6 @@
-//! What is known of the convergence of a fit.
+//! The forecast of the convergence of a fit.
 
-/// What is known of the convergence before the first step. Rates are factors per level, without a
+/// The forecast of the convergence, before the first step. Rates are factors per level, without a
 /// unit; lengths are in the unit of the data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

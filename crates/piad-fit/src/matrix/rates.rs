@@ -30,7 +30,7 @@ const LEAST_KNOWN: f64 = 1e-10;
 /// More iterations than this are not reported.
 const MOST_ITERATIONS: f64 = 1e15;
 
-/// What is known of classical PIA with a basis.
+/// The convergence of classical PIA with a basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BasisRate {
     /// The name of the basis.

@@ -102,7 +102,7 @@ impl Scheme for Adaptive {
         false
     }
 
-    /// The largest distance says little of points with thresholds of their own.
+    /// The largest distance does not decide for points with thresholds of their own.
     fn decays(&self) -> bool {
         !self.threshold.is_each()
     }

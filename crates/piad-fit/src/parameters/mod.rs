@@ -40,7 +40,7 @@ pub enum Parametrization {
     /// Steps are the distances of successive points, in data units; on surfaces their mean over all
     /// lines of the other direction (LWD04 (12)–(13)).
     ChordLength,
-    /// Steps are square roots of the distances (Lee 1989), averaged likewise.
+    /// Steps are square roots of the distances (Lee 1989), averaged in the same way.
     Centripetal,
     /// Given values, strictly increasing.
     Explicit(Arc<Vec<f64>>),

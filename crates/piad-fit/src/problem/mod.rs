@@ -85,7 +85,7 @@ struct Kept {
 impl Deref for Problem {
     type Target = Setup;
 
-    /// What is fitted, independent of the method.
+    /// The setup, independent of the method.
     fn deref(&self) -> &Setup {
         &self.setup
     }
@@ -314,7 +314,7 @@ impl Problem {
         self.method().is_automatic()
     }
 
-    /// What is fitted, independent of the method.
+    /// The setup, independent of the method.
     pub fn setup(&self) -> &Arc<Setup> {
         &self.setup
     }

@@ -1,7 +1,7 @@
 //! Arrays of numbers in answers: nested lists of numbers, or all of the numbers in base64.
 //!
 //! An answer holds a placeholder where an array belongs; [`super::document::Document`] writes the
-//! numbers there. These types carry the schemas of what is written.
+//! numbers there. These types carry the schemas of the numbers.
 
 use schemars::{Schema, json_schema};
 use serde::{Serialize, Serializer};

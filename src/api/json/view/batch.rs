@@ -45,7 +45,7 @@ struct BatchItem<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "FitGeometry<'a>")]
     curve: Option<ItemGeometry<'a>>,
-    /// The fitted surface, likewise.
+    /// The fitted surface, also of a fit that has not converged.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "FitGeometry<'a>")]
     surface: Option<ItemGeometry<'a>>,

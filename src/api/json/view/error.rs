@@ -96,7 +96,7 @@ impl ErrorView {
         }
     }
 
-    /// Those of the last level of a job so far, with what is known of it between its data.
+    /// The distances of the last level of a job so far, with its deviation between data.
     pub(super) fn of_last(level: &Level, of: impl Into<Arrangement>) -> Self {
         Self {
             between: level.between,

@@ -76,13 +76,13 @@ struct JobEvent<'a> {
     rational: Option<Rational>,
     /// The method, with numbers that were computed for it.
     method: AppliedMethod,
-    /// How fast it converges, by what is known at iteration 0.
+    /// The forecast at iteration 0.
     predicted: Prediction,
     /// When it ends.
     stop: AppliedStop,
     /// The paths of the job. Ephemeral edits have none.
     links: Option<Links>,
-    /// What is doubtful about it; some of that is found out only when the job begins to run.
+    /// Warnings; some are found only when the job begins to run.
     warnings: Vec<WarningView>,
     /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
@@ -168,10 +168,10 @@ struct EndEvent {
     /// The final state.
     #[schemars(with = "State")]
     state: &'static str,
-    /// Why it ended, where the state does not say it.
+    /// The reason of the end, if the state does not imply it.
     #[schemars(with = "Option<EndReason>")]
     reason: Option<&'static str>,
-    /// The reason in words, with what is left.
+    /// The reason in words, with the remaining distance.
     detail: Option<String>,
     /// The number of the last iteration.
     iterations: usize,

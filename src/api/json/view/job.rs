@@ -31,12 +31,12 @@ pub(crate) struct JobView<'a> {
     /// Where it is in its life.
     #[schemars(with = "State")]
     state: &'static str,
-    /// Why it ended, where the state does not say it.
+    /// The reason of the end, if the state does not imply it.
     #[schemars(with = "Option<EndReason>")]
     reason: Option<&'static str>,
-    /// The reason in words, with what is left.
+    /// The reason in words, with the remaining distance.
     detail: Option<String>,
-    /// What is doubtful about it; some of that is found out only when the job begins to run.
+    /// Warnings; some are found only when the job begins to run.
     warnings: Vec<WarningView>,
     /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
@@ -47,11 +47,11 @@ pub(crate) struct JobView<'a> {
     method: AppliedMethod,
     /// When it ends.
     stop: AppliedStop,
-    /// What its streams are like, if the job says it.
+    /// The stream options of the job, if it has any.
     stream: Option<&'a StreamSpec>,
     /// The last iteration so far.
     iteration: Option<usize>,
-    /// How fast it converges, by what is known at that iteration.
+    /// The forecast at that iteration.
     predicted: Prediction,
     /// The distances at that iteration.
     error: Option<ErrorView>,
@@ -131,7 +131,7 @@ pub(crate) struct JobPage<'a> {
     pub next: Option<String>,
 }
 
-/// What is fitted.
+/// The geometry.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Curve)]
@@ -171,12 +171,12 @@ impl AppliedStop {
     }
 }
 
-/// How the streams of a job go if they do not say it themselves.
+/// The default stream options of a job.
 pub(super) fn stream(outline: &Outline) -> Option<&StreamSpec> {
     outline.label.stream.as_deref()
 }
 
-/// What is known of the convergence.
+/// The forecast of the convergence.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"rate": 0.8, "iterations": 60}]))]
 pub(super) struct Prediction {
@@ -187,7 +187,7 @@ pub(super) struct Prediction {
 }
 
 impl Prediction {
-    /// What is known at iteration 0.
+    /// The forecast at iteration 0.
     pub(super) fn at_first(levels: Option<Levels>) -> Self {
         Self {
             rate: levels.and_then(|levels| levels.forecast.rate),

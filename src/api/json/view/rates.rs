@@ -19,7 +19,7 @@ pub(crate) struct RatesView {
     bases: Vec<RateView>,
 }
 
-/// What is known of classical PIA with a basis.
+/// The convergence of classical PIA with a basis.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "BasisRate")]
 #[schemars(extend("examples" = [{"basis": "bernstein", "degree": 2, "lambda_min": 0.5, "rate": 0.5, "iterations": 20}]))]

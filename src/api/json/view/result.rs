@@ -70,7 +70,7 @@ pub(crate) struct FitGeometry<'a> {
     bad_weight: Option<BadWeight>,
     /// The knots, in base64 always with 64 bits.
     knots: PerDirection<KnotArray>,
-    /// The parameters of the data points, likewise.
+    /// The parameters of the data points, in base64 always with 64 bits.
     parameters: PerDirection<NumberArray>,
     /// The fairness of a least-squares fit, also if the data have chosen it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,7 +80,7 @@ pub(crate) struct FitGeometry<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Outliers")]
     outliers: Option<Outliers<'a>>,
-    /// What is left of a surface that is trimmed.
+    /// The remaining part of a trimmed surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Trimmed")]
     trim: Option<Trimmed>,

@@ -172,7 +172,7 @@ impl NullaryFnOnce for Compute<'_> {
             return;
         }
         let (count, power) = (rounding.places as usize, rounding.power);
-        // Of what is behind the point, the first eight digits are `part · up / down`.
+        // Of the digits behind the point, the first eight are `part · up / down`.
         let up = POWERS[8_usize.saturating_sub(count)];
         let (down, scale) = (POWERS[count.saturating_sub(8)], POWERS[16 - count]);
         let mut eights = [[0_u32; BATCH]; 3];

@@ -35,7 +35,7 @@ pub(crate) struct WarningView {
     code: &'static str,
     /// A JSON pointer into the input of the job.
     pointer: String,
-    /// What is doubtful, why, and what to do about it.
+    /// The warning in words, with the reason and what to do.
     detail: String,
 }
 

@@ -30,7 +30,7 @@ pub(super) struct Committer {
     refused: Vec<Uuid>,
 }
 
-/// A transaction whose commit was begun, with what is to be noted once it is done.
+/// A transaction whose commit was begun, with changes of the bookkeeping for after it.
 struct Attempt {
     number: u64,
     changes: Vec<EndedChange>,

@@ -177,7 +177,7 @@ async fn attempt(plan: Plan) -> bool {
     }
     let has_failed = disk.plan.lock().count < plan.count;
     disk.plan.lock().count = 0;
-    // The disk works again. What is refused and was done is removed by the next change.
+    // The disk works again. Changes that were refused but done are removed by the next change.
     assert!(store.remove(Uuid::now_v7()).await.is_ok_and(|it| !it));
     answers.check(&store, plan).await;
     check_quota(&store, &answers, plan).await;

@@ -20,7 +20,7 @@ pub(crate) enum OpenError {
         /// Why.
         reason: io::Error,
     },
-    /// The file cannot be read or written, which says nothing about its contents.
+    /// The file cannot be read or written; its contents may be valid.
     #[error("{path:?} cannot be used: {reason}")]
     File {
         /// The file.

@@ -48,7 +48,7 @@ pub(super) trait Work: Sync {
     ) -> impl Future<Output = Result<Self::Done, sqlx::Error>> + Send;
 }
 
-/// A statement, with what is written behind its row.
+/// A statement, with the pieces behind its row.
 struct Plain<'a, F> {
     statement: F,
     value: Option<&'a Value<'a>>,

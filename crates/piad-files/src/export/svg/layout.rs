@@ -77,8 +77,8 @@ impl DrawnData {
         }
     }
 
-    /// Decides whether dots are drawn: by default if they do not hide each other or what is below
-    /// them.
+    /// Decides whether dots are drawn: by default if they do not hide each other or the drawing
+    /// below them.
     pub(super) fn choose(&mut self, dots: Dots, canvas: &Canvas) {
         self.dots = match dots {
             Dots::On => true,
@@ -127,7 +127,7 @@ impl DrawnData {
     }
 }
 
-/// Returns true if dots of this radius hide neither each other nor what is below them. Along a
+/// Returns true if dots of this radius hide neither each other nor the drawing below them. Along a
 /// curve there is as much space between them as they take.
 pub(super) fn are_sparse(pixels: &[(f64, f64)], radius: f64, along_a_curve: bool) -> bool {
     let near = if along_a_curve { 4.0 } else { 2.0 } * radius;

@@ -1,4 +1,4 @@
-//! Trimmed surfaces: edges on the surface, and meshes of what is inside.
+//! Trimmed surfaces: edges on the surface, and meshes of the inside.
 
 use piad_fit::data::Grid;
 use piad_fit::engine::vectors::{cross, length, minus};

@@ -152,7 +152,7 @@ fn times_are_parameters_where_they_are_chosen_or_columns_are_numbered() {
     let used = read(values.as_bytes(), &times).unwrap();
     assert_eq!(used.points.to_flat(), [3.0, 4.0]);
     assert_eq!(used.parameters, Some(vec![0.0, 86400.0]));
-    // Two groups of numbers are none that is meant.
+    // With two groups of numbers the names do not decide.
     let both = imported("time,q1,q2,dq1,dq2\n0,1,2,3,4\n1,2,4,6,8\n");
     assert_eq!((first(&both), both.parameters), (vec![1.0, 2.0, 3.0], None));
     for (text, line, detail) in [

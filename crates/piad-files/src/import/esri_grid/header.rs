@@ -52,7 +52,7 @@ pub(super) struct Entry {
     line: usize,
 }
 
-/// What is above the heights, and these.
+/// The text above the heights, and the heights.
 pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError> {
     let mut tokens = Tokens::new(text);
     let mut entries = Vec::new();

@@ -51,7 +51,7 @@ fn word(letter: char, text: &str) -> Option<(Word, &str)> {
     Some((Word { letter, number }, rest.trim_start()))
 }
 
-/// A line without what is between brackets, and what is behind a semicolon or the mark of a checksum.
+/// A line without comments in brackets, and without text behind a semicolon or a checksum mark.
 fn without_comments(line: &str) -> String {
     let line = line.split([';', '*']).next().unwrap_or_default();
     let mut text = String::new();

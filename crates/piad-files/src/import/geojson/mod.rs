@@ -12,8 +12,8 @@ use crate::short::{quoted, without_mark};
 use object::{Geometry, Object, ObjectType, top_level_type};
 use positions::Positions;
 
-/// Returns true if bytes are a JSON object that says it is GeoJSON, with or without a byte-order mark; what follows its
-/// type may be damaged.
+/// Returns true if bytes are a GeoJSON object, with or without a byte-order mark; the bytes after its type may be
+/// damaged.
 #[must_use]
 pub fn is_geojson(bytes: &[u8]) -> bool {
     let bytes = without_mark(bytes).trim_ascii_start();

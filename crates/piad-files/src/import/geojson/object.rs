@@ -152,7 +152,7 @@ impl<'de> Deserialize<'de> for Properties {
 pub(super) fn top_level_type(json: &[u8]) -> Option<String> {
     let mut found = None;
     let mut deserializer = serde_json::Deserializer::from_slice(json);
-    // Stops with an error, which says nothing else.
+    // Stops with an error, which has no meaning.
     let _stopped = deserializer.deserialize_map(TypeOnly(&mut found));
     found
 }

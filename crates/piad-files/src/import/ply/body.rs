@@ -51,7 +51,7 @@ impl<'a> Body<'a> {
         hints: &Hints,
     ) -> Result<(Cloud, Vec<u32>), FileError> {
         let room = match self {
-            // Two numbers and what is around them.
+            // Two numbers and their separators.
             Self::Text(lines) => lines.rest().len() / 4,
             Self::Binary(cursor) => cursor.len() / element.least_size().max(1),
         };

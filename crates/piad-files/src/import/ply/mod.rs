@@ -1,7 +1,7 @@
 //! PLY files, as text and binary: the vertices of meshes and clouds are points, between which the faces are; colours are not
 //! read.
 //!
-//! - `header`: what is in the file;
+//! - `header`: the elements of the file;
 //! - `body`: the vertices and the faces.
 
 mod body;

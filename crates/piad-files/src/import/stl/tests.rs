@@ -92,7 +92,7 @@ fn sizes_of_binary_files_match() {
         error(&[&whole[..], b"\r\n"].concat()),
         "the file has 2 bytes below its 2 triangles (STL)"
     );
-    // None at all, the other order of bytes, and what is no triangle.
+    // No triangles, the other byte order, and invalid triangles.
     assert_eq!(
         error(&binary("", &[], 0)),
         "there are no points in the file"

@@ -7,7 +7,7 @@ use crate::import::sampled::{Arc, SAMPLED, cubic};
 /// A place in the coordinates of an element.
 pub(super) type Place = [f64; 2];
 
-/// The ellipse that an arc is part of, as SVG has it.
+/// The ellipse that an arc is part of, in the terms of SVG.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ArcShape {
     pub(super) radii: [f64; 2],
@@ -19,7 +19,7 @@ pub(super) struct ArcShape {
     pub(super) sweep: bool,
 }
 
-/// Makes points of what is drawn.
+/// Converts drawing commands to points.
 pub(super) struct Pen {
     transform: Transform,
     /// The line of all points.

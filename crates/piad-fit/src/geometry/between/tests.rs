@@ -1,5 +1,5 @@
-//! Random data with control points `auto`: what has converged stays near its data between them. What is measured here
-//! is another distance than the fit goes by, at more places: that of the curve from the segment between neighbours.
+//! Random data with control points `auto`: converged fits stay near their data between them. The measure here is
+//! independent of the fit's own, and at more places: the distance of the curve from the segment between neighbours.
 
 use std::sync::Arc;
 

@@ -80,7 +80,7 @@ impl<P: Copy> Best<P> {
     }
 }
 
-/// A place, and what is around it, in which the value may be better.
+/// A place, and its neighbourhood, in which the value may be better.
 impl<S: Copy, B: Copy> Best<(S, Option<B>)> {
     /// Without a value yet.
     pub(super) fn again(&self) -> Self {
@@ -96,7 +96,7 @@ impl<S: Copy, B: Copy> Best<(S, Option<B>)> {
         let Some((value, place)) = round.found else {
             return false;
         };
-        // What is better by no more than rounding is no better place.
+        // A difference within rounding is not better.
         let is_better =
             |before: f64| self.sign * (value - before) > 4.0 * f64::EPSILON * before.abs();
         let (value, site) = match self.found {

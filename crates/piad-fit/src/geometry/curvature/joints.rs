@@ -27,7 +27,7 @@ const STRAIGHT: f64 = 1e-6;
 /// The highest order of continuity that is measured.
 const MEASURED: i64 = 2;
 
-/// What is on both sides of a knot.
+/// The two sides of a knot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
     /// The parameters before and behind it: both are the knot, but where a closed direction returns to its start.
@@ -150,7 +150,7 @@ fn joint(jets: &CurveJets, i: usize, sides: Sides, sizes: &Sizes) -> Joint {
         angle <= SAME_DIRECTION,
     );
     let parametric = parametric.max(sides.guaranteed);
-    // Where the derivative vanishes, equal ones say nothing of the tangents.
+    // Where the derivative vanishes, equal ones do not determine the tangents.
     let regular = if angle.is_nan() { -1 } else { parametric };
     Joint {
         parameter: sides.behind.t,

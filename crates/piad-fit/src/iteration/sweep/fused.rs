@@ -30,8 +30,8 @@ use crate::method::relaxation::{Coefficients, Step};
 /// Stretches of fewer rows are computed row by row.
 const SHORT: usize = 2 * LANES;
 
-/// What is read and written for some rows: one array for each of the D coordinates, with a number
-/// for each row, but for `x`.
+/// The arrays that are read and written for some rows: one for each of the D coordinates, with a
+/// number for each row, but for `x`.
 pub(super) struct Rows<'a, const D: usize> {
     /// The columns of X that the rows need, from column `base` on.
     pub x: [&'a [f64]; D],

@@ -166,7 +166,7 @@ impl Band {
         numbers <= MOST_FACTOR && numbers.saturating_mul(self.width) <= MOST_WORK
     }
 
-    /// The factor of a sum of matrices; control points of which they say nothing are left out.
+    /// The factor of a sum of matrices; control points without entries are left out.
     fn factor(&self, matrices: [&Stencil; 2]) -> Triangular {
         let [rows, columns] = self.free;
         let line = match self.reach[0].is_closed {

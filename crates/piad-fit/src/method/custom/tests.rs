@@ -1,4 +1,4 @@
-//! The methods that are special cases of a given transform, and what is refused.
+//! The methods that are special cases of a given transform, and refused matrices.
 
 use nalgebra::{Complex, DMatrix};
 

@@ -112,7 +112,7 @@ const UNKNOWN: &str = "the data do not determine the noise: give a number, or fe
 /// They have no noise.
 const NOTHING: &str = "the data have no noise, so that there is nothing to smooth: leave fairness out, or give a number";
 
-/// What is known of a value of f.
+/// The result for a value of f.
 struct Score {
     /// V.
     value: f64,

@@ -19,7 +19,7 @@ use crate::termination::Outcome;
 /// The update of all variants.
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
-    /// What is made small.
+    /// The objective.
     objective: Objective,
     /// The distance of the minimum, if the fit can end there.
     scale: Vec<f64>,

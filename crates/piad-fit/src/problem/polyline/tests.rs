@@ -1,4 +1,4 @@
-//! Polylines, beside what is known of them.
+//! Polylines, compared with known properties.
 
 use std::f64::consts::FRAC_PI_2;
 

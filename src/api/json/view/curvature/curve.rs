@@ -48,7 +48,7 @@ struct Joints {
     knots: Vec<JointView>,
 }
 
-/// The continuity of a curve at a knot: what is guaranteed, and what was measured.
+/// The continuity of a curve at a knot: the guaranteed and the measured one.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "KnotContinuity", extend("examples" = [curve_example()["continuity"]["knots"][0].clone()]))]
 struct JointView {
@@ -60,8 +60,8 @@ struct JointView {
     multiplicity: usize,
     /// The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
     guaranteed: i64,
-    /// The order C that was measured: the number of derivatives that are equal on both sides. It is measured up to 2, and at least what
-    /// is guaranteed.
+    /// The measured order C: the number of derivatives that are equal on both sides. It is measured up to 2, and at
+    /// least the guaranteed order.
     parametric: i64,
     /// The order G that was found: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
     /// thousandth); −1 is a gap.

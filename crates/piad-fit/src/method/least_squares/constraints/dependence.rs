@@ -192,7 +192,7 @@ impl Orthogonal {
     }
 }
 
-/// What is left of a row when sums of others are taken away, for all control points.
+/// The rest of a row after subtracting sums of others, for all control points.
 struct Remainder(Vec<f64>);
 
 impl Remainder {

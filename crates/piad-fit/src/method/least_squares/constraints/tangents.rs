@@ -35,7 +35,7 @@ pub(in super::super) struct Tangents {
     matrix: DMatrix<f64>,
     /// The vector h.
     slopes: DVector<f64>,
-    /// Whose lengths the data determine.
+    /// The tangents whose lengths the data determine.
     determined: Vec<bool>,
 }
 

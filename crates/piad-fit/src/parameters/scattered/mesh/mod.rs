@@ -4,7 +4,7 @@
 //! mean value coordinates: a mesh with one loop of boundary fills a rectangle ([`rectangle`]), and one with two goes around
 //! ([`tube`]). Small holes are closed before ([`sheet`]).
 //!
-//! - `edges`, `pieces`, `topology`: what is connected with what, and whether it is a surface;
+//! - `edges`, `pieces`, `topology`: connectivity, and the test for a surface;
 //! - `boundary`: a loop as a line; `corners`: the corners of the rectangle; `cut`: a path between two loops;
 //! - `mean_value`: the system; `gradient`: how long u and v are on the mesh; `stretch` and `overlap`: what comes
 //!   of the triangles.

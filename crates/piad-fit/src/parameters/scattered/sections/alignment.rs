@@ -126,7 +126,7 @@ impl Alignment {
     }
 }
 
-/// What is beyond the whole number below.
+/// The fractional part.
 fn fraction(x: f64) -> f64 {
     let fraction = x.rem_euclid(1.0);
     if fraction < 1.0 { fraction } else { 0.0 }
