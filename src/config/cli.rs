@@ -94,7 +94,7 @@ pub enum TokenCommand {
         /// How long it is good, such as 720h, or never.
         #[arg(long, default_value = "2160h", value_name = "TIME")]
         expires: Lifetime,
-        /// What it is for, such as the name of its owner.
+        /// A note on its purpose, such as the name of its owner.
         #[arg(long, value_name = "TEXT")]
         note: Option<String>,
     },

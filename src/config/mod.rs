@@ -242,7 +242,7 @@ pub struct Config {
     )]
     pub otlp_endpoint: Option<String>,
 
-    /// How log lines, on standard error, look.
+    /// The format of log lines, on standard error.
     #[arg(long, env = "PIAD_LOG_FORMAT", value_enum, default_value_t = LogFormat::Text)]
     pub log_format: LogFormat,
 

@@ -11,7 +11,7 @@ use piad_fit::engine::{Bases, Level, Problem};
 pub(crate) struct LastGeometry {
     /// The free control points.
     pub control_points: Arc<Points>,
-    /// The knots, of a fit that has chosen them by itself.
+    /// The knots, of a fit that has chosen them.
     pub bases: Option<Arc<Bases>>,
 }
 

@@ -45,7 +45,7 @@ pub(crate) struct EditRequest {
     /// New weights of all data points.
     #[schemars(with = "Option<NewWeights>")]
     pub weights: Option<PerDirection<PointNumbers>>,
-    /// How the weights are used. It stays as it is where there were weights before.
+    /// The use of the weights. It stays as it is where there were weights before.
     pub rational: Option<Rational>,
     /// Another method.
     pub method: Option<MethodInput>,
@@ -70,7 +70,7 @@ pub(crate) struct EditRequest {
 pub(crate) struct Move {
     /// Which data point.
     pub index: Index,
-    /// Where it goes.
+    /// Its new position.
     #[schemars(with = "Option<Point>")]
     pub point: Option<Coordinates>,
     /// Its new weight, in homogeneous fits.

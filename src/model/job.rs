@@ -42,7 +42,7 @@ pub struct JobRequest {
     /// The surface to fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) surface: Option<SurfaceInput>,
-    /// How weights are used; only with weights.
+    /// The use of weights; only with weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rational: Option<Rational>,
     /// The method; without one `global`, and of polylines, sections, meshes, and, with a tolerance, scattered points and grids with missing points least squares with `control_points` `"auto"`.

@@ -20,7 +20,7 @@ pub enum SpecPart {
     Name,
     /// A part of the fitting problem.
     Fit(fit::Place),
-    /// How weights are used.
+    /// The use of weights.
     Rational,
     /// The last iteration that is computed.
     MaxIterations,

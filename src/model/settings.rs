@@ -131,7 +131,7 @@ fn clamped(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
-/// An index as it is kept, in four bytes.
+/// The stored form of an index, in four bytes.
 fn small<E: Error>(index: u64) -> Result<u32, E> {
     let detail = || format!("{index} is not the index of a point: no job has this many");
     u32::try_from(index).map_err(|_| E::custom(detail()))

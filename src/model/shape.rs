@@ -53,7 +53,7 @@ pub(crate) struct CurveInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<bool>,
-    /// How it ends.
+    /// Its ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveEnds>")]
     pub ends: Option<EndsInput>,

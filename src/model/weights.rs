@@ -10,8 +10,8 @@ use piad_fit::data::Grid;
 use piad_fit::engine::{DirectionChoice, Request, Weights};
 use piad_fit::invalid::{self as fit, Axis, Invalid};
 
-/// How weights are used: in homogeneous coordinates, so that the weights of the control points
-/// evolve with them, or as a part of the basis, so that they stay.
+/// The use of weights: in homogeneous coordinates, so that the weights of the control points evolve with them, or as a
+/// part of the basis, so that they stay.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(example = &"homogeneous")]

@@ -271,7 +271,7 @@ pub(crate) fn surface_weights(
     }
 }
 
-/// How weights are used.
+/// The use of weights.
 pub(crate) fn rational(value: i32) -> Result<Option<Rational>, Mistake> {
     chosen(&RATIONALS, value, "rational")
 }

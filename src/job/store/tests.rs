@@ -436,7 +436,7 @@ async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &Store) {
     assert_eq!(ids(store).await, [unfinished]);
 }
 
-/// What ends after the look at who holds jobs may be held.
+/// Jobs that end after the list of jobs in use may be in use.
 async fn jobs_that_have_ended_since_are_not_forgotten(store: &Store) {
     let before = ended(store, 10).await;
     let since = ended(store, -5).await;

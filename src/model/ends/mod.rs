@@ -28,7 +28,7 @@ names!(EndWord, "rule for ends", [
     "natural" => Natural,
 ]);
 
-/// How a direction ends.
+/// The ends of a direction.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct EndsInput {
     start: Option<EndInput>,
@@ -90,7 +90,7 @@ impl<'de> Deserialize<'de> for DirectionEnds {
     }
 }
 
-/// How a direction ends on one side.
+/// The end of a direction on one side.
 #[derive(Clone, Debug, PartialEq)]
 enum EndInput {
     Word(EndWord),

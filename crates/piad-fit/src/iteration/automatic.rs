@@ -1,4 +1,4 @@
-//! The engine of fits that choose their knots by themselves ([`crate::knot_selection`]).
+//! The engine of fits that choose their knots ([`crate::knot_selection`]).
 //!
 //! Levels come from a schedule. Each has knots of its own, and so a problem of its own: that of the
 //! fit with other directions. One level is computed ahead, as only then is known whether a level is

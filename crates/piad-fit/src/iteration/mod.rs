@@ -204,8 +204,7 @@ impl Iteration {
         }
     }
 
-    /// The problem with the bases of the current level: that of the system, unless the fit chooses its
-    /// knots by itself.
+    /// The problem with the bases of the current level: that of the system, unless the fit chooses its knots.
     pub fn problem(&self) -> &Arc<Problem> {
         match &self.engine {
             Engine::Automatic(automatic) => automatic.problem(),

@@ -31,7 +31,7 @@
 //   semi-iteration;
 // - `selection`: updates that move only some control points;
 // - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
-// - `equations`: `B X = P` and the transform of a method; `plain`: the loop as it is written down;
+// - `equations`: `B X = P` and the transform of a method; `plain`: the loop in its basic form;
 // - `eigenvalues`: forecasts by the least eigenvalue; `divergence`: whether a relaxation diverges;
 // - `trial_run`: fits in advance.
 
@@ -165,7 +165,7 @@ impl Method {
         }
     }
 
-    /// The settings of a fit that chooses its knots by itself.
+    /// The settings of a fit that chooses its knots.
     pub(crate) fn automatic(&self) -> Option<(&LeastSquares, &Automatic)> {
         match self {
             Self::LeastSquares(settings) => Some((settings, settings.automatic.as_ref()?)),
@@ -173,7 +173,7 @@ impl Method {
         }
     }
 
-    /// Returns true if it chooses its knots by itself.
+    /// Returns true if it chooses its knots.
     pub fn is_automatic(&self) -> bool {
         self.automatic().is_some()
     }

@@ -1,4 +1,4 @@
-//! The initial knots of a fit that chooses them by itself, and its memory.
+//! The initial knots of a fit that chooses them, and its memory.
 
 use std::sync::Arc;
 

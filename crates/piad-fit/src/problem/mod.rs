@@ -78,7 +78,7 @@ pub struct Problem {
 #[derive(Clone, Debug)]
 struct Kept {
     inliers: Arc<Inliers>,
-    /// The same fit of these points alone, if it chooses its knots by itself.
+    /// The same fit of these points alone, if it chooses its knots.
     alone: Option<Arc<Problem>>,
 }
 
@@ -309,7 +309,7 @@ impl Problem {
         Some((alone.as_ref()?, inliers))
     }
 
-    /// Returns true if the fit chooses its knots by itself, so that each level has knots of its own.
+    /// Returns true if the fit chooses its knots, so that each level has knots of its own.
     pub fn is_automatic(&self) -> bool {
         self.method().is_automatic()
     }

@@ -80,8 +80,7 @@ pub struct Request {
     pub selected: Option<Arc<[usize]>>,
     /// The free control points of level 0, in homogeneous coordinates if the fit is; `None` means those of the method.
     pub start: Option<Arc<Points>>,
-    /// The breaks of each direction that the given control points belong to, where the fit chooses its
-    /// knots by itself.
+    /// The breaks of each direction that the given control points belong to, where the fit chooses its knots.
     pub start_breaks: Option<Vec<Arc<Vec<f64>>>>,
     /// The points that a robust fit leaves out, if they are known.
     pub outliers: Option<Arc<[usize]>>,

@@ -32,7 +32,7 @@ struct BatchItem<'a> {
     /// The final state; `failed` also if the item is no fit that can be computed.
     #[schemars(with = "State")]
     state: &'static str,
-    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    /// Notices about the file that has its points, in sentences. Absent if there are none.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notices: &'a [String],
     /// The number of the last iteration. Absent if there was none.

@@ -63,28 +63,28 @@ struct JobEvent<'a> {
     degree: PerDirection<usize>,
     /// True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
     closed: PerDirection<bool>,
-    /// How it ends.
+    /// Its ends.
     ends: PerDirection<EndRules>,
     /// The points at which a curve may turn, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<&'a [usize]>,
-    /// How weights are used, if there are any.
+    /// The use of weights, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Outliers")]
     outliers: Option<Outliers<'a>>,
-    /// How weights are used, if there are any.
+    /// The use of weights, if there are any.
     rational: Option<Rational>,
     /// The method, with numbers that were computed for it.
     method: AppliedMethod,
     /// The forecast at iteration 0.
     predicted: Prediction,
-    /// When it ends.
+    /// Its end conditions.
     stop: AppliedStop,
     /// The paths of the job. Ephemeral edits have none.
     links: Option<Links>,
     /// Warnings; some are found only when the job begins to run.
     warnings: Vec<WarningView>,
-    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    /// Notices about the file that has its points, in sentences. Absent if there are none.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notices: &'a [String],
     /// How weights, knots and parameters are written, if they are binary: always with 64 bits.

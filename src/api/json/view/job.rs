@@ -28,7 +28,7 @@ pub(crate) struct JobView<'a> {
     name: Option<&'a str>,
     /// Curve or surface.
     kind: GeometryKind,
-    /// Where it is in its life.
+    /// Its state.
     #[schemars(with = "State")]
     state: &'static str,
     /// The reason of the end, if the state does not imply it.
@@ -38,14 +38,14 @@ pub(crate) struct JobView<'a> {
     detail: Option<String>,
     /// Warnings; some are found only when the job begins to run.
     warnings: Vec<WarningView>,
-    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    /// Notices about the file that has its points, in sentences. Absent if there are none.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notices: &'a [String],
     /// The number of data points.
     points: usize,
     /// The method.
     method: AppliedMethod,
-    /// When it ends.
+    /// Its end conditions.
     stop: AppliedStop,
     /// The stream options of the job, if it has any.
     stream: Option<&'a StreamSpec>,
@@ -55,7 +55,7 @@ pub(crate) struct JobView<'a> {
     predicted: Prediction,
     /// The distances at that iteration.
     error: Option<ErrorView>,
-    /// How far it is.
+    /// Its progress.
     #[schemars(range(min = 0, max = 1))]
     progress: f64,
     /// When it was accepted.

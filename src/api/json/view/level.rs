@@ -44,7 +44,7 @@ pub(crate) struct IterationEvent {
     predicted: Option<usize>,
     /// The number of control points that the last step moved.
     moved: usize,
-    /// The knots, where they are others than in the event before; of fits that choose them by themselves.
+    /// The knots, where they are others than in the event before; of fits that choose them.
     #[serde(skip_serializing_if = "Option::is_none")]
     knots: Option<PerDirection<KnotArray>>,
     /// A weight that no CAD kernel takes.
@@ -64,7 +64,7 @@ pub(crate) struct IterationEvent {
 /// The view of the geometry of a level.
 #[derive(Default, Serialize, JsonSchema)]
 pub(super) struct Shown {
-    /// How the arrays are written, if they are binary.
+    /// The encoding of the arrays, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
     /// The shape of `control_points` or `samples`, if they are binary.

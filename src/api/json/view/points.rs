@@ -28,7 +28,7 @@ pub(crate) struct PointsView {
     /// Those of a surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     surface: Option<SurfacePoints>,
-    /// What was found out about the file, in sentences.
+    /// Notices about the file, in sentences.
     notices: Vec<String>,
 }
 

@@ -264,7 +264,7 @@ async fn a_job_is_cancelled_from_any_replica() {
     schema.run_out().await;
     other.shared().unwrap().recover().await.unwrap();
     assert_eq!(state(&one, runs).await, State::Cancelled);
-    // What has ended stays as it is.
+    // A job that has ended is unchanged.
     cancel(runs).await;
     assert_eq!(state(&one, runs).await, State::Cancelled);
 }

@@ -187,7 +187,7 @@ pub(super) struct DirectoryEntry {
     pub(super) first_line: usize,
     /// The number of these lines.
     pub(super) lines: usize,
-    /// What it is for.
+    /// Its use.
     pub(super) status: Status,
     /// Up to eight characters.
     pub(super) label: String,

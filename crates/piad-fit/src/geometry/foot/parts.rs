@@ -3,7 +3,7 @@
 /// A point in homogeneous coordinates `(w x, w y, w z, w)`.
 pub(super) type Homogeneous = [f64; 4];
 
-/// How often a patch is halved, in each direction.
+/// The number of times that a patch is halved, in each direction.
 pub(super) const DEEPEST: usize = 3;
 
 /// A part of a patch.

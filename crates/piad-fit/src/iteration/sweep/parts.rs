@@ -22,8 +22,8 @@ use crate::data::points::Points;
 pub(super) const LANES: usize = 3;
 
 /// Consecutive lines of the next level and the norms of their points. The slices of points are
-/// empty if the pass only measures, and so are those of coordinates, steps and levels that there
-/// are not.
+/// empty if the pass only measures, and so are those of coordinates, steps and levels that do not
+/// exist.
 pub(super) struct Part<'a> {
     /// The lines, by index: rows of the grid, which of a curve are its points.
     pub lines: Range<usize>,

@@ -20,7 +20,7 @@ use crate::setup::Setup;
 const FAIRNESS: f64 = 1e-9;
 const STIFFNESS: f64 = 1e-6;
 
-/// How often they are lowered.
+/// The number of times that they are lowered.
 const DECADES: i32 = 6;
 
 /// Less energy is not needed if it lowers the largest distance by less than this part of it.

@@ -51,7 +51,7 @@ pub(super) struct Solver {
     grid: Grid,
     /// What every level obeys.
     projection: Option<Projection>,
-    /// How often a step is refined.
+    /// The number of refinements of a step.
     refinements: usize,
 }
 
