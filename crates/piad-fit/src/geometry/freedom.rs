@@ -1,11 +1,11 @@
-//! How far data leave a curve or surface free between neighbours.
+//! The freedom that data leave a curve or surface between neighbours.
 //!
-//! The straight line between two data points, and the bilinear patch between four of a grid, is what the data say
-//! there, as far as they are straight. Where they bend they leave freedom. The measure of it is the *bend* of a gap:
-//! how far a cubic with the derivatives of parabolas through three successive data (Bessel) is from the straight line.
-//! No derivative would lead further than one and a half times the longer of the chords beside it.
-//! An interpolating spline passes a part of a bend on to the next gap, and of that again, by the largest root of the
-//! Euler–Frobenius polynomial of its degree (.268 for cubics: Schoenberg, *Cardinal spline interpolation*, 1973).
+//! The straight line between two data points, and the bilinear patch between four of a grid, are the reference between
+//! the data where these are straight. Where they bend they leave freedom. The measure of it is the *bend* of a gap: how
+//! far a cubic with the derivatives of parabolas through three successive data (Bessel) is from the straight line. No
+//! derivative would lead further than one and a half times the longer of the chords beside it. An interpolating spline
+//! passes a part of a bend on to the next gap, and of that again, by the largest root of the Euler–Frobenius polynomial
+//! of its degree (.268 for cubics: Schoenberg, *Cardinal spline interpolation*, 1973).
 
 use crate::basis::Basis;
 use crate::basis::direction::Direction;

@@ -1,4 +1,4 @@
-//! The outline of a surface: closed curves in its parameters between which it is.
+//! The outline of a surface: closed curves in its parameters that bound it.
 
 use std::ops::Range;
 

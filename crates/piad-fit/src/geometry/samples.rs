@@ -1,4 +1,4 @@
-//! Points of a curve or surface at equal steps of its parameters: any of them, at any time.
+//! Points of a curve or surface at equal steps of its parameters, evaluated on demand.
 //!
 //! Clients ask for a polyline or a mesh of every level. Samples are evaluated when they are
 //! written, a few hundred at a time, and none is kept: their number is limited by what the client

@@ -1,4 +1,4 @@
-//! The knots of a level of a fit that chooses them, apart from its problem: what has to be kept of them.
+//! The knots of a level of a fit that chooses them, stored apart from its problem.
 
 use std::sync::Arc;
 

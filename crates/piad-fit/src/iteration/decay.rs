@@ -1,4 +1,4 @@
-//! How the errors of a fit fall, and when they will be within its tolerance.
+//! The decay of the errors of a fit, and a prediction of when they will be within its tolerance.
 //!
 //! The error e(k) of level k is a sum of parts `c_i (1 − λ_i)ᵏ`, of which those with large eigenvalues λ
 //! vanish first, so that its rate

@@ -1,8 +1,7 @@
 //! A problem ready to be iterated.
 //!
-//! Making one is what takes time before the first level: the collocation matrix, the transform of
-//! the method, and the forecast. Iterations of the same problem share it, however many readers
-//! there are.
+//! Making one takes most of the time before the first level: the collocation matrix, the transform
+//! of the method, and the forecast. Iterations of the same problem share it, for all readers.
 
 use std::sync::{Arc, OnceLock};
 

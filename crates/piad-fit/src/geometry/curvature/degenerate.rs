@@ -1,4 +1,4 @@
-//! Where derivatives vanish but for rounding.
+//! Places where derivatives vanish but for rounding.
 
 use crate::data::points::Points;
 use crate::geometry::nurbs::sampling::SpanParameter;

@@ -1,4 +1,4 @@
-//! Where a number that changes along a curve or surface is least and largest.
+//! The places where a value along a curve or surface is least and largest.
 
 /// A place of a curve or surface with a value.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! What a pass writes, divided among threads.
+//! The output of a pass, divided among threads.
 //!
 //! A part is consecutive lines of the grid (of a curve, points) with the blocks of their errors.
 //! Parts are halved until there is one for each workspace, so that all borrow disjoint slices of the

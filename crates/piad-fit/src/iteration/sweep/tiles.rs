@@ -15,8 +15,8 @@
 //! Memory is moved once for up to eight levels; the margins are computed by both neighbours, about
 //! one point in a hundred. On closed curves margins go around the end.
 //!
-//! The levels between are not kept: if one of them is the last of the fit, the pass is taken again
-//! with fewer levels, from control points that it has not touched.
+//! The levels between are not kept: if one of them is the last of the fit, the pass is repeated with fewer levels, from
+//! control points that it has not touched.
 
 use std::ops::Range;
 

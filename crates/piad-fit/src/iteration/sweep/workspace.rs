@@ -1,5 +1,4 @@
-//! Where a thread works: points that are written and read again within a pass, and forgotten after
-//! it.
+//! The workspace of a thread: points that are written and read again within a pass, and forgotten after it.
 
 use std::ops::Range;
 
