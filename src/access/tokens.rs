@@ -27,7 +27,7 @@ const SHORTEST: usize = 32;
 #[derive(Debug)]
 pub(crate) struct Tokens {
     path: Option<PathBuf>,
-    /// That of the variable.
+    /// The token of the variable.
     bootstrap: Option<Token>,
     loaded: Mutex<Loaded>,
     /// The quotas that the file sets.

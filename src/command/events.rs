@@ -24,7 +24,7 @@ pub(super) enum Event {
     Job(Box<JobEvent>),
     /// An iteration.
     Iteration(IterationEvent),
-    /// How it ended.
+    /// The end of the fit.
     End(Box<EndEvent>),
 }
 

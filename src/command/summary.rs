@@ -31,7 +31,7 @@ pub(super) fn is_automatic(job: &JobEvent) -> bool {
     job.method["control_points"] == "auto"
 }
 
-/// What was fitted, and how it ended.
+/// Reports a fit and its end.
 pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
     for notice in &job.notices {
         say(format_args!("{name}: {notice}"));

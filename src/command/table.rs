@@ -13,9 +13,9 @@ const WIDEST: usize = 40;
 /// A fit that has ended.
 #[derive(Debug)]
 pub(super) struct Row {
-    /// What was fitted.
+    /// The name of the fit.
     pub name: String,
-    /// How it ended, such as `converged`.
+    /// The final state, such as `converged`.
     pub state: String,
     /// The distances from the data; `None` if there is no result.
     pub error: Option<Distances>,
@@ -26,7 +26,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// What could not be fitted.
+    /// An input that could not be fitted.
     pub(super) fn failed(name: String, failure: &Failure) -> Self {
         Self {
             name,

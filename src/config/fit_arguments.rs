@@ -25,7 +25,7 @@ Examples:
   cat points.csv | piad fit - --method chebyshev --format json > curve.json
   piad fit job.json --server https://fits.example.org --token-file token";
 
-/// What to fit, how, and where to.
+/// The input, the fit, and the outputs.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = MORE)]
 pub struct FitArguments {
@@ -122,7 +122,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "DISTANCE", num_args = 0..=1, allow_negative_numbers = true, value_parser = distance, help_heading = "Fit")]
     pub(crate) trim: Option<Option<String>>,
 
-    /// How it ends: estimated, repeated or natural, or JSON [default: estimated].
+    /// End conditions: estimated, repeated or natural, or JSON [default: estimated].
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]
     pub(crate) ends: Option<String>,
 
@@ -151,7 +151,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(Unit::names()))]
     pub(crate) units: Option<String>,
 
-    /// What SVG files show: drawing, of the fit with its data, or path, of the curve alone for editors and plotters
+    /// Contents of SVG files: drawing, of the fit with its data, or path, of the curve alone for editors and plotters
     /// [default: drawing; path of several parts].
     #[arg(long, value_name = "STYLE", conflicts_with = "plot", value_parser = PossibleValuesParser::new(Style::names()))]
     pub(crate) svg: Option<String>,

@@ -42,8 +42,8 @@ pub struct Config {
     #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
     pub config_file: Option<PathBuf>,
 
-    /// Where to listen, also at several places: an address or a name with a port (all addresses of a name; port 0
-    /// takes any free one), or a Unix domain socket such as unix:/run/piad.sock.
+    /// Listen addresses: an address or a name with a port (all addresses of a name; port 0 takes any free one), or a
+    /// Unix domain socket such as unix:/run/piad.sock. Several are possible.
     #[arg(
         long,
         env = "PIAD_LISTEN",
@@ -156,8 +156,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_REQUESTS_PER_PEER", default_value_t = 1000)]
     pub max_requests_per_peer: usize,
 
-    /// Where jobs are kept: a directory; :memory: to forget them when the server ends; or a PostgreSQL
-    /// database, such as postgres://piad@db.example/piad?sslmode=verify-full, that several servers share.
+    /// The store of jobs: a directory; :memory: to forget them when the server ends; or a PostgreSQL database, such as
+    /// postgres://piad@db.example/piad?sslmode=verify-full, that several servers share.
     #[arg(
         long,
         env = "PIAD_STORE",

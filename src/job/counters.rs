@@ -33,7 +33,7 @@ pub(crate) struct Counters {
     pub writes: Counter,
     /// Statements that were sent to the database of several replicas.
     pub store_statements: Counter,
-    /// Those of them that have failed because it could not be reached, and may have been repeated.
+    /// Statements that failed because it could not be reached, and may have been repeated.
     pub store_retries: Counter,
     /// Ends of jobs that were refused, as another replica had claimed the job.
     pub stale_writes: Counter,

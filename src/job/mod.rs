@@ -106,7 +106,7 @@ pub(crate) struct Job {
     cancel: Notify,
     /// Another replica runs it, or may.
     elsewhere: AtomicBool,
-    /// It was not stored, or that is unknown.
+    /// True if it was not stored, or that is unknown.
     abandoned: AtomicBool,
     /// The run whose end is the end of the job; gone once the job has ended.
     primary: Mutex<Weak<Run>>,

@@ -16,7 +16,7 @@ pub(crate) struct LastGeometry {
 }
 
 impl LastGeometry {
-    /// That of the last frame.
+    /// The result of the last frame.
     pub(super) fn of(frame: &Frame) -> Self {
         Self {
             control_points: Arc::clone(&frame.control_points),

@@ -18,7 +18,7 @@ pub(crate) struct Trimmed {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub(crate) area: Option<f64>,
-    /// How far the outline can be from the data, in the unit of the points.
+    /// The largest distance of the outline from the data, in the unit of the points.
     pub(crate) distance: f64,
     /// The pieces that it is in; none if it is all of the surface.
     pub(crate) faces: Vec<TrimmedFace>,

@@ -66,7 +66,7 @@ pub(crate) struct Basis {
     )]
     #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
     pub degree: Option<usize>,
-    /// Where the pieces meet.
+    /// The knots, where the pieces meet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub knots: Option<KnotsInput>,
 }

@@ -51,7 +51,7 @@ pub(crate) struct EditRequest {
     pub method: Option<MethodInput>,
     /// Other rules when the iteration ends.
     pub stop: Option<StopRules>,
-    /// What the event streams are like; without it as those of the parent.
+    /// The options of the event streams; default: those of the parent.
     pub stream: Option<StreamSpec>,
     /// The edit is one frame of a drag: it is streamed in the answer, neither stored nor listed, and ends
     /// with its connection.

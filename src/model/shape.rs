@@ -57,7 +57,7 @@ pub(crate) struct CurveInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveEnds>")]
     pub ends: Option<EndsInput>,
-    /// Where it may turn; without them nowhere.
+    /// The corners; default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<CornersInput>,
     /// True if the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and

@@ -38,7 +38,7 @@ pub(crate) struct StopRules {
 object!(StopRules, "an object");
 
 impl StopRules {
-    /// Those of a problem.
+    /// The stop rules of a problem.
     pub(super) fn of(request: &Request) -> Self {
         let (tolerance, relative_tolerance) = match request.tolerance {
             None => (None, None),

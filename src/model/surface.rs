@@ -71,14 +71,14 @@ pub(crate) struct SurfaceInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<PerDirection<bool>>,
-    /// Where a surface through a grid of points may turn; without them nowhere.
+    /// The creases of a surface through a grid of points; default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub creases: Option<Creases>,
-    /// How it ends; one value for both directions, or one for each that is not closed.
+    /// The end conditions; one value for both directions, or one for each that is not closed.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "given_ends")]
     #[schemars(with = "Option<SurfaceEnds>")]
     pub ends: Option<PerDirection<DirectionEnds>>,
-    /// How it is trimmed to the outline of its data; without it not at all.
+    /// The trimming to the outline of its data; default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trim: Option<TrimInput>,
 }

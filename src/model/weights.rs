@@ -40,7 +40,7 @@ impl Rational {
 /// Weights as the fitting problem has them.
 #[derive(Clone, Debug)]
 pub(crate) struct Resolved {
-    /// Those that are not of a single direction.
+    /// The weights that are not of a single direction.
     pub weights: Weights,
     /// Fixed ones of the direction u.
     pub u: Option<Vec<f64>>,

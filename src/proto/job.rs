@@ -369,7 +369,7 @@ fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection 
     }
 }
 
-/// How the weights of a problem are used.
+/// The use of the weights of a problem.
 pub(crate) fn rational_message(request: &Request) -> pb::Rational {
     value(&RATIONALS, Rational::of(request))
 }

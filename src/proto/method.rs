@@ -157,7 +157,7 @@ fn matrix(entries: &[f64], field: &str) -> Result<Matrix, Mistake> {
     Ok(AtMost(rows.collect()))
 }
 
-/// How the settings of a method are laid out.
+/// The layout of the settings of a method.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SettingsLayout {
     /// The numbers of columns of the square matrices of a transform for u and v.

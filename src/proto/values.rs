@@ -8,7 +8,7 @@ use piad_fit::data::Grid;
 /// The geometry that a method is for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MethodTarget {
-    /// How the data points are arranged.
+    /// The arrangement of the data points.
     pub grid: Grid,
     /// True if they are those of a surface.
     pub surface: bool,

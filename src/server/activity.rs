@@ -38,7 +38,7 @@ struct ConnectionState {
     served: bool,
     /// True if a request was answered before all of its body had arrived.
     cut_short: bool,
-    /// It is HTTP/2, where bytes may be exchanged without a request.
+    /// True if it is HTTP/2, where bytes may be exchanged without a request.
     multiplexed: bool,
 }
 

@@ -20,9 +20,9 @@ use crate::job::peer::Peer;
 #[derive(Clone, Copy)]
 pub(super) struct Caller {
     pub(super) peer: Peer,
-    /// It is a trusted proxy, whose requests name their clients.
+    /// True if it is a trusted proxy, whose requests name their clients.
     is_proxy: bool,
-    /// It is beyond the limits.
+    /// The limit that it exceeds, if any.
     pub(super) crowded: Option<Crowded>,
 }
 

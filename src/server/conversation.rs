@@ -113,7 +113,7 @@ struct Watch {
     stopping: watch::Receiver<bool>,
 }
 
-/// How far a connection was served.
+/// The result of serving a connection.
 #[derive(PartialEq, Eq)]
 enum Served {
     ToItsEnd,

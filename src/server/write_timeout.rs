@@ -16,7 +16,7 @@ pub(super) struct TimedStream<S> {
     stream: S,
     activity: Arc<Activity>,
     limit: Duration,
-    /// What was received and is to be read again.
+    /// Received bytes to be read again.
     unread: Bytes,
     /// The timeout while the other side reads nothing.
     stalled: Option<Pin<Box<Sleep>>>,

@@ -66,7 +66,7 @@ impl RequestTrace {
         Some(Self { span, context })
     }
 
-    /// That of the request that the current task answers.
+    /// The span of the request that the current task answers.
     pub(crate) fn current() -> Option<Self> {
         CURRENT.try_with(Self::clone).ok()
     }

@@ -238,7 +238,7 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// Where the value of a field is to be written.
+    /// Returns the text to which the value of a field is written.
     fn field(&mut self, name: &str) -> &mut String {
         if std::mem::replace(&mut self.has_fields, true) {
             self.out.push(',');

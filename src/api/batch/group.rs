@@ -73,7 +73,7 @@ struct Fitting {
     fit: DirectFit,
 }
 
-/// What a group waits for.
+/// A resource that a group waits for.
 pub(super) enum Want {
     /// The surface to which an item refers.
     Base(FootPoints),

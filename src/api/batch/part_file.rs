@@ -15,7 +15,7 @@ pub(crate) struct BatchLine<'a> {
     pub index: Option<usize>,
     /// Its name, if it has one.
     pub name: Option<String>,
-    /// How its fit has ended.
+    /// The final state of its fit.
     #[serde(default)]
     pub state: String,
     /// Notices about its points.

@@ -33,7 +33,7 @@ pub(in crate::api) struct Forms {
 type Chosen = Result<(StreamSpec, Form), Problem>;
 
 impl Forms {
-    /// Those of messages. Choices that suit neither curves nor surfaces are an error.
+    /// The form of messages. Choices that suit neither curves nor surfaces are an error.
     pub(in crate::api) fn of_message(options: &pb::BatchOptions) -> Result<Self, Problem> {
         let (view, samples_u, samples_v) = (options.view, options.samples_u, options.samples_v);
         let asked = pb::StreamOptions {

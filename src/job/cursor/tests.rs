@@ -17,7 +17,7 @@ use piad_fit::engine::{Iteration, Problem, System};
 const POINTS: u32 = 2000;
 const LAST: usize = 1500;
 
-/// What a reader does next. Readers are chosen modulo their number.
+/// The next action of a reader. Readers are chosen modulo their number.
 #[derive(Clone, Copy, Debug)]
 enum Action {
     /// A new reader from the level after the one that another reader has read last.

@@ -221,7 +221,7 @@ struct Moving<'a> {
     has: &'a mut [f64],
     to: &'a [f64],
     step: f64,
-    /// Where the numbers of steps are appended.
+    /// The buffer for the numbers of steps.
     packed: &'a mut Vec<u8>,
 }
 

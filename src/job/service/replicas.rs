@@ -65,7 +65,7 @@ impl Jobs {
                 }
                 Ok(None)
             }
-            // What has ended can be read while the database is away, if it is in memory.
+            // Ended jobs can be read while the database is away, if they are in memory.
             Err(error) => match live.filter(|job| job.status().state.is_final()) {
                 Some(job) => Ok(Some(job)),
                 None => Err(error),
@@ -158,7 +158,7 @@ impl Jobs {
 
     /// Takes over jobs that wait at other replicas, or whose replica is dead, if there is room for them.
     async fn take_over(self: &Arc<Self>, shared: &Shared) -> Result<(), StoreError> {
-        // Where jobs wait there is no room.
+        // A replica where jobs wait has no room.
         if self.suspended.load(Ordering::Acquire) || self.queued() > 0 {
             return Ok(());
         }

@@ -326,7 +326,7 @@ async fn a_key_is_forgotten_after_a_day(store: &Store) {
     assert_eq!(insert_with_key(store, &old, "old").await, None);
     assert_eq!(insert_with_key(store, &ahead, "ahead").await, None);
     assert_eq!(store.idempotency_entry("old").await.unwrap(), None);
-    // What a clock has dated in the future is young.
+    // A job that a wrong clock has dated in the future is young.
     let again = insert_with_key(store, &queued(), "ahead").await;
     assert_eq!(again, Some(ahead.outline.id));
     // The key is free, and the job that had it first does not take it along.

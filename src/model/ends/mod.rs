@@ -63,7 +63,7 @@ impl<'de> Deserialize<'de> for EndsInput {
     }
 }
 
-/// How a direction of a surface ends; those that are closed are left out.
+/// The end conditions of a direction of a surface; closed directions are left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct DirectionEnds(pub Option<EndsInput>);

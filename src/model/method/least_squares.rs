@@ -83,9 +83,9 @@ pub(crate) struct LeastSquaresInput {
     )]
     #[schemars(range(min = 2, max = 3), extend("default" = 2))]
     pub fairness_order: Option<usize>,
-    /// Of surfaces: how stiff they are over the spans of knots in which no datum lies, such as holes and
-    /// ragged borders of scans. This multiple of the integral of the squared first derivatives there is
-    /// added, too. Without it 1e-6 if there is `fairness`, otherwise 0.
+    /// Of surfaces: the stiffness over the spans of knots in which no datum lies, such as holes and ragged borders of
+    /// scans. This multiple of the integral of the squared first derivatives there is added, too. Without it 1e-6 if
+    /// there is `fairness`, otherwise 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub gap_stiffness: Option<f64>,
@@ -93,7 +93,7 @@ pub(crate) struct LeastSquaresInput {
     /// are listed as `outliers`. Default: `false`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust: Option<bool>,
-    /// What every iteration obeys: points to pass through and derivatives.
+    /// Constraints of every iteration: points to pass through and derivatives.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<ConstraintInput>>", length(min = 1, max = MOST_CONDITIONS))]
     pub(crate) constraints: Option<AtMost<ConstraintInput, MOST_CONDITIONS>>,

@@ -36,7 +36,7 @@ pub(crate) use settings::{
     WeightedInput,
 };
 
-/// How the control points move from iteration to iteration.
+/// The rule by which the control points move from iteration to iteration.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub(crate) enum MethodInput {

@@ -66,7 +66,7 @@ pub(crate) struct AdaptiveInput {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ExtendedInput {
-    /// What iteration 0 is.
+    /// The start of the iteration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<StartInput>,
     /// True if each iteration also reports the largest length of U Δ, as `error.transformed`: how far a control point

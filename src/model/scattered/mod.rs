@@ -34,15 +34,15 @@ use projection::{Projection, ProjectionSurface};
 /// The parameters of the data points of a surface.
 #[derive(Clone, Debug)]
 pub(crate) enum SurfaceParameters {
-    /// Those of the rows and columns of a grid.
+    /// Parameters of the rows and columns of a grid.
     Grid(PerDirection<ParametersInput>),
-    /// Those of scattered points, as they are given, or from a plane.
+    /// Given parameters of scattered points, or those from a plane.
     Scattered(Scattered),
-    /// Those of the foot points of scattered points on the surface of another job.
+    /// Parameters of the foot points of scattered points on the surface of another job.
     FootPoints(FootPoints),
 }
 
-/// How the vertices of a mesh get their parameters.
+/// The rule for the parameters of the vertices of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshUnfoldingInput {
     Auto,
@@ -64,7 +64,7 @@ impl From<MeshUnfoldingInput> for MeshUnfolding {
 }
 
 impl SurfaceParameters {
-    /// Those of rows and of columns, one by one.
+    /// The parameters of rows and of columns, one by one.
     pub(crate) fn of_lines(lines: [Vec<f64>; 2]) -> Self {
         let [u, v] = lines.map(|it| ParametersInput(Parametrization::Explicit(Arc::new(it))));
         Self::Grid(PerDirection::Each { u, v })

@@ -65,7 +65,7 @@ impl<'a> Choices<'a> {
         Self { request, job }
     }
 
-    /// What was chosen.
+    /// The choice that was made.
     pub(super) fn get<T>(self, of: impl Fn(&'a StreamSpec) -> Option<T>) -> Option<T> {
         of(self.request).or_else(|| self.job.and_then(of))
     }

@@ -80,7 +80,7 @@ impl Form {
         let view = view(choices, surface)?;
         let encoding = match choices.get(|spec| spec.encoding) {
             None | Some(chosen::Encoding::Json) => Encoding::Json,
-            // That of complete events.
+            // The form of complete events.
             Some(chosen::Encoding::Base64 | chosen::Encoding::Delta) => Encoding::Base64,
             Some(chosen::Encoding::Base64F32) => Encoding::Base64F32,
         };

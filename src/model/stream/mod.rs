@@ -31,7 +31,7 @@ pub(crate) const MOST_MILESTONES: usize = 100;
 #[schemars(rename = "StreamDefaults")]
 #[schemars(extend("examples" = [{"view": "samples", "samples": 200, "every": 5}]))]
 pub struct StreamSpec {
-    /// What the events show.
+    /// The view of the events.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<View>,
     /// The number of samples; with the view `samples`.
@@ -54,7 +54,7 @@ pub struct StreamSpec {
     #[schemars(with = "Option<Vec<Milestone>>", length(max = MOST_MILESTONES))]
     #[schemars(extend("default" = []))]
     pub milestones: Option<Vec<f64>>,
-    /// What a client gets that is slower than the fit.
+    /// The iterations for a client that is slower than the fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pace: Option<Pace>,
     /// After a first complete event only control points that moved.
@@ -64,13 +64,13 @@ pub struct StreamSpec {
     /// The contents of the `job` event.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub describe: Option<Describe>,
-    /// How arrays of numbers are written.
+    /// The encoding of arrays of numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<Encoding>,
     /// The precision of coordinates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digits: Option<Digits>,
-    /// What becomes of the job when its client goes away.
+    /// What happens to the job when its client disconnects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_disconnect: Option<OnDisconnect>,
 }

@@ -15,7 +15,7 @@ named!(
 );
 
 named!(
-    /// How arrays of numbers are written in JSON.
+    /// The encoding of arrays of numbers in JSON.
     Encoding, "choice" {
         /// Lists of numbers.
         Json = "json",
@@ -39,7 +39,7 @@ named!(
 );
 
 named!(
-    /// What a client gets that is slower than the fit.
+    /// The iterations for a client that is slower than the fit.
     Pace, "choice" {
         /// All iterations.
         All = "all",
@@ -49,11 +49,11 @@ named!(
 );
 
 named!(
-    /// What becomes of a job when the client of its stream goes away.
+    /// What happens to a job when the client of its stream disconnects.
     OnDisconnect, "choice" {
-        /// It continues.
+        /// The job continues.
         Continue = "continue",
-        /// It is cancelled.
+        /// The job is cancelled.
         Cancel = "cancel",
     }
 );

@@ -26,13 +26,13 @@ const SCATTERED: &[u8] = b"\"scattered\"";
 /// Points outside the JSON of a job.
 #[derive(Debug)]
 pub(crate) enum Data {
-    /// Those of a curve.
+    /// Points of a curve.
     Curve(Points),
-    /// Those of a surface, in rows, and the indices of those that are missing.
+    /// Points of a surface in rows, and the indices of missing ones.
     Grid(Points, Grid, Vec<usize>),
-    /// Those of a surface, without rows.
+    /// Points of a surface without rows.
     Scattered(Points),
-    /// Those of a surface that are the vertices of a mesh, with its triangles.
+    /// Points of a surface that are the vertices of a mesh, with its triangles.
     Mesh(Points, Mesh),
 }
 
@@ -254,7 +254,7 @@ struct Part {
     innermost: Option<usize>,
     /// The length of the lists of such lists, if the elements are such.
     columns: Option<usize>,
-    /// Where the list ends, if it is the last part.
+    /// The end of the list, if it is the last part.
     end: Option<usize>,
 }
 

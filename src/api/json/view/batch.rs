@@ -70,7 +70,7 @@ pub(crate) struct ItemEnd<'a> {
     pub name: Option<&'a str>,
     /// Notices about its points.
     pub notices: &'a [String],
-    /// How its fit has ended.
+    /// The final status of its fit.
     pub status: &'a Status,
     /// The last level.
     pub frame: Option<&'a Frame>,
@@ -138,7 +138,7 @@ pub(crate) fn failed(
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"totals": {"items": 3, "converged": 2, "failed": 1, "seconds": 0.0031}}]))]
 pub(crate) struct BatchEnd {
-    /// What came of the items.
+    /// The results of the items.
     pub totals: BatchTotals,
 }
 

@@ -45,7 +45,7 @@ impl EndRules {
         })
     }
 
-    /// Those of all directions.
+    /// The rules of all directions.
     pub(super) fn of(problem: &Problem) -> PerDirection<Self> {
         let request = problem.request();
         let u = Self::new(request.u.ends.as_ref());

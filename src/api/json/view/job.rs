@@ -141,7 +141,7 @@ pub(in crate::api) enum GeometryKind {
 }
 
 impl GeometryKind {
-    /// What a job fits.
+    /// The geometry that a job fits.
     pub(super) fn of(outline: &Outline) -> Self {
         if outline.surface {
             Self::Surface
@@ -223,13 +223,13 @@ pub(super) struct Links {
     /// The final curve or surface.
     #[schemars(extend("format" = "uri-reference"))]
     result: String,
-    /// Where edits are posted.
+    /// The address of edits.
     #[schemars(extend("format" = "uri-reference"))]
     edits: String,
-    /// Where the fixed points of a local fit end.
+    /// The limits of the fixed points of a local fit.
     #[schemars(extend("format" = "uri-reference"))]
     limit: String,
-    /// Where a POST stops it.
+    /// The address for cancelling, with POST.
     #[schemars(extend("format" = "uri-reference"))]
     cancel: String,
 }

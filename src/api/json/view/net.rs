@@ -20,7 +20,7 @@ use piad_fit::invalid::Axis;
 pub(super) struct ControlNet {
     pub(super) shape: Vec<usize>,
     pub(super) points: PointArray,
-    /// Of homogeneous fits.
+    /// Weights of homogeneous fits.
     pub(super) weights: Option<WeightArray>,
 }
 

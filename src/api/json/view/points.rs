@@ -19,13 +19,13 @@ use piad_fit::parameters::{Mesh, MeshUnfolding, Scattered, Sections};
 #[schemars(rename = "FilePoints")]
 #[schemars(extend("examples" = [{"name": "NACA 2412", "curve": {"points": [[1, 0.0013], [0.95, 0.0114]]}, "notices": []}]))]
 pub(crate) struct PointsView {
-    /// What the file calls itself.
+    /// The name in the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<String>,
     /// The points of a curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     curve: Option<CurvePoints>,
-    /// Those of a surface.
+    /// The points of a surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     surface: Option<SurfacePoints>,
     /// Notices about the file, in sentences.
@@ -66,7 +66,7 @@ struct SurfacePoints {
 }
 
 impl SurfacePoints {
-    /// Those of sections or of a mesh.
+    /// The points of sections or of a mesh.
     fn scattered(points: Arc<Points>, parameters: Scattered) -> Self {
         Self {
             points: None,

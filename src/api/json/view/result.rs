@@ -45,7 +45,7 @@ pub(crate) struct FitResult<'a> {
     iteration: usize,
     /// The distances from the data.
     error: ErrorView,
-    /// What can be read without anything else.
+    /// The self-contained geometry.
     #[serde(flatten)]
     geometry: FitGeometry<'a>,
 }

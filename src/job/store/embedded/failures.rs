@@ -87,7 +87,7 @@ impl StorageBackend for Failing {
     }
 }
 
-/// What was answered.
+/// The answers.
 #[derive(Default)]
 struct Answers {
     kept: BTreeSet<Uuid>,

@@ -78,7 +78,7 @@ impl OpenError {
     }
 }
 
-/// What an error of the database means for a file.
+/// The meaning of a database error for a file.
 pub(super) fn explain(path: &Path, error: redb::Error) -> OpenError {
     match error {
         redb::Error::DatabaseAlreadyOpen => OpenError::InUse(path.to_owned()),

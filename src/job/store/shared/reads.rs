@@ -72,7 +72,7 @@ impl Shared {
         Ok(Some(value))
     }
 
-    /// Those of these jobs that are there.
+    /// The existing ones of these jobs.
     pub(crate) async fn records(&self, ids: &[Uuid]) -> Result<Vec<Record>, StoreError> {
         let rows = self
             .connections

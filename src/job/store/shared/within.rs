@@ -49,7 +49,7 @@ impl<'q, F: Fn() -> Statement<'q> + Sync> Work for Within<'_, F> {
 }
 
 impl<F> Within<'_, F> {
-    /// What the tenant has, while no other transaction inserts a job for it.
+    /// The usage of the tenant, while no other transaction inserts a job for it.
     async fn has(&self, transaction: &mut PgConnection) -> Result<Amount, sqlx::Error> {
         let tenant = self.outline.tenant.name();
         let lock = sqlx::query(LOCK).bind(tenant);

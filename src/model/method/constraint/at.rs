@@ -13,7 +13,7 @@ use piad_fit::data::Grid;
 use piad_fit::invalid::{Axis, Side};
 use piad_fit::method::At;
 
-/// Where a constraint holds.
+/// The location of a constraint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PlaceInput {
     Side(Side),

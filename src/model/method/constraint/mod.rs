@@ -16,8 +16,8 @@ use piad_fit::method::{At, Constraint, Wanted};
 
 use at::PlaceInput;
 
-/// What every iteration obeys: `{"index": i}` passes through a data point; others have `at` and one of
-/// the fields that say what holds there.
+/// A constraint of every iteration: `{"index": i}` passes through a data point; others have `at` and one of the fields
+/// for the condition that holds there.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "Constraint", example = example())]
@@ -25,7 +25,7 @@ pub(crate) struct ConstraintInput {
     /// It passes through this data point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) index: Option<Index>,
-    /// Where it holds.
+    /// The location.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) at: Option<PlaceInput>,
     /// The point that it passes through.

@@ -19,7 +19,7 @@ pub(crate) struct CurveShapeView {
     iteration: usize,
     /// The length of the curve.
     length: Option<f64>,
-    /// Where the curvature is least and largest.
+    /// The places where the curvature is least and largest.
     curvature: ExtremesView,
     /// Parameters at which the derivative vanishes, and near which the curvature may be unbounded: up to 100 of those
     /// examined.
@@ -72,7 +72,7 @@ struct JointView {
     angle: Option<f64>,
     /// The curvature before and behind the knot.
     curvature: [Option<f64>; 2],
-    /// How far the curvature vectors of both sides are apart.
+    /// The distance between the curvature vectors of both sides.
     jump: Option<f64>,
 }
 
