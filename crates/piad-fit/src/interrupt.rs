@@ -35,7 +35,7 @@ pub fn until<T>(is_over: IsOver, compute: impl FnOnce() -> T) -> T {
     compute()
 }
 
-/// The rule of this thread, for threads that work for it: they stop, and this one [`check`]s.
+/// The rule of this thread, for threads that work for it: they stop, and this thread [`check`]s.
 pub(super) fn rule() -> Option<IsOver> {
     CURRENT.with_borrow(Clone::clone)
 }

@@ -49,8 +49,8 @@ pub enum Knots {
     Explicit(Arc<Vec<f64>>),
 }
 
-/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1
-/// knots for n + 1 parameters, and n + p functions. Any degree will do, even one above n.
+/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1 knots for n + 1
+/// parameters, and n + p functions. Any degree is possible, even one above n.
 pub(crate) fn at_data(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, t[1..t.len() - 1].iter().copied())
 }

@@ -11,8 +11,8 @@
 //!
 //! A closed curve begins and ends at its first corner, with the same control point, and is clamped there like an open one.
 //!
-//! A piece of m + 1 ≤ p control points has p + 1 functions all the same: it is the polynomial of degree m, whose degree
-//! is raised (PT97 (5.36)):
+//! A piece of m + 1 ≤ p control points still has p + 1 functions: it is the polynomial of degree m, whose degree is
+//! raised (PT97 (5.36)):
 //!
 //! ```text
 //! c_i = Σ_l C(m, l) C(p − m, i − l) / C(p, i) d_l

@@ -16,7 +16,7 @@ pub(crate) struct Distances {
     pub each: Vec<f64>,
     /// The largest.
     pub max: f64,
-    /// The first datum that has it.
+    /// The first datum with the largest distance.
     pub at: usize,
     /// The root of the mean of the squared ones.
     pub rms: f64,

@@ -9,7 +9,7 @@ use super::points::Points;
 /// The most points: the tree compares each point with each other one.
 pub(crate) const MOST_POINTS: usize = 20_000;
 
-/// The most points of a branch beside the path.
+/// The most points of a branch off the path.
 const LONGEST_BRANCH: usize = 2;
 
 /// The tree branches at a point.
@@ -113,7 +113,7 @@ impl<'a> Tree<'a> {
         (end, parents)
     }
 
-    /// The branches that hang on a point of the path, each with the point beside the path first.
+    /// The branches that hang on a point of the path, each from the path outwards.
     fn beside(&self, point: usize, on_path: &[bool]) -> Vec<Vec<usize>> {
         let starts = self.neighbours[point].iter().filter(|&&it| !on_path[it]);
         let branch = |&start: &usize| {

@@ -88,7 +88,7 @@ pub(super) struct Along<'a> {
     direction: &'a Direction,
     /// The sides with constants.
     sides: Vec<(Copies, &'a End)>,
-    /// Of two points: a natural end beside another one, whose constants it shares by β: its
+    /// For two points: a natural end next to another one, whose constants it shares by β: its
     /// function, the other one, and β.
     follower: Option<(usize, usize, f64)>,
 }

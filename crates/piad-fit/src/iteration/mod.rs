@@ -319,7 +319,7 @@ impl Iteration {
         sweep.levels().min(left).min(allowed).min(expected as usize)
     }
 
-    /// At the last level, looks at what the fit does between its data, and at what keeps it from its tolerance.
+    /// At the last level, measures the deviation between its data, and the obstacles to its tolerance.
     pub fn look_closer(&mut self) {
         let problem = self.problem();
         let fold = || match self.level.error.max > problem.tolerance() {

@@ -14,7 +14,7 @@ use crate::problem::Problem;
 
 use crate::matrix::forecast::Forecast;
 
-/// A problem ready to be iterated: with its collocation matrix, its transform, and what is known of
+/// A problem ready to be iterated: with its collocation matrix, its transform, and the forecast of
 /// its convergence. Iterations of the same problem share one.
 #[derive(Debug)]
 pub struct System {

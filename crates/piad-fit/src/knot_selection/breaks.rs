@@ -144,7 +144,7 @@ impl Breaks {
         let count = self.control_points();
         let period = self.breaks[self.spans()] - self.breaks[0];
         let turned = |i: usize| t[i % t.len()] + (i / t.len()) as f64 * period;
-        // Whichever parameter the first function takes, a greedy choice does for the others.
+        // For any choice of the first parameter, a greedy choice works for the others.
         let first = t.partition_point(|&t| t <= self.knot(self.degree as isize));
         (0..=self.degree).any(|skip| {
             let mut i = first + skip;

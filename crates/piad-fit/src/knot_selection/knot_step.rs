@@ -284,14 +284,14 @@ mod tests {
                 for (&i, value) in slope.data.iter().zip(&slope.lanes[0]) {
                     expected[i] -= value;
                 }
-                // Next to the knot the quotient of a quadratic curve is one of two pieces.
+                // Next to the knot the quotient of a quadratic curve is that of one of two pieces.
                 let off = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
                 assert!(off < 1e-4, "{degree} {closed} {q}: {off}");
             }
         }
     }
 
-    /// From knots beside those of a curve steps lead to them.
+    /// From knots near those of a curve, steps converge to them.
     #[test]
     fn steps_find_the_knots_of_a_curve() {
         let t: Arc<Vec<f64>> = Arc::new((0..400).map(|i| i as f64 / 399.0).collect());

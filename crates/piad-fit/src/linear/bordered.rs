@@ -95,8 +95,8 @@ impl Shape {
         }
     }
 
-    /// A row of the matrix when `pivot` is the first column that matters: entries in columns before
-    /// it there are none.
+    /// A row of the matrix when `pivot` is the first column that matters: it has no entries in
+    /// columns before it.
     fn row(&self, matrix: &Banded, index: usize, pivot: usize) -> Row {
         let mut row = Row {
             index: index as u32,

@@ -14,9 +14,8 @@
 //! of n dependent steps; hence reciprocals rather than quotients, rows of a fixed number of
 //! entries, and as many lines side by side as registers hold: several lines take as long as one.
 //!
-//! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle:
-//! read backwards a totally positive matrix is one, too. A dense system of 2 H unknowns is left
-//! there.
+//! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle: reversed, a totally
+//! positive matrix is still one. A dense system of 2 H unknowns is left there.
 
 use std::array::from_fn;
 use std::ops::Range;

@@ -52,8 +52,8 @@ pub(crate) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
 /// ρ(I − M), if that is certainly not less than one.
 ///
 /// An eigenvalue λ with `|1 − λ| > 1` by more than its error diverges. One with `|1 − λ| = 1` but
-/// for a small error oscillates if it is far from zero; near zero its part of the error comes to
-/// rest, as that of a selection does.
+/// for a small error oscillates if it is far from zero; near zero its part of the error stays
+/// constant, as that of a selection does.
 pub(crate) fn diverging_rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
     let suspects = suspects(matrices)?;
     let certain = suspects.into_iter().take(SUSPECTS).find(|suspect| {

@@ -10,9 +10,8 @@
 //! solution, Bᵀ/ρ(B Bᵀ) the transpose. On surfaces `U = U_u ⊗ U_v`, with one matrix for both
 //! directions or one for each.
 //!
-//! Fits of up to 100 points in a direction that certainly diverge are refused ([`stability`] says how
-//! that is decided). A singular U, such as a selection, has `ρ = 1` and is accepted: the fit comes to
-//! rest, though not at the data.
+//! Fits of up to 100 points in a direction that certainly diverge are refused ([`stability`] says how that is decided).
+//! A singular U, such as a selection, has `ρ = 1` and is accepted: the fit converges, though not to the data.
 //!
 //! U is n × n of n control points in a direction, at most [`LARGEST`]. A level of a curve costs n²
 //! multiplications for each coordinate, one of an n × m surface `n m (n + m)`.

@@ -7,7 +7,7 @@ use crate::invalid::Invalid;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Omega {
-    /// This one.
+    /// The given number.
     Given(f64),
     /// The best one for eigenvalues between λ_min and one, `2 / (1 + λ_min)`.
     Best,

@@ -83,7 +83,7 @@ pub(crate) trait Neighbourhood: Sync {
     fn doubt(&self, index: usize, is_left_out: &[bool]) -> f64;
 }
 
-/// The outliers, in order. Points that are off by at most `least` are none, and neither are those that `is_kept`.
+/// The outliers, in order. Points that are off by at most `least`, or that `is_kept`, are not outliers.
 pub(crate) fn find<N: Neighbourhood>(
     points: &N,
     least: f64,

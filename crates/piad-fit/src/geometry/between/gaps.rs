@@ -179,8 +179,8 @@ impl<'a> Gaps<'a> {
         (0..self.count()).map(of_cell).collect()
     }
 
-    /// How far the corners of each cell, or of one of those around it, are apart at most, and a part of that of others, which
-    /// is passed on: fits go beyond a flat place beside a steep one.
+    /// The largest distance between the corners of each cell, or of one of those around it, and a part of that of
+    /// others, which is passed on: fits overshoot in a flat place next to a steep one.
     fn apart(&self) -> Vec<f64> {
         let is_curve = self.setup.v().is_none();
         let own = |cell: usize| {

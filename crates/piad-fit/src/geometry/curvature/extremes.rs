@@ -66,7 +66,7 @@ impl<P: Copy> Best<P> {
         [-1.0, 1.0].map(|sign| Self { sign, found: None })
     }
 
-    /// Keeps a value if it is better than the one before; NaN is none.
+    /// Keeps a value if it is better than the one before; NaN is ignored.
     pub(super) fn offer(&mut self, value: f64, place: impl FnOnce() -> P) {
         if value.is_finite() && self.is_below(value) {
             self.found = Some((value, place()));

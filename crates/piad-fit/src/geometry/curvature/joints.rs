@@ -13,7 +13,7 @@ pub const MOST_JOINTS: usize = 10_000;
 /// The knots that are examined at a time.
 const TOGETHER: usize = 1 << 11;
 
-/// Tangents within this angle are one direction: a hundredth of a degree.
+/// Tangents within this angle have the same direction: a hundredth of a degree.
 const SAME_DIRECTION: f64 = 0.01 * std::f64::consts::PI / 180.0;
 
 /// Derivatives that differ by this part of them are equal.
@@ -81,7 +81,7 @@ pub(super) fn sides(knots: &KnotVector) -> Vec<Sides> {
         (Some(&first), Some(&last)) if knots.closed => {
             let start = knots.knots[first];
             let equal = knots.knots.iter().filter(|t| **t == start).count();
-            // Clamped ends are one point, as if a knot less stood there.
+            // Clamped ends coincide, as if their multiplicity were one less.
             let multiplicity = equal.min(degree);
             Some(Sides {
                 before: knots.site(last, 1.0),
@@ -119,7 +119,7 @@ pub(super) fn joints(nurbs: &Nurbs, vanishing: &Vanishing) -> (Vec<Joint>, usize
 
 /// What counts as nothing on a curve of some size.
 struct Sizes {
-    /// The gap between points that are one.
+    /// The distance within which points coincide.
     resolution: f64,
     /// The curvature of a line that is straight.
     straight: f64,

@@ -20,7 +20,7 @@ pub struct KnotLine {
     pub multiplicity: usize,
     /// The order of continuity across the line that the multiplicity guarantees.
     pub guaranteed: i64,
-    /// Where that is no tangent plane, the largest angle between the normals on both sides, in radians.
+    /// If that is no tangent plane, the largest angle between the normals on both sides, in radians.
     pub angle: Option<f64>,
 }
 

@@ -269,7 +269,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         sums.store(self.sums);
     }
 
-    /// Computes row `i` of the given ones by itself.
+    /// Computes row `i` of the given ones.
     #[inline(always)]
     fn row(&mut self, i: usize) {
         let local = i - self.range.start;

@@ -96,7 +96,7 @@ impl<M: Minimum> Schedule<M> {
         Some(self.level_at(line, &values, control_points, parameters))
     }
 
-    /// A level within the tolerance over the knots of this one, if weights reach it.
+    /// A level within the tolerance over the knots of this one, if weights achieve it.
     fn weighed(&mut self, level: Arc<Level>) -> Option<Arc<Level>> {
         let tolerance = self.options.tolerance;
         let mut weights = Weights::new(self.points.len());

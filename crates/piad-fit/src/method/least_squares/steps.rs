@@ -45,7 +45,7 @@ pub(super) struct Steps {
 /// How the step follows from the gradient.
 #[derive(Clone, Debug)]
 enum Kind {
-    /// It is a multiple of it, for each control point by itself.
+    /// It is a multiple of it, for each control point separately.
     Multiple,
     /// By the steps before.
     Conjugate(Conjugate),

@@ -202,7 +202,7 @@ fn degenerate_places_have_no_curvature() {
     assert!(shape.samples.curvature[0].is_nan());
     assert!(shape.samples.curvature[1..].iter().all(|x| x.is_finite()));
     assert!(shape.extremes.largest.unwrap().value.is_finite());
-    // A point that is one all along.
+    // A curve that is a single point.
     let shape = shape_of(&curve(bezier(2), &[[1e6, 1.1]; 3]));
     assert_eq!(shape.extremes.largest, None);
     near(shape.length, 0.0, 1e-9);

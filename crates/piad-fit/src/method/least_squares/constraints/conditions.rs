@@ -58,7 +58,7 @@ pub(super) fn unfit(index: usize, detail: &str) -> Invalid {
 ///
 /// # Errors
 ///
-/// The first constraint that is wrong by itself.
+/// The first constraint that is invalid in itself.
 pub(super) fn conditions(
     setup: &Setup,
     settings: &LeastSquares,
