@@ -44,7 +44,7 @@ pub(super) const LONGEST_KEY: usize = 255;
 pub(super) struct Order {
     label: Label,
     problem: fit::Problem,
-    /// The system of a job with the same collocation matrix, if one is at hand.
+    /// The system of a job with the same collocation matrix, if one is in memory.
     similar: Option<Arc<System>>,
 }
 

@@ -115,7 +115,7 @@ fn told(token: &Token) -> String {
     format!("{id}  {tenant}  {scopes}  created {created}  {expires}{note}")
 }
 
-/// Removes a token. Servers know within two seconds.
+/// Removes a token. Servers notice within two seconds.
 fn revoke(path: &Path, id: &str) -> Result<Vec<String>, String> {
     TokensFile::change(path, |file| {
         let place = file.tokens.iter().position(|token| token.id == id);

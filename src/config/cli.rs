@@ -109,7 +109,7 @@ pub enum TokenCommand {
         /// The file.
         #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
         tokens: PathBuf,
-        /// The id of the token, as lists and the log have it.
+        /// The id of the token, as in lists and the log.
         id: String,
     },
 }

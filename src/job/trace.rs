@@ -135,7 +135,7 @@ fn is_one_of_the_first(count: &AtomicUsize) -> bool {
     count.fetch_add(1, Ordering::Relaxed) < MOST
 }
 
-/// A number as collectors have it.
+/// A number in the form of collectors.
 fn integer(count: usize) -> i64 {
     i64::try_from(count).unwrap_or(i64::MAX)
 }

@@ -199,7 +199,7 @@ impl Batch {
         self.pending.len() >= self.group_size || self.pending_bytes >= ENOUGH_BYTES
     }
 
-    /// Cuts items out of what has arrived until there are enough for a group, or nothing is at hand.
+    /// Cuts items out of the received bytes until there are enough for a group, or no more bytes are available.
     async fn cut(&mut self) {
         while self.wants_more() {
             match self.splitter.next() {

@@ -126,7 +126,7 @@ impl Group {
         lines.counted(&self.settings.app.jobs.resources().memory.cache)
     }
 
-    /// The number of bytes that are to be read, and the memory that it takes beside them.
+    /// The number of bytes to be read, and the additional memory for them.
     pub(super) fn unread(&self) -> (usize, usize) {
         let of_defaults = self.settings.defaults().map_or(0, Defaults::size);
         let items = self.items.as_slice().iter();

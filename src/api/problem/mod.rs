@@ -215,7 +215,7 @@ impl Problem {
         self
     }
 
-    /// The object as answers have it.
+    /// The object in the form of answers.
     pub fn body(&self, request_id: Option<&str>) -> ProblemBody {
         let entry = self.kind.entry();
         ProblemBody {

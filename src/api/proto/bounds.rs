@@ -189,7 +189,7 @@ fn check_parts(message: &[u8], parts: &'static [Part], most: usize) -> Result<()
     }
 }
 
-/// The memory that the indices of a message take until it is read, beside what its bytes take.
+/// The memory of the indices of a message until it is read, in addition to its bytes.
 pub(crate) fn memory<M: Bounded>(body: &[u8]) -> usize {
     memory_of_parts(body, M::PARTS)
 }

@@ -198,7 +198,7 @@ impl RunState {
         }
     }
 
-    /// Returns true if it has come to this level.
+    /// Returns true if it has reached this level.
     pub(super) fn has_reached(&self, level: usize) -> bool {
         let reached = self.levels.map(|levels| levels.last.iteration);
         reached >= Some(level)

@@ -128,7 +128,7 @@ pub fn write_parts(
     write_document(format, &document)
 }
 
-/// Checks one curve or surface that is no level of a fit.
+/// Checks one curve or surface that is not a level of a fit.
 fn check_shape_of(format: Format, nurbs: &Nurbs, options: &Options) -> Result<(), ExportError> {
     let surface = nurbs.v.is_some();
     check_options(format, surface, options)?;

@@ -203,7 +203,7 @@ fn leave_out(columns: &mut Vec<usize>, least: usize, is_out: impl Fn(usize) -> b
 /// The first column without a name if it counts the rows beside two or three others, as far as is known.
 fn counter(columns: &[usize], sample: &Sample<'_>, hints: &Hints) -> Option<usize> {
     let first = *columns.first()?;
-    // Two coordinates are none of a surface, so there the first of three columns is one.
+    // A surface needs three coordinates, so the first of three columns is one.
     let surface = hints.kind == Some(Kind::Surface) || hints.size.is_some();
     let counts = sample.counts(first) && sample.rows.len() > 1;
     let fits = columns.len() == 4 || (columns.len() == 3 && !surface);

@@ -77,7 +77,7 @@ mod tests {
                 assert_eq!(found.name.as_deref(), text.lines().next());
             }
         }
-        // Half a character, and one that is none.
+        // Half a character, and an invalid one.
         assert_eq!(
             read(b"\xff\xfe1\0\n\x002\0\n\0\x00").unwrap().points.len(),
             2

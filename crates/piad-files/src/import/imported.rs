@@ -85,7 +85,7 @@ pub struct Imported {
     pub sections: Vec<usize>,
     /// The indices of missing points of a surface, increasing.
     pub missing: Vec<usize>,
-    /// True if the curve is closed; its first point is there once.
+    /// True if the curve is closed; its first point is kept once.
     pub closed: bool,
     /// True if the points have no order along a curve.
     pub unordered: bool,

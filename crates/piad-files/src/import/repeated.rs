@@ -2,8 +2,8 @@
 
 use super::part::Part;
 
-/// Leaves out the points that equal the one before. Values of functions, which have one coordinate, may be equal; and of
-/// points that are all equal none is left out, as that is no curve.
+/// Leaves out the points that equal the one before. Values of functions, which have one coordinate, may be equal; if
+/// all points are equal none is left out, as that is not a curve.
 pub(super) fn leave_out(part: &mut Part) {
     let points = &part.points;
     let is_repeated = |i: usize| {

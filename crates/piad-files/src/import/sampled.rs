@@ -13,7 +13,7 @@ const LARGEST_ANGLE: f64 = 5.0 * PI / 180.0;
 /// The fewest pieces of an arc.
 const FEWEST_OF_ARC: usize = 2;
 
-/// The fewest and the most pieces of a curve that is no arc.
+/// The fewest and the most pieces of a curve that is not an arc.
 const FEWEST: usize = 16;
 const MOST: usize = 64;
 

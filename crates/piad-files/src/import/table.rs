@@ -33,7 +33,7 @@ impl Table {
     ///
     /// # Errors
     ///
-    /// If too few points are left without the gaps; if degrees are none, at their lines.
+    /// If too few points are left without the gaps; if degrees are invalid, at their lines.
     pub(super) fn part(self, hints: &Hints) -> Result<Part, FileErrors> {
         let Self {
             layout,

@@ -301,7 +301,7 @@ fn lines_of_words_stand_above_the_points() {
         let wing = read(&format!("{title}\n{points}by hand\n"), &HINTS).unwrap();
         assert_eq!(wing.name.unwrap(), title.replace('\t', " "));
     }
-    // A point with a coordinate that is none is no title, and many words are another format.
+    // A point with an invalid coordinate is not a title, and many words are another format.
     assert_eq!(
         errors("NACA 23021\n1.0 .....\n1.0 (0.2)\n0.9 0.1\n"),
         [

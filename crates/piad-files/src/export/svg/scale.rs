@@ -47,7 +47,7 @@ impl Heat {
     }
 }
 
-/// A colour as XML attributes have it.
+/// A colour in the form of XML attributes.
 pub(super) fn hexadecimal(colour: [f64; 3]) -> String {
     let [red, green, blue] = colour.map(|it| it as u32);
     format!("#{:06x}", red << 16 | green << 8 | blue)

@@ -341,7 +341,7 @@ fn gaps_are_left_out_of_curves() {
         assert_eq!(read.points.to_flat(), [0.0, 1.0, 3.0, 4.0], "{text:?}");
         assert!(read.notices[0].ends_with("has no coordinates and is left out."));
     }
-    // A part that has nothing else is none.
+    // A part without other contents is left out.
     let parts = "x,y\n0,1\n3,4\n\nnan,nan\n\n1,1\n2,3\n";
     let parts = crate::import::read_parts(parts.as_bytes(), &HINTS).unwrap();
     assert_eq!(parts.len(), 2);

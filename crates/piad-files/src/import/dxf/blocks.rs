@@ -112,7 +112,7 @@ impl Placement {
 ///
 /// # Errors
 ///
-/// If a number is none.
+/// If a number is invalid.
 pub(super) fn placements(
     insert: &Entity<'_>,
     base: Point,

@@ -1,4 +1,4 @@
-//! Lines and arcs whose ends meet are one curve.
+//! Joins lines and arcs whose ends meet to curves.
 
 use std::collections::{HashMap, VecDeque};
 

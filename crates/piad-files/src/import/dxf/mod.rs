@@ -46,8 +46,8 @@ pub(super) fn is_dxf(text: &str) -> bool {
             .is_ok_and(|pair| pair.is_some_and(|pair| pair.code == 0 && pair.value == "SECTION"))
 }
 
-/// Each curve is a part, with the name of its layer; lines and arcs whose ends meet are one, and so are the points of a
-/// layer.
+/// Each curve is a part, with the name of its layer; lines and arcs whose ends meet are joined, and the points of a
+/// layer form one part.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     if text.trim_start().starts_with(BINARY) {
         let detail = "this is a binary DXF file, which is not supported: save it as ASCII DXF";

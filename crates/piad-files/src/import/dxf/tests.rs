@@ -260,7 +260,7 @@ fn blocks_are_where_references_place_them() {
             assert!(distance < 1e-12, "{found:?} {expected:?}");
         }
     };
-    // The base of the block comes to the place of the reference.
+    // The base of the block is placed at the reference.
     let plain = points_of(&insert("vee", ""));
     near(&plain[0], &[[10.0, 20.0], [11.0, 20.0], [11.0, 22.0]]);
     let turned = points_of(&insert("vee", "41 2\n42 3\n50 90\n"));

@@ -66,7 +66,7 @@ pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError>
         };
         let is_it = |keyword: &&&str| keyword.as_bytes().eq_ignore_ascii_case(word);
         let Some(keyword) = KEYWORDS.iter().find(is_it) else {
-            // A height that is none, such as nan.
+            // An invalid height, such as nan.
             if number(word).is_some() {
                 return Ok((entries, heights));
             }

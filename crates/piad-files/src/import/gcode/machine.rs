@@ -63,7 +63,7 @@ pub(super) struct Machine {
 struct Block {
     /// Its coordinates are not a target.
     is_no_move: bool,
-    /// The place is not known from now on.
+    /// True if the position is unknown from now on.
     is_lost: bool,
     /// The coordinates redefine the current position.
     is_renamed: bool,

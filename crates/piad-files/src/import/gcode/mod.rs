@@ -62,7 +62,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     finish(machine, feeds)
 }
 
-/// The blocks of a text with their lines, from 1. The marks of a tape (`%`) are none.
+/// The blocks of a text with their lines, from 1. Tape marks (`%`) are skipped.
 fn blocks(text: &str) -> impl Iterator<Item = (u32, Result<Vec<Word>, String>)> {
     let lines = text.split(line_end(text)).zip(1..);
     let lines = lines.map(|(line, number)| (number, line.trim()));

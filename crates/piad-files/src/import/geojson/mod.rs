@@ -21,7 +21,7 @@ pub fn is_geojson(bytes: &[u8]) -> bool {
         && top_level_type(bytes).is_some_and(|name| ObjectType::of(&name) != ObjectType::Other)
 }
 
-/// Each line and each ring of a polygon is a part; all points together are one.
+/// Each line and each ring of a polygon is a part; all points together are one part.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let file: Object = serde_json::from_str(text).map_err(|error| {
         let message = error.to_string();

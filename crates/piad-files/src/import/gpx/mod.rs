@@ -15,7 +15,7 @@ pub(super) fn is_gpx(text: &str) -> bool {
     xml::root(text).as_deref() == Some("gpx")
 }
 
-/// Each segment of a track and each route is a part. Waypoints are one if there is nothing else.
+/// Each segment of a track and each route is a part. Waypoints are a part if there is nothing else.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let mut reader = Reader::new(hints.most);
     let mut nodes = Nodes::new(text);

@@ -67,7 +67,7 @@ fn times_are_parameters_where_they_are_asked_for() {
     let part = parts(&body(timed), &times).unwrap().remove(0);
     assert_eq!(part.parameters, Some(vec![0.0, 60.0, 120.0, 180.0]));
     assert!(part.notices.iter().all(|it| !it.contains("not used")));
-    // One that has none, or is none.
+    // A missing and an invalid one.
     for more in [
         (|i| if i == 2 { String::new() } else { timed(i) }) as fn(u32) -> String,
         |i| timed(i).replace("T10:02", "T30:02"),

@@ -18,7 +18,7 @@ pub(super) fn is_kml(text: &str) -> bool {
     xml::root(text).as_deref() == Some("kml")
 }
 
-/// Each line, ring and track is a part, with the name of its placemark. Points are one if there is nothing else.
+/// Each line, ring and track is a part, with the name of its placemark. Points are a part if there is nothing else.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let mut reader = Reader {
         curves: Curves::new(hints.most),

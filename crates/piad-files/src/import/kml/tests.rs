@@ -34,7 +34,7 @@ fn lines_and_rings_are_parts() {
             "1 points are not read."
         ]
     );
-    // Altitudes of 0 are none.
+    // Altitudes of 0 count as missing.
     let flat = parts(&placemark("area", ring), &HINTS).unwrap();
     assert_eq!(flat[0].points.dimension(), 2);
     // Points alone are a cloud.

@@ -223,7 +223,7 @@ fn vertex(
         match property.kind {
             PropertyKind::Scalar(_) => set(index, first),
             PropertyKind::List { .. } => {
-                // A count that is no number, or is huge, ends with the line.
+                // A count that is not a number, or is huge, ends with the line.
                 for _ in 0..first as u64 {
                     value(&property.name)?;
                 }

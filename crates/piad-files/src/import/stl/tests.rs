@@ -67,7 +67,7 @@ fn corners_are_points_once() {
     }
     let two = text(&CORNERS[..3]) + &text(&CORNERS[3..]);
     assert_eq!(surface(two.as_bytes()).unwrap().points.to_flat(), POINTS);
-    // A title is none.
+    // A title is not STL.
     assert_eq!(surface(b"solid\n1 2\n3 4\n").unwrap().points.len(), 2);
 }
 

@@ -148,7 +148,7 @@ impl Pen {
     }
 }
 
-/// The arc from one place to another, as the notes on implementation of SVG have it (F.6.5); none if it is a line.
+/// The arc from one place to another, by the implementation notes of SVG (F.6.5); `None` if it is a line.
 fn arc(from: Place, shape: ArcShape, to: Place) -> Option<Arc> {
     let (sine, cosine) = shape.rotation.to_radians().sin_cos();
     let [mut rx, mut ry] = shape.radii.map(f64::abs);

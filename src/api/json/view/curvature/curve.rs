@@ -63,7 +63,7 @@ struct JointView {
     /// The measured order C: the number of derivatives that are equal on both sides. It is measured up to 2, and at
     /// least the guaranteed order.
     parametric: i64,
-    /// The order G that was found: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
+    /// The measured order G: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
     /// thousandth); −1 is a gap.
     geometric: i64,
     /// The distance between both sides.
