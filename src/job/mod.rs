@@ -10,7 +10,7 @@
 //!   wait for each other; [`peer`]: the client machine of a reader;
 //! - [`checkpoints`]: levels from which an iteration can continue;
 //! - [`memory`]: the division of the memory; [`replay`]: runs for readers that have missed frames;
-//! [`resources`]: shared by all jobs;
+//!   [`resources`]: shared by all jobs;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work; [`errand`]: work that pauses;
 //! - [`direct`]: fits without readers, of which only the last level is needed;
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;

@@ -16,7 +16,7 @@
 //! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: the end of JSON;
 //!   [`compression`]: compression of answers; [`coding`]: content codings;
 //! - [`cors`]: what browsers let pages of other origins do; [`host`]: checks of the requested host;
-//! [`request_id`]: the ids of requests; [`overload`]: answers on connections beyond the limits.
+//!   [`request_id`]: the ids of requests; [`overload`]: answers on connections beyond the limits.
 
 mod answer;
 pub(crate) mod assets;
