@@ -70,7 +70,7 @@ fn first_scattered(
     Ok(line.direction(direction.parameters))
 }
 
-/// A fit that chooses its knots, with half as long spans, for what a setup cannot obey.
+/// A fit that chooses its knots, with half as long spans, for data beyond the reach of the setup.
 pub(crate) fn finer(setup: &Setup, request: &Request) -> Option<Setup> {
     let (settings, _) = request.method.automatic()?;
     let Grid { rows, columns } = setup.grid();

@@ -1,9 +1,8 @@
 //! Minima with more than distances, over knots that a schedule chooses: constraints, fairness,
 //! weights of data, free ends.
 //!
-//! They are those of the direct variant, as far as [`AT_ONCE`] multiplications go. Where a surface
-//! takes more, conjugate gradients lead from the surface before to near the minimum; they obey the
-//! same conditions.
+//! The direct variant computes them in up to [`AT_ONCE`] multiplications. For surfaces that take more,
+//! conjugate gradients lead from the previous surface to near the minimum, under the same conditions.
 
 use std::sync::Arc;
 

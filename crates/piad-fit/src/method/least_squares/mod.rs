@@ -4,7 +4,7 @@
 //! X ← X + D Aᵀ (P − A X),   A[i][j] = B_j(t_i)
 //! ```
 //!
-//! Data points can have weights, the curve can be fair, and every level can obey conditions; by
+//! Data points can have weights, the curve can be fair, and every level can satisfy conditions; by
 //! default it passes through its first and its last data point, and a surface through its corners.
 //!
 //! A is the rectangular collocation matrix, m + 1 data points × n + 1 control points. Level 0 are

@@ -2,13 +2,14 @@
 //! projection of metric N⁻¹ to the minimum under all conditions.
 //!
 //! The rows of A, of a root of `w H`, and of the conditions (whose squares do not change a minimum
-//! among points that obey) are factorized by rotations, `A = Q R`, in O(m p²) for B-splines: of a surface in both directions,
-//! `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if all its points are there and count alike, without `w H`. Otherwise the matrix of the whole
-//! surface is, as far as [`MOST`] multiplications go. A step is solved for twice, the second time
-//! for what rounding has left of the gradient (corrected seminormal equations, Björck 1987), so that
-//! it is as exact as by orthogonal transformations. Where rotations would take more than [`MOST_ROTATIONS`]
-//! multiplications, the products N are summed up and decomposed instead, and the step is refined more often; so it is
-//! with conditions, as their decomposition multiplies rounding with the square of their condition.
+//! among feasible points) are factorized by rotations, `A = Q R`, in O(m p²) for B-splines. The matrices of
+//! the two directions of a surface are factorized separately, `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if no point is
+//! missing, all weights are equal and there is no `w H`; otherwise that of the whole surface is, if this takes at
+//! most [`MOST`] multiplications. A step is solved twice, the second time with the gradient that
+//! rounding has left (corrected seminormal equations, Björck 1987), so that it is as exact as by
+//! orthogonal transformations. If rotations would take more than [`MOST_ROTATIONS`] multiplications,
+//! N is computed and decomposed instead, with more refinements of the step; the same holds with
+//! conditions, as their decomposition multiplies rounding errors by the square of the condition number.
 
 use super::constraints::{Condition, Projection, Tangents};
 use super::fairness::Energy;
@@ -49,7 +50,7 @@ pub(super) struct Solver {
     v: Option<Triangular>,
     /// The arrangement of the control points.
     grid: Grid,
-    /// What every level obeys.
+    /// The conditions that every level satisfies.
     projection: Option<Projection>,
     /// The number of refinements of a step.
     refinements: usize,

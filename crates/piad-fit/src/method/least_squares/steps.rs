@@ -1,5 +1,5 @@
-//! Steps along the gradient, `X ← X + D g`, and what all variants share: D, the gradient, what every
-//! level obeys, and the end.
+//! Steps along the gradient, `X ← X + D g`, and what all variants share: D, the gradient, the
+//! conditions of every level, and the end.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ pub(super) struct Steps {
     objective: Objective,
     /// The distance of the minimum, if the fit can end there.
     scale: Vec<f64>,
-    /// The projection that keeps what every level obeys, with the metric D.
+    /// The projection that keeps the conditions of every level, with the metric D.
     projection: Option<Arc<Projection>>,
     /// Powers of two that bring each coordinate to the order of one, so that squares neither over-
     /// nor underflow.

@@ -1,6 +1,6 @@
 //! Conditions of a constrained fit: points to pass through, and derivatives.
 //!
-//! Constraints are linear conditions `C X = R` on the control points, and every level obeys them to
+//! Constraints are linear conditions `C X = R` on the control points, and every level satisfies them to
 //! rounding. With a symmetric positive M, level 0 and every gradient g are projected,
 //!
 //! ```text
@@ -31,7 +31,7 @@ pub(super) use tangents::Tangents;
 /// The most conditions of a fit: a constraint along a boundary has one for each control point of it.
 pub const MOST_CONDITIONS: usize = 1000;
 
-/// A condition that every level obeys.
+/// A condition that every level satisfies.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Constraint {

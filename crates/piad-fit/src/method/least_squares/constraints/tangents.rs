@@ -40,7 +40,7 @@ pub(in super::super) struct Tangents {
 }
 
 impl Tangents {
-    /// Of conditions with the minimum `N⁻¹ AᵀΩP` that does not obey them, and the weight of each row in N.
+    /// Of conditions with the minimum `N⁻¹ AᵀΩP` that does not satisfy them, and the weight of each row in N.
     pub(in super::super) fn new(
         conditions: &[Condition],
         weights: &[f64],
