@@ -3,7 +3,7 @@
 //! A proxy reports the address of a connection in a header of the [PROXY protocol] before its first byte, in version 1
 //! or 2, or that of each request in `Forwarded` (RFC 7239) or `X-Forwarded-For`; after a PROXY header the others come
 //! from the client, and are ignored. Headers from any other peer are ignored: a client that could choose its address
-//! would have no limits. Clients that a proxy does not name share limits of their own.
+//! would have no limits. Clients that a proxy does not name share one set of limits.
 //!
 //! [PROXY protocol]: https://www.haproxy.org/download/3.0/doc/proxy-protocol.txt
 

@@ -24,7 +24,7 @@ pub(super) struct Deviations {
     pub(super) u: Vec<f64>,
     /// Empty for curves.
     pub(super) v: Vec<f64>,
-    /// The points have parameters of their own, instead of rows and columns.
+    /// Each point has its own parameters, instead of a row and a column.
     pub(super) scattered: bool,
 }
 

@@ -3,7 +3,7 @@
 //! [`write()`] writes a level of a fit, [`write_parts`] several curves and surfaces, through the same writers. They do
 //! not depend on jobs or HTTP.
 //!
-//! - `fitted` and `part`: what is written; `options`: its options; `document`: the input of writers;
+//! - `fitted` and `part`: the contents of a file; `options`: its options; `document`: the input of writers;
 //! - `format`: the formats and their names; `error`: errors of writing;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly; `assemble`: that of plain data;

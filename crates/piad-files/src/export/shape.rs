@@ -88,7 +88,7 @@ pub fn cost(problem: &Problem, options: &Options) -> usize {
     samples::multiplications(problem, Grid { rows, columns }).saturating_mul(times)
 }
 
-/// The number of samples, as far as it is known before the length of a curve is.
+/// The number of samples, if it does not depend on the length of a curve.
 pub fn sample_count(surface: bool, options: &Options) -> usize {
     let most = options.spacing.map(|_| super::SPACED);
     grid(options, surface).count().max(most.unwrap_or_default())

@@ -38,7 +38,7 @@ impl Choice {
         }
     }
 
-    /// Takes longitude and latitude as such, if the names of the coordinates say that.
+    /// Takes coordinates as longitude and latitude if their names say so.
     pub(super) fn with_degrees(mut self, names: &[String]) -> Self {
         let place = |wanted| {
             let mut names = self.coordinates.iter().map(|column| names.get(*column));
@@ -200,7 +200,7 @@ fn leave_out(columns: &mut Vec<usize>, least: usize, is_out: impl Fn(usize) -> b
     found
 }
 
-/// The first column without a name if it counts the rows beside two or three others, as far as is known.
+/// The first column without a name if it numbers the rows, beside two or three other columns.
 fn counter(columns: &[usize], sample: &Sample<'_>, hints: &Hints) -> Option<usize> {
     let first = *columns.first()?;
     // A surface needs three coordinates, so the first of three columns is one.

@@ -172,7 +172,7 @@ impl Parsed {
 }
 
 impl Columns {
-    /// Refuses a column that is chosen twice, as far as the text shows it.
+    /// Refuses a column that the text chooses twice.
     fn check_twice(&self) -> Result<(), String> {
         let mut seen: Vec<String> = Vec::new();
         let time = self.time.iter().map(Column::text);
@@ -230,7 +230,7 @@ impl Range {
         }
     }
 
-    /// The columns as texts, as far as they are known without a file.
+    /// The columns as texts, if they are known without a file.
     fn texts(&self) -> Vec<String> {
         match self {
             Self::One(column) => vec![column.text()],

@@ -23,9 +23,9 @@ pub(super) struct Curve {
     pub(super) points: Vec<Point>,
     /// The line of each point, from 1; empty for files without lines.
     pub(super) lines: Vec<u32>,
-    /// True if the file says that it is closed; its first point may be there again at its end.
+    /// True if it is closed according to the file; its first point may be repeated at its end.
     pub(super) closed: bool,
-    /// True if the file says that the points follow each other along a curve.
+    /// True if, according to the file, the points follow each other along a curve.
     pub(super) ordered: bool,
     /// The time of each point in seconds from the first one.
     pub(super) times: Option<Vec<f64>>,

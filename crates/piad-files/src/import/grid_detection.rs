@@ -115,7 +115,7 @@ fn check_rows(grid: Grid, hints: &Hints) -> Result<(), FileError> {
     }
 }
 
-/// Returns true if blank lines part a table into curves of their own, and not into the rows of a surface.
+/// Returns true if blank lines separate curves of a table, and not the rows of a surface.
 pub(super) fn is_several(table: &Part, hints: &Hints) -> bool {
     let surface = hints.kind == Some(Kind::Surface) || hints.size.is_some();
     let rows = hints.kind.is_none() && table.points.dimension() == 3 && rows(table).is_some();

@@ -107,7 +107,7 @@ pub(super) struct Chosen {
     pub(super) choice: Choice,
     /// True if the line above has their names.
     pub(super) named: bool,
-    /// True if a user or their names say what they are.
+    /// True if a user or their names determine their kind.
     pub(super) sure: bool,
 }
 

@@ -91,7 +91,7 @@ pub struct Imported {
     pub unordered: bool,
     /// The parameters of the points of a curve, increasing: their times, if requested.
     pub parameters: Option<Vec<f64>>,
-    /// The parameters of the rows and of the columns of a grid with gaps, from 0 to 1, if x and y say them.
+    /// The parameters of the rows and of the columns of a grid with gaps, from 0 to 1, if x and y determine them.
     pub line_parameters: Option<[Vec<f64>; 2]>,
     /// The triangles between scattered points that are the vertices of a mesh: the indices of their corners.
     pub triangles: Vec<[u32; 3]>,

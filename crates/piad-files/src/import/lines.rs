@@ -99,7 +99,7 @@ struct Reader<'a> {
     /// The first of these lines.
     remark: String,
     errors: Vec<FileError>,
-    /// The number that stands for missing values, if the lines above the points define it.
+    /// The number that marks missing values, if the lines above the points define it.
     no_data: Option<f64>,
 }
 

@@ -63,7 +63,7 @@ fn renumbered(triangles: &[[u32; 3]], numbers: &[u32]) -> Vec<[u32; 3]> {
 ///
 /// # Errors
 ///
-/// There are fewer pieces than the hints say.
+/// There are fewer pieces than hints.
 pub(super) fn take_piece(part: &mut Part, hints: &Hints) -> Result<(), FileError> {
     let first = first_there(&part.points);
     let all = renumbered(&part.triangles, &first);

@@ -178,7 +178,7 @@ fn parts_of_format(file: &[u8], hints: &Hints) -> Result<(Parts, bool), FileErro
     Ok((parts?, format == Format::Table))
 }
 
-/// Refuses columns where there is no table.
+/// Refuses columns for data other than tables.
 fn check_no_columns(hints: &Hints) -> Result<(), FileError> {
     let detail = "columns can be chosen only in a table, and this file is not one";
     match hints.columns {

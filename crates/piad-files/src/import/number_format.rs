@@ -198,7 +198,7 @@ fn quoted_length(text: &str, separator: Option<char>) -> usize {
     0
 }
 
-/// Returns true if a field stands for a missing number.
+/// Returns true if a field marks a missing number.
 pub(super) fn is_gap(field: &str) -> bool {
     let gaps = ["", "nan", "-nan", "+nan", "null", "na", "n/a"];
     gaps.iter().any(|gap| gap.eq_ignore_ascii_case(field))

@@ -22,7 +22,7 @@ pub(super) struct Part {
     /// The indices of points before which there were blank lines.
     pub(super) breaks: Vec<usize>,
     pub(super) order: Order,
-    /// True if the file says that the curve is closed; its first point is kept once.
+    /// True if the curve is closed according to the file; its first point is kept once.
     pub(super) closed: bool,
     /// The indices of points that are missing in a grid, increasing; their coordinates mean nothing.
     pub(super) missing: Vec<usize>,

@@ -22,7 +22,7 @@ const MOST_COORDINATES: usize = 3;
 /// A table whose lines are read.
 pub(super) struct Table {
     pub(super) layout: Layout,
-    /// The number that stands for missing values.
+    /// The number that marks missing values.
     pub(super) no_data: Option<f64>,
     /// Its points have the values of each line.
     pub(super) part: Part,
@@ -183,7 +183,7 @@ fn wrong_degrees(
     wrong.take(MOST_ERRORS).collect()
 }
 
-/// The number that stands for missing values, if a line above the points defines it, as in `# NODATA: -9999`.
+/// The number that marks missing values, if a line above the points defines it, as in `# NODATA: -9999`.
 pub(super) fn no_data(line: &str) -> Option<f64> {
     let lower = line.to_lowercase();
     let names = ["nodata", "no_data", "no data"];

@@ -43,7 +43,7 @@ impl Corners {
     /// Points at which the polygon turns by more than the default 30 degrees.
     pub const USUAL: Self = Self::Found(corners::USUAL_ANGLE);
 
-    /// The indices of the points, as far as they are known.
+    /// The indices of the points, if they are known.
     pub fn indices(&self) -> &[usize] {
         match self {
             Self::At(indices) => indices,

@@ -69,7 +69,7 @@ impl Pieces {
         }
     }
 
-    /// Returns true if each function has a control point of its own.
+    /// Returns true if each function has its own control point.
     pub(crate) fn are_plain(&self) -> bool {
         self.plain && self.first.is_none()
     }

@@ -1,8 +1,8 @@
-//! Values that stand for missing data in files of heights.
+//! Values that mark missing data in files of heights.
 
 use super::points::Points;
 
-/// Values that programs write where there are no data, besides -9999 and others of nines: the least integers
+/// Values that programs write for missing data, besides -9999 and others of nines: the least integers
 /// of 16 and 32 bits.
 const LIMITS: [f64; 2] = [-32768.0, -2_147_483_648.0];
 
@@ -39,7 +39,7 @@ pub(crate) fn no_data(points: &Points, missing: &[usize]) -> Option<(f64, usize)
     })
 }
 
-/// Returns true for values that programs write where there are no data.
+/// Returns true for values that programs write for missing data.
 fn stands_for_nothing(value: f64) -> bool {
     let size = value.abs();
     let nines = [999.0, 9999.0, 99999.0, 999_999.0];

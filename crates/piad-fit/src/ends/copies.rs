@@ -29,7 +29,7 @@ pub(super) struct Copies {
     points: usize,
     /// By how much the parameter changes where s changes by one; negative at the end.
     pub(super) unit: f64,
-    /// The parameters of the data points from the end on, as far as they are used.
+    /// The used parameters of the data points from the end on.
     pub(super) parameters: Vec<f64>,
     /// `e_r(s_1 … s_j) / C(p, r)`: r = 1 … j for each j.
     shares: Vec<Vec<f64>>,

@@ -116,7 +116,7 @@ impl<'a> Geometry<'a> {
         Some(differences)
     }
 
-    /// Returns true if the control points have weights of their own.
+    /// Returns true if the control points have their own weights.
     pub fn is_homogeneous(&self) -> bool {
         self.setup.is_homogeneous()
     }

@@ -107,7 +107,7 @@ pub(crate) struct Norms {
 }
 
 impl Norms {
-    /// Of the data of a fit; `counted` says which points count.
+    /// Of the data of a fit, with the points of `counted` only.
     pub(crate) fn new(setup: &Setup, counted: Option<Vec<bool>>) -> Self {
         let (data, homogeneous) = (setup.data(), setup.is_homogeneous());
         let count = counted.as_ref().map_or(data.len(), |counted| {

@@ -1,6 +1,6 @@
 //! The engine of fits that choose their knots ([`crate::knot_selection`]).
 //!
-//! Levels come from a schedule. Each has knots of its own, and so a problem of its own: that of the
+//! Levels come from a schedule. Each has its own knots, and so its own problem: that of the
 //! fit with other directions. One level is computed ahead, as only then is known whether a level is
 //! the last one.
 //!
@@ -33,7 +33,7 @@ pub(crate) struct Automatic {
     /// The number of the level, and that of the level at which the knots became what they are.
     number: usize,
     knots_since: usize,
-    /// True if the last level deviates from its data where there are none.
+    /// True if the last level deviates from its data in gaps.
     leaves: bool,
 }
 

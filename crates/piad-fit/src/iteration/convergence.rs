@@ -15,7 +15,7 @@ use crate::termination::Outcome;
 /// The most multiplications of looking for the end of a fit: a millisecond or two.
 const LOOK: usize = 2_000_000;
 
-/// The fewest steps that say something.
+/// The fewest steps that allow an estimate.
 const LEAST_STEPS: usize = 8;
 
 impl Iteration {

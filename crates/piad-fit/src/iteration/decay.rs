@@ -16,7 +16,7 @@
 /// The most errors that are remembered: of long fits every second, fourth … one.
 const MOST: usize = 256;
 
-/// The least number of levels that say something.
+/// The least number of levels that allow an estimate.
 const LEAST: usize = 4;
 
 /// The greatest ratio of a forecast's last level to the last level that is known.

@@ -60,7 +60,7 @@ pub struct Level {
     pub moved: usize,
     /// Homogeneous fits: the first control point whose weight is not positive, and that weight.
     pub bad_weight: Option<(usize, f64)>,
-    /// The level at which the fit will end, by what is known at this level.
+    /// The predicted last level, as of this level.
     pub predicted: Option<usize>,
     /// At the last level of curves and grids: by how much it leaves its data between neighbours, beyond the freedom that
     /// these leave, in data units.

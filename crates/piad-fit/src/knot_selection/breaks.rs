@@ -116,7 +116,7 @@ impl Breaks {
         starts
     }
 
-    /// Returns true if every control point has a parameter of its own (Schoenberg–Whitney), so that least squares have
+    /// Returns true if every control point has its own parameter (Schoenberg–Whitney), so that least squares have
     /// one solution. The ends of an open line count for its first and last control point.
     pub(crate) fn is_determined(&self, t: &[f64]) -> bool {
         let count = self.control_points();

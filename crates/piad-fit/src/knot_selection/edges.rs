@@ -11,7 +11,7 @@ const PARTS: usize = 8;
 /// The approximate number of further parts in all, longer edges having more of them.
 const SHARED: usize = 2000;
 
-/// The most points of each edge, where there are few edges.
+/// The most points of each edge, if there are few edges.
 const SHARED_BY_EDGE: usize = 200;
 
 /// The points along the edges of a polyline.

@@ -152,7 +152,7 @@ impl Sparse {
         self.u.control_points.len() != self.control.rows
     }
 
-    /// Returns true if each function has a control point of its own.
+    /// Returns true if each function has its own control point.
     fn is_open(&self) -> bool {
         let functions = self.u.control_points.len() * self.v.control_points.len();
         functions == self.control.count()

@@ -1,4 +1,4 @@
-//! Files of several parts, read by small readers of their own.
+//! Files of several parts, each with its own reader.
 //!
 //! With `PIAD_PARTS_DIR` the files go to that folder, for software of others.
 

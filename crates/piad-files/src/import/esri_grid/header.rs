@@ -6,7 +6,7 @@ use super::tokens::{Tokens, number};
 use crate::short::quoted;
 use piad_fit::data::Grid;
 
-/// The value of heights that are missing, if the file does not say another one.
+/// The value of missing heights, unless the file gives another one.
 const USUAL_NO_DATA: f64 = -9999.0;
 
 /// Values for missing heights beyond this are written with a few digits of what they are; no height is there.

@@ -1,4 +1,4 @@
-//! Objects of GeoJSON, as far as they are read.
+//! The supported objects of GeoJSON.
 
 use std::fmt;
 

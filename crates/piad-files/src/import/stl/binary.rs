@@ -53,7 +53,7 @@ fn is_damaged(bytes: &[u8]) -> bool {
         && corners.iter().any(|x| *x != 0.0)
 }
 
-/// The number of triangles that a file says it has.
+/// The number of triangles according to the file.
 fn triangles(bytes: &[u8]) -> Option<usize> {
     count_field(bytes, TITLE, Scalar::U32)
 }

@@ -16,7 +16,7 @@ const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
 /// The same of surfaces, in each direction.
 const PLACES_OF_SURFACES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 
-/// Only the middle is examined where there are more gaps than this.
+/// Only the middle is examined if there are more gaps than this.
 const MANY: usize = 100_000;
 
 /// The sides of a cell are parallel if the sine of their angle has a square below this.

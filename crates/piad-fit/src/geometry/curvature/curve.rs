@@ -48,7 +48,7 @@ pub struct CurveSamples {
     pub parameters: Vec<f64>,
     /// The coordinates of the points, point by point.
     pub points: Vec<f64>,
-    /// The curvatures; NaN where there is none.
+    /// The curvatures; NaN where they are undefined.
     pub curvature: Vec<f64>,
 }
 
@@ -83,7 +83,7 @@ fn samples(nurbs: &Nurbs, vanishing: &Vanishing, sites: &[SpanParameter]) -> Cur
     samples
 }
 
-/// Where the curvature is least and largest, and where there is none.
+/// The places of the least and the largest curvature, and those where it is undefined.
 fn extremes(nurbs: &Nurbs, vanishing: &Vanishing) -> (Extremes, Vec<f64>) {
     let knots = &nurbs.u;
     let spans = knots.spans();

@@ -11,7 +11,7 @@ use crate::geometry::nurbs::{KnotVector, Nurbs};
 /// About the number of parameters of each direction at which extremes are searched for.
 const PARAMETERS: usize = 512;
 
-/// The least number of steps in a knot span, where there are few.
+/// The least number of steps in a knot span, if there are few spans.
 const USUAL_STEPS: usize = 16;
 
 /// The places that are evaluated at a time.
@@ -46,7 +46,7 @@ pub struct SurfaceSamples {
     pub parameters: [Vec<f64>; 2],
     /// The coordinates of the points, point by point.
     pub points: Vec<f64>,
-    /// The larger and the smaller principal curvature; NaN where there is no normal.
+    /// The larger and the smaller principal curvature; NaN where the normal is undefined.
     pub principal: [Vec<f64>; 2],
 }
 
@@ -127,7 +127,7 @@ impl Measured<'_> {
         samples
     }
 
-    /// Where curvatures are least and largest, and where there are none.
+    /// The places of the least and the largest curvatures, and those where they are undefined.
     fn extremes(self) -> ([Extremes; 4], Vec<[f64; 2]>) {
         let mut bests = [(); 4].map(|()| Best::<Place>::both());
         let mut degenerate = Vec::new();

@@ -20,7 +20,7 @@ use crate::problem::Problem;
 /// spans of equal length.
 const FAIRNESS: f64 = 1e-6;
 
-/// The largest deviation of a fit from its data where there are none.
+/// The largest deviation of a fit from its data in gaps.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Reach {
     /// Beyond this number of control points the fit continues: a curve should need only a part of the freedom of its
@@ -42,7 +42,7 @@ impl Reach {
 }
 
 impl Schedules {
-    /// Returns true if it keeps the fit near its data where there are none.
+    /// Returns true if it keeps the fit near its data in gaps.
     pub(super) fn is_careful(&self) -> bool {
         !matches!(self, Self::Curve(_, None) | Self::Surface(_))
     }

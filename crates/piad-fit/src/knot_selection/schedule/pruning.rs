@@ -10,7 +10,7 @@ use super::super::values::Values;
 use super::{Level, NEAR, Schedule, WEIGHINGS};
 use crate::knot_selection::breaks::Breaks;
 
-/// Single knots are removed where there are fewer data than this for each control point.
+/// Single knots are removed if there are fewer data than this for each control point.
 const SPARSE: usize = 8;
 
 /// The number of removals tried in a row without success.

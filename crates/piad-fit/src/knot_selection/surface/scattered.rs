@@ -1,4 +1,4 @@
-//! Scattered data: points without order, each with a (u, v) of its own.
+//! Scattered data: points without order, each with its own (u, v).
 //!
 //! Least squares do not separate into directions, so for a knot span only the largest distance of the data in it is
 //! known, whatever their other parameter. The direction that gains more is found by trial: one step towards the

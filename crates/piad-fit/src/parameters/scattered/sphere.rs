@@ -30,7 +30,7 @@ const PART: f64 = 75.0 * PI / 180.0;
 /// The surface reaches a pole if it is nearer to a point than this.
 const AT_POLE: f64 = 15.0 * PI / 180.0;
 
-/// The sphere near points, as far as it is given.
+/// The sphere near points, with its known parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
