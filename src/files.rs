@@ -1,4 +1,4 @@
-//! Reading files whose size has a limit: what has no end, such as /dev/zero, would take all memory.
+//! Reads files with a limit of their size: endless ones, such as /dev/zero, would fill the memory.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
@@ -9,7 +9,7 @@ use bytesize::ByteSize;
 /// The largest files of settings, tokens and certificates.
 pub(crate) const MAX_SETTINGS_BYTES: u64 = 16 << 20;
 
-/// The bytes of a file that has at most so many.
+/// Reads a file of at most `max_bytes` bytes.
 ///
 /// # Errors
 ///
@@ -36,7 +36,7 @@ pub(crate) fn read_settings(path: &Path) -> io::Result<String> {
     String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "it is not UTF-8"))
 }
 
-/// All bytes of an input that has at most so many.
+/// Reads an input of at most `max_bytes` bytes.
 ///
 /// # Errors
 ///

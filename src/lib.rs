@@ -1,8 +1,8 @@
 //! piad fits curves and surfaces to ordered data points by **progressive iterative approximation**
 //! (PIA) and streams the geometry of every iteration.
 //!
-//! The data `P` are the first control points `X`; then every control point moves by the difference
-//! between its data point and the curve, again and again:
+//! The data `P` are the first control points `X`; each iteration moves every control point by the difference between
+//! its data point and the curve:
 //!
 //! ```text
 //! Δ = P − B X          residual: the adjusting vectors, one per data point
@@ -12,24 +12,24 @@
 //! `B` is the collocation matrix of the basis at the parameters of the data. For totally positive
 //! bases (Bernstein, B-spline) the curves converge to the interpolant.
 //!
-//! A request flows down through the modules, frames flow up:
+//! Requests pass down through these modules, frames pass up:
 //!
 //! - [`config`] — one struct: flags and `PIAD_*` variables;
-//! - [`piad_fit`] — the numerics, pure and deterministic, in a crate of their own: problems, bases, the one loop;
-//! - [`piad_files`] — files of points in, files of geometry out, likewise;
-//! - [`model`] — what clients ask for, typed and without a wire;
-//! - `proto` — the messages of the contract, in which jobs travel and are stored;
-//! - `job` — a fit as a thing that lives: states, shared runs, readers, the compute pool, the store;
-//! - [`api`] — what goes over the wire: requests, event streams, problems (RFC 9457), gRPC;
-//! - [`access`] — who may do what: tokens, tenants, scopes;
-//! - [`server`] — binds them together: [`server::serve`];
-//! - [`command`] — `piad fit`: from a file to files, as a client of a server inside of the process;
+//! - [`piad_fit`] — the numerics, pure and deterministic, in its own crate: problems, bases, the iteration;
+//! - [`piad_files`] — readers of point files and writers of geometry files, in its own crate;
+//! - [`model`] — typed requests, independent of the wire format;
+//! - `proto` — the protobuf messages in which jobs are sent and stored;
+//! - `job` — the life of a fit: states, shared runs, readers, the compute pool, the store;
+//! - [`api`] — the wire: requests, event streams, problems (RFC 9457), gRPC;
+//! - [`access`] — authorization: tokens, tenants, scopes;
+//! - [`server`] — connects the modules: [`server::serve`];
+//! - [`command`] — `piad fit`: from a file to files, as a client of a server in the same process;
 //! - [`telemetry`] — traces of requests and jobs, for a collector;
-//! - [`signals`] — of the operating system; `reload` — files that are read again when they change;
-//!   `log_throttle` — log lines about what happens often;
-//! - `files` — reading files whose size has a limit; `toml_text` — reading TOML; `redact` — settings without their
+//! - [`signals`] — signals of the operating system; `reload` — files that are reloaded when they change; `log_throttle`
+//!   — rate limits of log lines;
+//! - `files` — reading files with a limit of their size; `toml_text` — reading TOML; `redact` — settings without their
 //!   passwords; [`terminal`] — messages for people;
-//! - [`trim`] — gives memory back that nobody uses any more.
+//! - [`trim`] — returns unused memory to the system.
 
 pub mod access;
 pub mod api;

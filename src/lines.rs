@@ -6,7 +6,7 @@ use http_body_util::BodyExt;
 /// A body of lines.
 pub(crate) struct Lines {
     body: Body,
-    /// What has come of the next lines, and how much of that has no end of a line.
+    /// The bytes received of the next lines, and the number of them known to hold no line end.
     bytes: Vec<u8>,
     searched: usize,
 }
@@ -21,7 +21,7 @@ impl Lines {
         }
     }
 
-    /// The next line; none after the last one. What has no end of a line is none.
+    /// The next line; `None` after the last one. Text without a line end is not a line.
     pub(crate) async fn next(&mut self) -> Result<Option<Vec<u8>>, String> {
         loop {
             if let Some(line) = self.take() {

@@ -1,4 +1,4 @@
-//! The program: parses the command line and starts what it asks for.
+//! The program: parses the command line and runs the command.
 
 use std::env;
 use std::io::IsTerminal;
@@ -18,8 +18,8 @@ use piad::trim;
 use tracing::{error, info};
 use tracing_subscriber::{EnvFilter, Layer, fmt};
 
-/// Frames of long curves come and go by the megabyte on all threads, which leaves the allocator of the
-/// C library with several times the memory that is in use. What this one keeps is seen to by [`trim`].
+/// All threads allocate and free frames of long curves, megabytes each, which makes the allocator of the C library hold
+/// several times the memory in use. The memory that this allocator holds is returned by [`trim`].
 #[global_allocator]
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
@@ -58,7 +58,7 @@ fn serve(config: Config) -> ExitCode {
     };
     let grace = config.grace;
     let code = serve_until_the_end(config, telemetry.as_ref());
-    // The spans of all tasks have ended by now, as the runtime has.
+    // The spans of all tasks have ended, as the runtime has.
     if let Some(telemetry) = telemetry {
         telemetry.stop(grace);
     }
@@ -113,7 +113,7 @@ async fn health(places: &[Listen], is_secure: bool, timeout: u64) -> ExitCode {
 
 fn start_log(config: &Config, telemetry: Option<&Telemetry>) -> Result<(), String> {
     let filter = EnvFilter::try_new(&config.log).map_err(|reason| reason.to_string())?;
-    // A line that cannot be written is lost; to say so on the same standard error would be a panic.
+    // A line that cannot be written is lost; reporting that on the same standard error would panic.
     let log = fmt::layer()
         .log_internal_errors(false)
         .with_writer(std::io::stderr)

@@ -1,15 +1,15 @@
-//! Settings without the passwords in them, as they may be shown: in `piad config`, in errors and in the log.
+//! Settings without passwords, for `piad config`, errors and the log.
 
 use std::borrow::Cow;
 
-/// What stands in the place of a secret.
+/// The replacement of a secret.
 const HIDDEN: &str = "***";
 
 /// The ends of the names of passwords in connection strings and in queries.
 const PASSWORDS: [&str; 3] = ["password", "passwd", "pwd"];
 
 /// The value of a setting without its secrets: the user and the password of a URL (`postgres://user:password@host`,
-/// also with mistakes in its beginning), and all that follows a `password=`, as its end is not certain.
+/// also with a mistyped beginning), and all that follows a `password=`, as its end is not certain.
 pub(crate) fn redacted(value: &str) -> Cow<'_, str> {
     let cut = match end_of_password_name(value) {
         Some(end) => Cow::Owned(format!("{}{HIDDEN}", value.get(..end).unwrap_or_default())),
@@ -46,8 +46,8 @@ fn end_of_password_name(value: &str) -> Option<usize> {
     ends.min()
 }
 
-/// Where the user and the password of a URL stand. They reach to the last `@`: a password may have such characters,
-/// and those that end the authority of a URL, by mistake.
+/// The range of the user and the password of a URL. It reaches to the last `@`: a password may contain one, and
+/// unescaped characters that end the authority of a URL.
 fn user(value: &str) -> Option<(usize, usize)> {
     let end = value.rfind('@')?;
     let before = value.get(..end)?;

@@ -1,4 +1,4 @@
-//! Files that are read again when they change, or when the process gets SIGHUP.
+//! Reloads files when they change, or when the process gets SIGHUP.
 
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -15,14 +15,14 @@ use tracing::{error, info};
 use crate::files::{self, MAX_SETTINGS_BYTES};
 use crate::signals;
 
-/// How often files are looked at.
+/// The interval between checks of files.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// By what changes of files are noticed: their contents. Times and lengths can be the same after a change.
+/// The state of a file by which changes are noticed: its contents, as times and lengths can be the same after a change.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Seen(Vec<Result<State, ErrorKind>>);
 
-/// How a file was.
+/// The state of a file.
 #[derive(Debug, PartialEq, Eq)]
 enum State {
     /// The SHA-256 of its content.
@@ -32,7 +32,7 @@ enum State {
 }
 
 impl Seen {
-    /// How files are now.
+    /// The current states of files.
     pub(crate) fn of<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> Self {
         let seen = |path: &PathBuf| State::of(path).map_err(|reason| reason.kind());
         Self(files.into_iter().map(seen).collect())
@@ -50,17 +50,17 @@ impl State {
     }
 }
 
-/// What is read from files.
+/// The value read from files.
 pub(crate) trait Reload: Send + Sync + 'static {
-    /// What it is called in the log.
+    /// Its name in the log.
     const WHAT: &'static str;
 
-    /// Reads the files if they have changed, or anyway; tells whether it has. If they are not valid, what was read
-    /// before stays.
+    /// Reads the files if they have changed, or if `anyway`; returns true if it has read them. If they are not valid,
+    /// the last valid contents stay.
     fn load_again(&self, anyway: bool) -> Result<bool, String>;
 }
 
-/// Reads the files again whenever it is due.
+/// Reloads the files when it is due.
 pub(crate) async fn keep_current<R: Reload>(it: Arc<R>, failures: Counter) {
     let mut hangups = signals::hangups();
     loop {
@@ -70,7 +70,7 @@ pub(crate) async fn keep_current<R: Reload>(it: Arc<R>, failures: Counter) {
         };
         let reloaded = Arc::clone(&it);
         match spawn_blocking(move || reloaded.load_again(is_asked_for)).await {
-            Ok(Ok(true)) => info!("the {} were loaded again", R::WHAT),
+            Ok(Ok(true)) => info!("the {} were reloaded", R::WHAT),
             Ok(Ok(false)) => {}
             Ok(Err(reason)) => {
                 failures.inc();

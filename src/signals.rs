@@ -20,13 +20,13 @@ pub fn interrupted() -> impl Future<Output = ()> + Send + 'static {
     #[cfg(not(unix))]
     async {
         if let Err(reason) = tokio::signal::ctrl_c().await {
-            warn!("interrupts are not noticed: {reason}");
+            warn!("cannot handle interrupts: {reason}");
             std::future::pending::<()>().await;
         }
     }
 }
 
-/// The times that the process gets SIGHUP. On other systems than Unix there are none.
+/// Receives SIGHUP. On systems other than Unix it never comes.
 pub(crate) fn hangups() -> Noticed {
     #[cfg(unix)]
     return Noticed::new("SIGHUP", SignalKind::hangup());
@@ -45,7 +45,7 @@ impl Noticed {
     fn new(name: &str, kind: SignalKind) -> Self {
         let signal = signal(kind);
         if let Err(reason) = &signal {
-            warn!("{name} is not noticed: {reason}");
+            warn!("cannot handle {name}: {reason}");
         }
         Self {
             signal: signal.ok(),

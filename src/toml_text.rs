@@ -1,4 +1,4 @@
-//! Reading TOML. Errors name the line and show nothing of it, as it may hold a secret.
+//! Reads TOML. Errors name the line but do not quote it, as it may hold a secret.
 
 use serde::de::DeserializeOwned;
 
@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 ///
 /// # Errors
 ///
-/// The line, if it is known, and what is wrong with it.
+/// The line, if it is known, and the error.
 pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     toml::from_str(text).map_err(|error| {
         let message = without_texts(error.message());
@@ -21,7 +21,7 @@ pub(crate) fn parse<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     })
 }
 
-/// A message without the texts of the file that it repeats between quotation marks.
+/// A message without the quoted texts of the file.
 fn without_texts(message: &str) -> String {
     match (message.split_once('"'), message.rsplit_once('"')) {
         (Some((before, _)), Some((until, after))) if before.len() < until.len() => {

@@ -41,7 +41,7 @@ pub fn soon() {
 
 /// Trims the threads of the runtime some time after requests have ended on them.
 pub async fn network() {
-    // Tasks cannot be bound to threads: twice as many as there are threads are likely to reach all.
+    // Tasks cannot be bound to threads: twice the number of threads is likely to reach all.
     let tasks = 2 * Handle::current().metrics().num_workers();
     loop {
         ENDED.notified().await;

@@ -1,21 +1,21 @@
-//! Why somebody is turned away.
+//! Reasons to deny a request.
 
 use super::scope::Scope;
 
-/// Why a request is not answered.
+/// The reason to deny a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Denial {
     /// It has no token.
     Missing,
-    /// It has no token in the form in which tokens come.
+    /// Its token is malformed.
     Malformed(&'static str),
-    /// Its token is none of this server, or not any more.
+    /// Its token is unknown, or was revoked.
     Unknown,
-    /// The time of its token is over.
+    /// Its token has expired.
     Expired { token: String },
-    /// Its token is not good for this.
+    /// Its token lacks the scope.
     Scope { token: String, needed: Scope },
-    /// Its ticket is none of this server, is for another stream, or its time is over.
+    /// Its ticket is unknown, is for another stream, or has expired.
     Ticket,
 }
 
@@ -32,7 +32,7 @@ impl Denial {
         }
     }
 
-    /// The id of the token, where it is known whose it is.
+    /// The id of the token, if it is known.
     pub(crate) fn token(&self) -> Option<&str> {
         match self {
             Self::Expired { token } | Self::Scope { token, .. } => Some(token),

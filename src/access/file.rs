@@ -1,5 +1,5 @@
-//! The tokens of a server, and the quotas of its tenants, as a file has them: TOML, without the tokens
-//! themselves. Its last line shows that it is whole: a file that is cut off could be valid, with fewer quotas.
+//! The file of the tokens of a server and the quotas of its tenants: TOML, without the tokens themselves. Its last line
+//! marks the end: a truncated file could be valid, with fewer quotas.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
@@ -20,45 +20,45 @@ use crate::toml_text;
 /// The last line of a file.
 const LAST_LINE: &str = "# end of file";
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TokensFile {
     /// The tokens, in the order in which they were made.
     #[serde(default, rename = "token")]
     pub(crate) tokens: Vec<Token>,
-    /// What tenants may have.
+    /// The quotas of tenants.
     #[serde(default, rename = "tenant", skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) quotas: BTreeMap<Tenant, Quota>,
 }
 
-/// What is known of a token.
+/// An entry of a token.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Token {
-    /// What it is called in lists and in the log.
+    /// Its id in lists and in the log.
     pub(crate) id: String,
-    /// To whom the jobs belong that are made with it.
+    /// The tenant that owns the jobs made with it.
     pub(crate) tenant: Tenant,
-    /// What it is good for.
+    /// Its scopes.
     pub(crate) scopes: BTreeSet<Scope>,
     pub(crate) created: Timestamp,
-    /// From when on it is good for nothing.
+    /// The time at which it expires.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) expires: Option<Timestamp>,
-    /// What it is for, in the words of whoever has made it.
+    /// A note by its creator on what it is for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) note: Option<String>,
     pub(crate) hash: Hash,
 }
 
 impl Token {
-    /// Whether its time is over.
+    /// Returns true if it has expired.
     pub(crate) fn has_expired(&self) -> bool {
         self.expires.is_some_and(|at| at <= Timestamp::now())
     }
 
-    /// Returns true if it is good for this.
+    /// Returns true if it has this scope.
     pub(crate) fn may(&self, scope: Scope) -> bool {
         let has = |scope| self.scopes.contains(&scope);
         has(scope) || has(Scope::Admin) || (scope == Scope::Metrics && has(Scope::MetricsAll))
@@ -70,7 +70,7 @@ impl TokensFile {
     ///
     /// # Errors
     ///
-    /// If it cannot be read, is cut off or is not such a file; the error names it.
+    /// If it cannot be read, is truncated or has another format; the error names it.
     pub(crate) fn read(path: &Path) -> Result<Self, String> {
         let wrong = |reason: String| format!("{}: {reason}", path.display());
         let text = files::read_settings(path).map_err(|reason| wrong(reason.to_string()))?;
@@ -92,8 +92,8 @@ impl TokensFile {
         }
     }
 
-    /// Changes a file, which need not be there. It is there as a whole at each moment. Links to it, its owner and its
-    /// permissions stay as they are; a new file is readable for its owner alone.
+    /// Changes a file, which need not exist. It is replaced atomically. Links to it, its owner and its permissions stay
+    /// as they are; a new file is readable for its owner alone.
     ///
     /// # Errors
     ///
@@ -106,7 +106,7 @@ impl TokensFile {
         let path = &behind_links(path).map_err(wrong)?;
         let parent = path.parent().filter(|it| !it.as_os_str().is_empty());
         let directory = parent.unwrap_or(Path::new("."));
-        // Whoever changes it meanwhile waits.
+        // Other writers wait meanwhile.
         let lock = File::open(directory).map_err(wrong)?;
         lock.lock().map_err(wrong)?;
         let mut file = match path.try_exists().map_err(wrong)? {
@@ -116,7 +116,7 @@ impl TokensFile {
         let changed = change(&mut file)?;
         let text = toml::to_string(&file).map_err(|reason| reason.to_string())?;
         replace(path, directory, &format!("{text}\n{LAST_LINE}\n")).map_err(wrong)?;
-        // On Unix a new name is there for good once its directory is on the disk.
+        // On Unix a new name is durable once its directory is on the disk.
         #[cfg(unix)]
         lock.sync_all().map_err(wrong)?;
         Ok(changed)
@@ -137,7 +137,7 @@ fn behind_links(path: &Path) -> io::Result<PathBuf> {
     }
 }
 
-/// Puts a file with this text in the place of one, with its owner and permissions.
+/// Replaces a file by one with this text, with its owner and permissions.
 fn replace(path: &Path, directory: &Path, text: &str) -> io::Result<()> {
     let mut new = NamedTempFile::new_in(directory)?;
     new.write_all(text.as_bytes())?;

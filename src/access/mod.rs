@@ -1,9 +1,9 @@
-//! Who may do what: tokens, their tenants and scopes, and tickets for streams.
+//! Authorization: tokens, their tenants and scopes, and tickets for streams.
 //!
-//! - [`scope`]: what a token is good for; `secret`: its text and its hash;
-//! - [`file`]: the tokens of a server as they are kept; `tokens`: as they are looked up;
-//! - `ticket`: what opens one stream for a minute, for clients that cannot send headers, and the key that signs it;
-//! - `denial`: why somebody is turned away.
+//! - [`scope`]: permissions of tokens; `secret`: the text of a token and its hash;
+//! - [`file`]: the file of the tokens of a server; `tokens`: its tokens in memory;
+//! - `ticket`: short-lived access to one stream, for clients that cannot send headers, and the key that signs it;
+//! - `denial`: reasons to deny a request.
 
 pub(crate) mod denial;
 pub(crate) mod file;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 use ticket::TicketKey;
 use tokens::Tokens;
 
-/// What a server checks requests by.
+/// The tokens that a server checks requests against.
 #[derive(Clone, Debug)]
 pub(crate) struct Access {
     pub(crate) tokens: Arc<Tokens>,

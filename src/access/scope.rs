@@ -1,11 +1,11 @@
-//! What a token is good for.
+//! Permissions of tokens.
 
 use std::fmt;
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 
-/// A part of what can be done. Each route and each call needs one, or none.
+/// A permission. Each route and each call needs one, or none.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, ValueEnum, Serialize, Deserialize,
 )]
@@ -26,7 +26,7 @@ pub enum Scope {
     #[serde(rename = "metrics:all")]
     #[value(name = "metrics:all")]
     MetricsAll,
-    /// All of it.
+    /// All permissions.
     #[serde(rename = "admin")]
     #[value(name = "admin")]
     Admin,

@@ -1,4 +1,4 @@
-//! The text of a token, which only its owner has, and the hash by which a server knows it.
+//! The text of a token, which only its owner has, and the hash that the server keeps.
 
 use std::fmt;
 
@@ -8,10 +8,10 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use sha2::{Digest, Sha256};
 use subtle::ConstantTimeEq;
 
-/// How each token begins, by which people and scanners know it.
+/// The prefix of each token, by which people and secret scanners recognise it.
 const PREFIX: &str = "piad_";
 
-/// How many bytes of it are chosen at random.
+/// The number of its random bytes.
 const RANDOM: usize = 32;
 
 /// A new token.
@@ -40,7 +40,7 @@ pub(crate) fn random() -> Result<[u8; RANDOM], String> {
     Ok(bytes)
 }
 
-/// The SHA-256 of a token. Tokens are random, so nobody finds one by trying.
+/// The SHA-256 of a token. Tokens are random, so they cannot be found by trial.
 #[derive(Clone, Copy)]
 pub(crate) struct Hash([u8; 32]);
 
@@ -50,7 +50,7 @@ impl Hash {
         Self(Sha256::digest(token).into())
     }
 
-    /// Whether they are the same, in the same time wherever they differ.
+    /// Returns true if they are equal, in constant time.
     pub(crate) fn is(&self, other: &Self) -> bool {
         self.0.ct_eq(&other.0).into()
     }
@@ -61,7 +61,7 @@ impl Hash {
     }
 }
 
-/// Without the hash: it opens nothing, but is nobody's business.
+/// Without the hash: it grants no access, but is not for logs.
 impl fmt::Debug for Hash {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a hash")

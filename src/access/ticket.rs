@@ -15,16 +15,16 @@ use uuid::Uuid;
 use super::file::Token;
 use super::secret;
 
-/// How each ticket begins.
+/// The prefix of each ticket.
 const PREFIX: &str = "piad_ticket_";
 
-/// How long a ticket is good for.
+/// The lifetime of a ticket.
 const LIFETIME: SignedDuration = SignedDuration::from_secs(60);
 
-/// How far the clocks of replicas may differ. Whatever a ticket says, it ends after its lifetime and this.
+/// The largest difference between the clocks of replicas. A ticket ends after its lifetime and this, whatever it says.
 const CLOCK_DIFFERENCE: SignedDuration = SignedDuration::from_secs(5);
 
-/// What tells signatures of tickets from those of anything else.
+/// Separates signatures of tickets from those of anything else.
 const PURPOSE: &[u8] = b"piad ticket 2";
 
 const SIGNATURE: usize = 32;
@@ -69,7 +69,7 @@ impl fmt::Debug for TicketKey {
     }
 }
 
-/// What a ticket says, before anybody has checked it.
+/// The contents of a ticket, unverified.
 #[derive(Debug)]
 pub(crate) struct Ticket {
     /// The id of the token that it was made with.
@@ -81,7 +81,7 @@ pub(crate) struct Ticket {
 }
 
 impl Ticket {
-    /// A new ticket for a job, as text, and until when it is good.
+    /// A new ticket for a job, as text, and the time at which it expires.
     pub(crate) fn issue(key: &TicketKey, token: &Token, job: Uuid) -> (String, Timestamp) {
         let expires = Timestamp::now().saturating_add(LIFETIME);
         let expires = expires.unwrap_or(Timestamp::MAX).as_second();
@@ -97,7 +97,7 @@ impl Ticket {
         (format!("{PREFIX}{text}"), at)
     }
 
-    /// What a text says, if it is one of a ticket.
+    /// The contents of a text, if it is a ticket.
     pub(crate) fn read(text: &str) -> Option<Self> {
         let text = text.strip_prefix(PREFIX)?;
         let bytes = URL_SAFE_NO_PAD.decode_to_vec(text).ok()?;
@@ -112,7 +112,7 @@ impl Ticket {
         })
     }
 
-    /// Returns true if it is a ticket of this token for this job, and still good.
+    /// Returns true if it is a ticket of this token for this job, and has not expired.
     pub(crate) fn opens(&self, key: &TicketKey, token: &Token, job: Uuid) -> bool {
         let signer = key.signer(token, self.job, self.expires);
         let is_signed = signer.verify_slice(&self.signature).is_ok();

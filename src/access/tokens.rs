@@ -1,4 +1,4 @@
-//! The tokens that a server knows, and what requests may do with them. The quotas of tenants come from the same file.
+//! The tokens of a server, and the checks of requests against them. The quotas of tenants come from the same file.
 
 use std::env::{self, VarError};
 use std::path::PathBuf;
@@ -17,20 +17,20 @@ use crate::job::quota::Quotas;
 use crate::job::tenant::Tenant;
 use crate::reload::{Reload, Seen};
 
-/// The variable with a token of all scopes, for the time before there is a file.
+/// The variable with a token of all scopes, for use before there is a file.
 pub(crate) const BOOTSTRAP: &str = "PIAD_TOKEN";
 
-/// The shortest token that the variable may have: one that can be guessed is none.
+/// The shortest token in the variable: shorter ones could be guessed.
 const SHORTEST: usize = 32;
 
 /// The tokens of a server.
 #[derive(Debug)]
 pub(crate) struct Tokens {
     path: Option<PathBuf>,
-    /// That of the variable.
+    /// The token of the variable.
     bootstrap: Option<Token>,
     loaded: Mutex<Loaded>,
-    /// Where what tenants may have is put.
+    /// The quotas that the file sets.
     quotas: Arc<Quotas>,
 }
 
@@ -38,12 +38,12 @@ pub(crate) struct Tokens {
 struct Loaded {
     tokens: Arc<Vec<Token>>,
     seen: Seen,
-    /// The file could not be loaded since.
+    /// True if the file could not be loaded since.
     is_stale: bool,
 }
 
 impl Tokens {
-    /// Those of a file and of the variable, if there is any of the two.
+    /// The tokens of a file and of the variable, if there are any.
     ///
     /// # Errors
     ///
@@ -66,10 +66,10 @@ impl Tokens {
         }))
     }
 
-    /// The token with this text, if it is good for a scope.
+    /// The token with this text, if it has the scope.
     pub(crate) fn admit(&self, text: &str, scope: Scope) -> Result<Token, Denial> {
         let hash = Hash::of(text);
-        // All are compared, so that the time does not tell where there is one.
+        // All are compared, so that the time reveals no match.
         let found = self.all(|token, found: &mut Option<Token>| {
             if token.hash.is(&hash) {
                 *found = Some(token.clone());
@@ -94,13 +94,12 @@ impl Tokens {
         checked(found.ok_or(Denial::Ticket)?, Scope::JobsRead)
     }
 
-    /// Returns true if the file could not be loaded the last time that it was read: what was revoked in it since is
-    /// still accepted.
+    /// Returns true if the file could not be loaded the last time: tokens revoked in it since are still accepted.
     pub(crate) fn are_stale(&self) -> bool {
         self.loaded.lock().is_stale
     }
 
-    /// Looks at all tokens.
+    /// Calls back with each token.
     fn all<T: Default>(&self, mut look: impl FnMut(&Token, &mut T)) -> T {
         let mut result = T::default();
         let tokens = Arc::clone(&self.loaded.lock().tokens);
@@ -111,7 +110,7 @@ impl Tokens {
     }
 }
 
-/// A token whose time is not over, and that is good for this.
+/// Checks that a token has not expired, and has the scope.
 fn checked(token: Token, needed: Scope) -> Result<Token, Denial> {
     if token.has_expired() {
         return Err(Denial::Expired { token: token.id });
@@ -125,7 +124,7 @@ fn checked(token: Token, needed: Scope) -> Result<Token, Denial> {
     }
 }
 
-/// The token of the variable, which is good for everything.
+/// The token of the variable, which has all scopes.
 fn bootstrap(text: &str) -> Result<Token, String> {
     if text.len() < SHORTEST {
         return Err(format!(

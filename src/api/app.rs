@@ -1,4 +1,4 @@
-//! What HTTP and gRPC handlers share.
+//! State shared by the HTTP and gRPC handlers.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ pub(crate) struct App {
     pub(in crate::api) config: Arc<Config>,
     pub(in crate::api) stopping: watch::Receiver<bool>,
     pub(in crate::api) requests: Requests,
-    /// What requests are checked by, unless everybody may ask.
+    /// The tokens to check requests against; `None` if no token is needed.
     pub(in crate::api) access: Option<Access>,
 }
 
@@ -39,7 +39,7 @@ impl App {
         }
     }
 
-    /// Counts a stream for whoever asks for one, if that is within the quota of its tenant.
+    /// Counts a stream for the caller, if that is within the quota of its tenant.
     pub(in crate::api) fn open_stream(&self) -> Result<OpenStream, Exceeded> {
         let tenant = Peer::owner(Peer::current());
         self.jobs.resources().open_stream(tenant)
@@ -47,7 +47,7 @@ impl App {
 
     /// Completes when the server begins to stop.
     pub(in crate::api) async fn stopped(&self) {
-        // An error means that the server itself is gone.
+        // An error means that the server is gone.
         let _ = self.stopping.clone().wait_for(|stopping| *stopping).await;
     }
 }

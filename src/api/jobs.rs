@@ -36,7 +36,7 @@ pub(super) async fn page(
         tenant: tenant(app)?,
         state,
         before,
-        // One more, which tells whether there is a next page.
+        // One more, which shows that there is a next page.
         limit: limit + 1,
     };
     let mut jobs = app.jobs.list(selection).await?;
@@ -74,7 +74,7 @@ pub(super) async fn find(app: &App, id: &str) -> Result<Arc<Job>, Problem> {
     job.ok_or_else(|| Problem::unknown_job(id))
 }
 
-/// The job with this id, if there is one that whoever asks may know of.
+/// The job with this id, if the caller may see it.
 pub(super) async fn known(app: &App, id: &str) -> Result<Option<Arc<Job>>, Problem> {
     let tenant = tenant(app)?;
     let job = match Uuid::try_parse(id) {
@@ -88,7 +88,7 @@ fn job_id(id: &str) -> Result<Uuid, Problem> {
     Uuid::try_parse(id).map_err(|_| Problem::unknown_job(id))
 }
 
-/// The tenant whose jobs are all there is for whoever asks; none if the server asks for no tokens.
+/// The tenant whose jobs the caller sees; `None` (all) if the server requires no tokens.
 fn tenant(app: &App) -> Result<Option<Tenant>, Problem> {
     match (&app.access, Peer::current().and_then(Peer::tenant)) {
         (None, _) => Ok(None),

@@ -1,4 +1,4 @@
-//! The languages in which requests and answers are written, and how the events of a stream are framed.
+//! The encodings of requests and answers, and the framing of the events of a stream.
 
 /// The media type of JSON.
 pub(super) const JSON: &str = "application/json";
@@ -9,7 +9,7 @@ pub(super) const NDJSON: &str = "application/x-ndjson";
 /// Protobuf messages.
 pub(super) const PROTOBUF: &str = "application/x-protobuf";
 
-/// How the events of a stream are framed.
+/// The framing of the events of a stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Framing {
     /// Server-sent events.
@@ -21,7 +21,7 @@ pub(crate) enum Framing {
 }
 
 impl Framing {
-    /// Whether events are protobuf messages.
+    /// Returns true if events are protobuf messages.
     pub(crate) fn is_protobuf(self) -> bool {
         self == Self::Protobuf
     }
@@ -36,7 +36,7 @@ impl Framing {
     }
 }
 
-/// What bodies are written in.
+/// The encoding of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Language {
     Json,
@@ -45,7 +45,7 @@ pub(crate) enum Language {
 }
 
 impl Language {
-    /// What it is called in headers.
+    /// Its media type.
     pub(crate) fn media_type(self) -> &'static str {
         match self {
             Self::Json => JSON,
@@ -53,7 +53,7 @@ impl Language {
         }
     }
 
-    /// How the names of files with it end.
+    /// The file name extension.
     pub(crate) fn extension(self) -> &'static str {
         match self {
             Self::Json => "json",

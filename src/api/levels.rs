@@ -29,18 +29,18 @@ const BYTES_PER_POINT: usize = 160;
 /// Bytes of memory for each data point while distances are computed and written.
 const BYTES_PER_DISTANCE: usize = 64;
 
-/// To find a nearest point takes about as long as so many multiplications.
+/// The cost of finding a nearest point, in multiplications.
 const OPERATIONS_PER_DISTANCE: usize = 5000;
 
 /// Bytes of memory for each control point and each sample while a shape is measured.
 const BYTES_PER_CONTROL_POINT: usize = 300;
 const BYTES_PER_SAMPLE: usize = 160;
 
-/// How long an iteration is waited for that has not been reached, if the client does not say it.
+/// The default time to wait for an iteration that has not been reached.
 pub(super) const WAIT: Duration = Duration::from_secs(10);
 
-/// The frame of a level, or without a number that of the last level so far. It is waited for as long as the
-/// client wants; one that was reached before is computed again, which ends by itself.
+/// The frame of a level, or without a number that of the last level so far. It waits for as long as the client wants; a
+/// level that was reached before is computed again, which ends by itself.
 pub(super) async fn frame(
     app: &App,
     job: &Arc<Job>,
@@ -73,7 +73,7 @@ async fn passed(wait: Option<Duration>) {
     }
 }
 
-/// How far a job has come, which is not as far as iteration `k`.
+/// The progress of a job that has not reached iteration `k`.
 fn before(status: &Status, k: usize) -> String {
     let state = status.state;
     match status.levels.map(|levels| levels.last.iteration) {
@@ -83,7 +83,7 @@ fn before(status: &Status, k: usize) -> String {
     }
 }
 
-/// An iteration does not come in time.
+/// An iteration was not reached in time.
 fn not_yet(status: &Status, k: usize) -> Problem {
     let mut detail = before(status, k);
     if let Some(Levels { last, .. }) = status.levels {
@@ -95,7 +95,7 @@ fn not_yet(status: &Status, k: usize) -> Problem {
     Problem::new(Kind::NotReached, detail).retry_after(WAIT.as_secs() as u32)
 }
 
-/// How far the data are from a level, or without a number from the last level so far.
+/// The distances of the data from a level, or without a number from the last level so far.
 pub(super) async fn deviation(
     app: &App,
     job: &Arc<Job>,

@@ -1,18 +1,18 @@
 //! The API: HTTP and gRPC, JSON and protobuf, event streams.
 //!
-//! | Room | What it knows |
+//! | Module | Contents |
 //! |---|---|
 //! | `json`, `proto` | the model in JSON and in protobuf messages |
 //! | `stream` | event streams: what they show, and when |
-//! | `http`, `grpc` | the two doors, which use the same code |
-//! | `openapi` | the description of the HTTP resources, and its reference for people |
+//! | `http`, `grpc` | the two transports, which use the same code |
+//! | `openapi` | the OpenAPI document, and its reference page |
 //!
-//! - `app`: what the doors share; `language`: the languages of requests and answers;
+//! - `app`: shared state of the transports; `language`: the encodings of requests and answers;
 //! - `order`: new jobs and edits; `start`: the level of another job that they start from; `jobs`: finding, listing, cancelling and deleting them;
 //!   `levels`: inputs, iterations and results; `rates`: comparisons of bases;
-//! - `resuming`: where a stream goes on;
-//! - `problem`: errors (RFC 9457); `whole`: whole numbers in texts;
-//! - `fuzzing`: what fuzz targets call, in `fuzz/decoders`.
+//! - `resuming`: the iteration from which a stream continues;
+//! - `problem`: errors (RFC 9457); `whole`: parsing of whole numbers;
+//! - `fuzzing`: entry points of fuzz targets, in `fuzz/decoders`.
 
 pub(crate) mod app;
 pub(crate) mod batch;

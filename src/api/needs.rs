@@ -1,17 +1,17 @@
-//! What requests need to be answered.
+//! Authorization of requests.
 
 use std::collections::BTreeMap;
 
 use crate::access::scope::Scope;
 
-/// What a request needs to be answered.
+/// The authorization that a request needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::api) enum Needs {
-    /// Nothing: everybody may know it.
+    /// None.
     Nothing,
     /// A token with this scope.
     A(Scope),
 }
 
-/// What the methods of each path need.
+/// The authorization of the methods of each path.
 pub(in crate::api) type Methods = BTreeMap<&'static str, Vec<(&'static str, Needs)>>;

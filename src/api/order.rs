@@ -1,4 +1,4 @@
-//! Jobs that are asked for, in whatever language: what can be computed, and making it a job.
+//! Requests for jobs in any encoding: what can be computed, and creating the job.
 
 use std::sync::Arc;
 
@@ -34,27 +34,27 @@ use piad_fit::engine::System;
 /// Bodies up to this size are parsed where they arrive; larger ones on the compute pool.
 pub(super) const PARSED_AT_ONCE: usize = 16 * 1024;
 
-/// Problems of up to so many points are edited where the edit arrives.
+/// Problems of up to this many points are edited by the replica that receives the edit.
 const EDITED_AT_ONCE: usize = 1000;
 
 /// The most characters of an idempotency key.
 pub(super) const LONGEST_KEY: usize = 255;
 
-/// A job that can be made.
+/// A validated job.
 pub(super) struct Order {
     label: Label,
     problem: fit::Problem,
-    /// The system of a job with the same collocation matrix, if one is at hand.
+    /// The system of a job with the same collocation matrix, if one is in memory.
     similar: Option<Arc<System>>,
 }
 
 /// A job that was read from a body.
 pub(super) struct ReadJob<W> {
-    /// What it asks for.
+    /// The requested job.
     pub request: JobRequest,
-    /// Where its parts stand.
+    /// The locations of its parts.
     pub words: W,
-    /// What was understood of the file that has its points, in sentences.
+    /// Notices about the file that has its points, in sentences.
     pub notices: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ impl<W> From<(JobRequest, W)> for ReadJob<W> {
     }
 }
 
-/// An edit that can be made.
+/// A validated edit.
 pub(super) struct EditOrder {
     pub order: Order,
     /// The level of the parent that it starts from.
@@ -78,7 +78,7 @@ pub(super) struct EditOrder {
 }
 
 impl Order {
-    /// A new job, from a body of so many bytes.
+    /// A new job, from a body of this many bytes.
     pub(super) async fn new<W: Words + Send + 'static>(
         app: &App,
         bytes: usize,
@@ -92,7 +92,7 @@ impl Order {
             mut notices,
         } = compute(app, is_small, move || read(&config)).await?;
         let base = Base::of(app, request.base()).await?;
-        // Foot points take long enough even for small jobs.
+        // Foot points take long even for small jobs.
         let is_short = is_small && !base.is_given();
         let validate = move || base.validate(request, limits, &words);
         let valid = compute(app, is_short, validate).await?;
@@ -109,12 +109,12 @@ impl Order {
         })
     }
 
-    /// Whether it is about a surface.
+    /// Returns true if it is about a surface.
     pub(super) fn is_surface(&self) -> bool {
         self.problem.v().is_some()
     }
 
-    /// Checks that a stream of the job can go like that, before there is a job.
+    /// Validates the stream of a job before the job is created.
     pub(super) fn check_stream(
         &self,
         request: &StreamSpec,
@@ -133,7 +133,7 @@ impl Order {
         export::check(format, &self.problem)
     }
 
-    /// Begins the fit for one answer, without making a job that is kept.
+    /// Begins the fit for one answer, without creating a stored job.
     pub(super) async fn begin(
         self,
         app: &App,
@@ -146,7 +146,7 @@ impl Order {
             .await?)
     }
 
-    /// Makes the job, unless there is one for the same key.
+    /// Creates the job, unless there is one for the same key.
     pub(super) async fn make(
         self,
         app: &App,
@@ -165,7 +165,7 @@ impl EditOrder {
         edit: EditRequest,
         words: &impl Words,
     ) -> Result<Self, Problem> {
-        // From here on the edit before of the same session is not wanted any more.
+        // From here on the previous edit of the same session is obsolete.
         let is_ephemeral = edit.ephemeral == Some(true);
         let session = edit.session.clone().filter(|_| is_ephemeral);
         let turn = session.map(|name| app.jobs.session(parent, name));
@@ -175,7 +175,7 @@ impl EditOrder {
         let frame = start(parent, iteration).await?;
         let frame = frame.map_err(|detail| wrong(SpecPart::Iteration, detail))?;
         let iteration = frame.level.iteration;
-        // Held until the end: points that nobody holds are read from the store again.
+        // Held until the end: points without a holder are read from the store again.
         let shared = parent.system().await?;
         if is_ephemeral {
             app.jobs.keep_at_hand(parent, &shared).await?;
@@ -218,20 +218,20 @@ impl EditOrder {
         })
     }
 
-    /// Begins the fit for one stream, without making a job that is kept; also the level of the parent
-    /// that it starts from, which the client has.
+    /// Begins the fit for one stream, without creating a stored job; also the level of the parent that it starts from,
+    /// which the client has.
     pub(super) async fn begin(self, app: &App) -> Result<(Ephemeral, Arc<Frame>), Problem> {
         Ok((self.order.begin(app, self.turn).await?, self.before))
     }
 }
 
-/// Refuses an ephemeral edit that is not asked for with its stream.
+/// Refuses an ephemeral edit whose stream is not requested.
 pub(super) fn no_stream(words: &impl Words) -> Problem {
-    let detail = "all that there is of an ephemeral edit is its stream: ask for a stream, with POST /v1/jobs/{id}/edits/stream or the Accept header";
+    let detail = "an ephemeral edit exists only as a stream: request one with POST /v1/jobs/{id}/edits/stream or the Accept header";
     Problem::of_mistakes(Mistake::at(SpecPart::Ephemeral, detail).into(), words)
 }
 
-/// Reads a body of so many bytes.
+/// Reads a body of this many bytes.
 pub(super) async fn read<T: Send + 'static>(
     app: &App,
     bytes: usize,
@@ -253,7 +253,7 @@ pub(super) fn stopping() -> Problem {
     Problem::new(Kind::Stopping, "the server is stopping").retry_after(5)
 }
 
-/// What is wrong with the name of an idempotency key.
+/// The error for an invalid idempotency key.
 pub(super) fn check_key(name: &str) -> Result<(), String> {
     let visible = name.bytes().all(|byte| (b' '..=b'~').contains(&byte));
     if name.is_empty() || name.len() > LONGEST_KEY || !visible {
@@ -264,8 +264,8 @@ pub(super) fn check_key(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// The key with a digest of the request: where it went and what it said. Each peer has keys of its own, so
-/// that nobody sits on those of another one.
+/// The key with a digest of the request: its route and its body. Each peer has a key space of its own, so that peers
+/// cannot block each other's keys.
 pub(super) async fn key(
     app: &App,
     name: String,
@@ -305,7 +305,7 @@ pub(super) fn limits(app: &App) -> Limits {
     }
 }
 
-/// Computes where the request is handled, or on the compute pool if it is much.
+/// Computes where the request is handled, or on the compute pool if it takes long.
 async fn compute<T: Send + 'static>(
     app: &App,
     small: bool,

@@ -1,4 +1,4 @@
-//! Comparisons of bases, for both doors.
+//! Comparisons of bases, for both transports.
 
 use super::app::App;
 use super::order;
@@ -6,16 +6,16 @@ use super::problem::Problem;
 use piad_fit::engine::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 use piad_fit::invalid::{Invalid, Place, one_for_each};
 
-/// The part of an error that is left, if nothing else is asked for.
+/// The default part of an error that is left.
 pub(super) const USUAL_TOLERANCE: f64 = 1e-6;
 
-/// The number of points, if nothing else is asked for: that of DP07, Table 1.
+/// The default number of points: that of DP07, Table 1.
 pub(super) const USUAL_POINTS: usize = 11;
 
-/// The degree of the B-splines, if nothing else is asked for.
+/// The default degree of the B-splines.
 pub(super) const USUAL_DEGREE: usize = 3;
 
-/// What is asked for.
+/// The request.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RatesRequest {
     /// The number of points; it follows from explicit parameters.
@@ -24,7 +24,7 @@ pub(super) struct RatesRequest {
     pub parameters: Option<Vec<f64>>,
     /// The degree of the B-splines.
     pub degree: Option<usize>,
-    /// To which part an error is to be reduced.
+    /// The part to which an error is to be reduced.
     pub tolerance: Option<f64>,
 }
 
@@ -33,17 +33,18 @@ pub(super) struct RatesRequest {
 pub(crate) struct Rates {
     /// The number of points.
     pub points: usize,
-    /// To which part an error is reduced.
+    /// The part to which an error is reduced.
     pub tolerance: f64,
     /// The bases.
     pub bases: Vec<BasisRate>,
 }
 
-/// What is wrong with a request: the name of a part, which is the same in both languages, and why.
+/// A validation error: the name of a part, which is the same in both encodings, and the reason.
 #[derive(Debug)]
 pub(super) struct WrongPart(pub &'static str, pub String);
 
-/// Compares on the compute pool, as eigenvalues take long. `wrong` says how an error names a part.
+/// Compares on the compute pool, as eigenvalues take long. `wrong` makes the problem of an error of
+/// a part.
 pub(super) async fn rates(
     app: &App,
     request: RatesRequest,
@@ -96,7 +97,7 @@ impl RatesRequest {
     }
 }
 
-/// The part of the request that an error of the mathematics is about.
+/// The part of the request that a numerical error is about.
 fn part(error: &Invalid) -> &'static str {
     match error.place {
         Place::Degree(_) => "degree",

@@ -1,8 +1,8 @@
-//! Where a stream goes on.
+//! The iteration from which a stream continues.
 //!
-//! Iterations are computed again where they are read. A program of another [`KERNEL`] computes other bits, so it
-//! does not go on where that one has stopped: it begins at iteration 0 again, and says so. The id of an
-//! iteration tells whose it is.
+//! Iterations are computed again when they are read. A program with another [`KERNEL`] computes other bits, so it
+//! cannot continue an earlier stream: it restarts at iteration 0, and reports that. The id of an iteration names its
+//! kernel.
 
 use std::fmt;
 
@@ -15,7 +15,7 @@ use piad_fit::engine::KERNEL;
 /// The id of the last event.
 pub(crate) const END: &str = "end";
 
-/// Where the events of a reader begin.
+/// The start of the events of a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Start {
     /// At iteration 0.
@@ -26,7 +26,7 @@ pub(crate) enum Start {
     Again,
 }
 
-/// What a client has received.
+/// The events that a client has received.
 pub(crate) enum LastEvent {
     /// An iteration, and where that leaves the stream.
     Iteration(Start),
@@ -45,7 +45,7 @@ pub(crate) struct EventId {
 }
 
 impl EventId {
-    /// That of an iteration which is computed here.
+    /// The id of an iteration that is computed here.
     pub(crate) fn new(job: &Job, k: usize) -> Self {
         let kernel = Some(KERNEL).filter(|here| *here != job.outline().kernel);
         Self { k, kernel }
@@ -73,7 +73,7 @@ impl fmt::Display for EventId {
     }
 }
 
-/// The event of a job with this id; an empty id is none. The error says what is wrong with the id.
+/// The event of a job with this id; `None` for an empty id. The error gives the reason.
 pub(crate) fn last_event(job: &Job, id: Option<&str>) -> Result<Option<LastEvent>, String> {
     match id {
         None | Some("") => Ok(None),
@@ -90,7 +90,7 @@ pub(crate) fn last_event(job: &Job, id: Option<&str>) -> Result<Option<LastEvent
     }
 }
 
-/// Where a stream goes on for a client that has iteration k.
+/// The continuation of a stream for a client that has iteration k.
 pub(crate) fn after_iteration(job: &Job, k: usize) -> Result<Start, String> {
     after(job, EventId { k, kernel: None })
 }
@@ -102,8 +102,8 @@ fn after(job: &Job, id: EventId) -> Result<Start, String> {
     }
 }
 
-/// Checks that a job can have had an iteration that a client says it has seen. A job that runs again after a
-/// restart, or that was cancelled then, may have come further before.
+/// Checks that a job can have had an iteration that a client claims to have received. A job that runs again after a
+/// restart, or that was cancelled then, may have been further before.
 fn check_seen(job: &Job, k: usize) -> Result<(), String> {
     let status = job.status();
     let ended_by_itself = match status.state {

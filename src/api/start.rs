@@ -21,7 +21,7 @@ use piad_files::short::quoted;
 use piad_fit::engine::foot;
 use piad_fit::geometry::Nurbs;
 
-/// How long a request that starts from an iteration of another job waits for the first one.
+/// The time that a request which starts from an iteration of another job waits for the first one.
 const BEGINS_WITHIN: Duration = Duration::from_secs(10);
 
 /// The surface of another job on which the scattered points of a job have their foot points.
@@ -33,7 +33,7 @@ pub(super) struct Base {
 }
 
 impl Base {
-    /// That of a job with none, or with parameters of its own.
+    /// For a job without a surface, or with parameters of its own.
     pub(super) fn none() -> Self {
         Self {
             frame: Err(no_base()),
@@ -41,7 +41,7 @@ impl Base {
         }
     }
 
-    /// The one that a job refers to, once there is memory for the search.
+    /// The surface that a job refers to, once there is memory for the search.
     pub(super) async fn of(app: &App, base: Option<&FootPoints>) -> Result<Self, Problem> {
         let Some(base) = base else {
             return Ok(Self::none());
@@ -66,7 +66,7 @@ impl Base {
         self.frame.is_ok()
     }
 
-    /// Checks a job that refers to it.
+    /// Validates a job that refers to it.
     pub(super) fn validate(
         self,
         request: JobRequest,
@@ -90,7 +90,7 @@ async fn frame_of(app: &App, base: &FootPoints) -> Result<Result<Arc<Frame>, Mis
     let iteration = base.iteration.and_then(IterationChoice::number);
     let place = match iteration {
         Some(_) => SpecPart::FootPointsIteration,
-        // The surface would depend on how far the job happens to be.
+        // The surface would depend on the momentary progress of the job.
         None if !job.status().state.is_final() => {
             let detail = format!(
                 "the job is {}: wait until it has ended, or name an iteration that it has reached",
@@ -128,7 +128,7 @@ pub(super) async fn start(
     })
 }
 
-/// How far a job is. One that has just been made is waited for.
+/// The progress of a job. A new one is waited for.
 async fn reached(job: &Arc<Job>) -> Result<Option<usize>, Problem> {
     let reached = || job.status().levels.map(|levels| levels.last.iteration);
     if reached().is_some() {
@@ -136,7 +136,7 @@ async fn reached(job: &Arc<Job>) -> Result<Option<usize>, Problem> {
     }
     let mut first = Cursor::new(Arc::clone(job), 0);
     Ok(match timeout(BEGINS_WITHIN, first.next()).await {
-        // Another replica may run the job and not have told yet how far it is.
+        // Another replica may run the job and not have reported its progress yet.
         Ok(Ok(Next::Frame(_))) => reached().or(Some(0)),
         Ok(Ok(Next::End(_))) | Err(_) => reached(),
         Ok(Err(error)) => return Err(error.into()),

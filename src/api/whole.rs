@@ -1,4 +1,4 @@
-//! Whole numbers in paths, queries and headers.
+//! Parsing of whole numbers in paths, queries and headers.
 
 /// The largest whole number in a path or a query: up to it, floating-point numbers are exact.
 pub(super) const LARGEST: u64 = (1 << 53) - 1;

@@ -1,4 +1,4 @@
-//! The server that fits: one inside of this process, or one at a URL. Both are asked the same.
+//! The server of a command: one in this process, or one at a URL, with the same requests.
 
 use std::env;
 use std::error::Error;
@@ -25,17 +25,17 @@ use crate::redact::redacted;
 use crate::server::local::{self, Local};
 use crate::telemetry::request::TRACE_PARENT;
 
-/// The memory of a job in this process: large jobs get 5/16 of that of a server, so that this is
-/// nearly all of the machine's.
+/// The memory of the server in this process: large jobs get 5/16 of it, so that this is nearly all
+/// of the machine's.
 const SHARES: u64 = 3;
 
-/// Why no server with TLS can be asked on a system without certificates.
+/// The error on a system without trusted certificates.
 const NO_AUTHORITIES: &str = "there are no certificates of authorities to trust servers by: install those of the system (ca-certificates), or name a file of them in SSL_CERT_FILE";
 
-/// Why a server is not asked whose certificate somebody else has signed.
+/// The error for a certificate of an unknown authority.
 const NOT_TRUSTED: &str = "its certificate is signed by an authority that is not trusted here; trusted are those of the system, or of the file that SSL_CERT_FILE names";
 
-/// Why a server is not asked whose certificate is such as `openssl req -x509` makes them.
+/// The error for a certificate such as `openssl req -x509` makes.
 const AUTHORITY: &str = "its certificate is that of an authority (CA:TRUE), and not of a server: let that authority sign one for the server";
 
 /// A server.
@@ -45,17 +45,17 @@ pub(super) struct Client {
     pub job: OnceLock<String>,
 }
 
-/// The server that is asked now, whose job an interrupt cancels.
+/// The current server, whose job an interrupt cancels.
 #[derive(Default)]
 pub(super) struct Current(Mutex<Option<Arc<Client>>>);
 
 impl Current {
-    /// From now on this one is asked.
+    /// Sets the current server.
     pub(super) fn set(&self, client: &Arc<Client>) {
         *self.0.lock() = Some(Arc::clone(client));
     }
 
-    /// That server, once there is one.
+    /// The current server, once there is one.
     pub(super) fn get(&self) -> Option<Arc<Client>> {
         self.0.lock().clone()
     }
@@ -124,7 +124,7 @@ impl Client {
         }
     }
 
-    /// Whether it is another process.
+    /// Returns true if it is another process.
     pub(super) fn is_remote(&self) -> bool {
         matches!(self.door, Door::There { .. })
     }
@@ -137,7 +137,7 @@ impl Client {
         }
     }
 
-    /// The address of a path as it may be shown: a URL can have a password.
+    /// The address of a path for messages: a URL can have a password.
     pub(super) fn shown(&self, path: &str) -> String {
         match &self.door {
             Door::Here(_) => path.to_owned(),
@@ -145,7 +145,7 @@ impl Client {
         }
     }
 
-    /// Posts a body; the answer comes as events, a line of JSON each.
+    /// Posts a body; the answer is events, a line of JSON each.
     pub(super) async fn post(
         &self,
         path: &str,
@@ -160,7 +160,7 @@ impl Client {
             .await
     }
 
-    /// Gets what is at a path.
+    /// Gets a path.
     pub(super) async fn get(
         &self,
         path: &str,
@@ -175,7 +175,7 @@ impl Client {
         if let Some(job) = self.job.get().filter(|_| self.is_remote()) {
             let path = format!("{job}/cancel");
             let request = Request::builder().method(Method::POST);
-            // One that has ended in the meantime is refused, which is as well.
+            // A job that has ended in the meantime cannot be cancelled, which is fine.
             let _ = self.send(request, &path, "*/*", Body::empty()).await?;
         }
         Ok(())
@@ -206,7 +206,7 @@ impl Client {
                         .headers_mut()
                         .insert(header::AUTHORIZATION, token.clone());
                 }
-                // Who starts the program may have a span of its own, below which this one belongs.
+                // The parent process may have a span of its own, to which this one belongs.
                 let parent = env::var("TRACEPARENT").map(HeaderValue::try_from);
                 if let Ok(Ok(parent)) = parent {
                     request.headers_mut().insert(TRACE_PARENT, parent);
@@ -221,7 +221,7 @@ impl Client {
     }
 }
 
-/// The body of an answer, or why there is none.
+/// The body of an answer, or the error.
 async fn answer(response: Response<Body>) -> Result<Result<Body, Refusal>, Failure> {
     let (parts, body) = response.into_parts();
     if parts.status.is_success() {
@@ -235,19 +235,19 @@ async fn answer(response: Response<Body>) -> Result<Result<Body, Refusal>, Failu
 fn told(error: &legacy::Error) -> String {
     match refused_certificate(error) {
         Some(CertificateError::UnknownIssuer) => NOT_TRUSTED.to_owned(),
-        // What is wrong with its form is known by name only.
+        // The kind of a malformed certificate is known by name only.
         Some(reason) if reason.to_string().contains("CaUsedAsEndEntity") => AUTHORITY.to_owned(),
         Some(reason) => format!("its certificate is refused: {reason}"),
         None => causes(error),
     }
 }
 
-/// What is wrong with a certificate, if that is behind an error.
+/// The error of a certificate, if that is behind an error.
 fn refused_certificate<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a CertificateError> {
     if let Some(rustls::Error::InvalidCertificate(reason)) = error.downcast_ref() {
         return Some(reason);
     }
-    // Errors inside of those of I/O are no sources of them.
+    // Errors inside I/O errors are not their sources.
     let inner = error.downcast_ref().and_then(io::Error::get_ref);
     match inner {
         Some(inner) => refused_certificate(inner),
@@ -255,7 +255,7 @@ fn refused_certificate<'a>(error: &'a (dyn Error + 'static)) -> Option<&'a Certi
     }
 }
 
-/// An error with what is behind it, which says more.
+/// An error with its sources, which are more specific.
 fn causes(error: &dyn Error) -> String {
     match error.source() {
         None => error.to_string(),
@@ -263,7 +263,7 @@ fn causes(error: &dyn Error) -> String {
     }
 }
 
-/// A connector that trusts nobody, for plain HTTP.
+/// A connector without trusted certificates, for plain HTTP.
 fn plain_connector() -> HttpsConnector<HttpConnector> {
     let nobody = rustls::RootCertStore::empty();
     let config = rustls::ClientConfig::builder()

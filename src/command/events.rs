@@ -1,4 +1,4 @@
-//! The events of a fit, a line of JSON each, also over connections that break.
+//! The events of a fit, a line of JSON each, with reconnection.
 
 use std::time::Duration;
 
@@ -13,22 +13,22 @@ use super::request::PROGRESS;
 use crate::api::batch::part_file::{Distances, Why};
 use crate::lines::Lines;
 
-/// How often a broken stream is taken up again without an event in between.
+/// The number of attempts to resume a broken stream without an event in between.
 const ATTEMPTS: u32 = 6;
 
 /// An event.
 #[derive(Debug, Deserialize)]
 #[serde(tag = "event", content = "data", rename_all = "lowercase")]
 pub(super) enum Event {
-    /// What does not change.
+    /// The description of the job.
     Job(Box<JobEvent>),
     /// An iteration.
     Iteration(IterationEvent),
-    /// How it ended.
+    /// The end of the fit.
     End(Box<EndEvent>),
 }
 
-/// What is said of a job.
+/// The contents of a `job` event.
 #[derive(Debug, Deserialize)]
 pub(super) struct JobEvent {
     id: String,
@@ -60,7 +60,7 @@ pub(super) struct Warning {
     pub detail: String,
 }
 
-/// What is said of an iteration.
+/// The contents of an `iteration` event.
 #[derive(Clone, Debug, Deserialize)]
 pub(super) struct IterationEvent {
     pub iteration: usize,
@@ -69,7 +69,7 @@ pub(super) struct IterationEvent {
     pub predicted: Option<usize>,
 }
 
-/// What is said in the end.
+/// The contents of an `end` event.
 #[derive(Debug, Deserialize)]
 pub(super) struct EndEvent {
     pub state: String,
@@ -122,7 +122,7 @@ impl<'a> Events<'a> {
         self.attempts = 0;
         match event {
             Event::Job(job) => {
-                // The same one after each connection.
+                // Repeated after each reconnection.
                 let _ = self.client.job.set(format!("/v1/jobs/{}", job.id));
             }
             Event::Iteration(level) => self.last = Some(level.iteration),
@@ -130,9 +130,9 @@ impl<'a> Events<'a> {
         }
     }
 
-    /// Goes on after the last iteration with another connection.
+    /// Reconnects after the last iteration.
     async fn resume(&mut self, reason: &str) -> Result<(), Failure> {
-        let failed = || Failure::Failed(format!("the stream of events broke off: {reason}"));
+        let failed = || Failure::Failed(format!("the event stream was interrupted: {reason}"));
         let job = self.client.job.get().ok_or_else(failed)?;
         let last = self.last.map(|last| format!("&last_event_id={last}"));
         let path = format!("{job}/events?{PROGRESS}{}", last.unwrap_or_default());

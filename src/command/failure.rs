@@ -1,36 +1,36 @@
-//! Why a command ends without what was asked for.
+//! Reasons for a command to fail.
 
 use std::fmt::{self, Display};
 use std::io;
 
 use crate::terminal::say;
 
-/// The status of a command that was asked for something that makes no sense.
+/// The exit status of a command with invalid arguments.
 pub(super) const USAGE: u8 = 2;
 
 /// Why a command has failed, in lines for people.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// What was asked for, or the data, is wrong.
+    /// The arguments or the data are invalid.
     Usage(Vec<String>),
-    /// It could not be done.
+    /// The operation failed.
     Failed(String),
-    /// Nobody reads the standard output any more, which needs no words.
+    /// The reader of the standard output has gone, which needs no message.
     Closed,
 }
 
 impl Failure {
-    /// Something is wrong with what was asked for.
+    /// Invalid arguments.
     pub(super) fn usage(line: impl Into<String>) -> Self {
         Self::Usage(vec![line.into()])
     }
 
-    /// Something could not be done with a file.
+    /// An operation with a file failed.
     pub(super) fn of_file(name: impl Display, reason: &io::Error) -> Self {
         Self::Failed(format!("{name}: {reason}"))
     }
 
-    /// The status that the program ends with.
+    /// The exit status of the program.
     pub(super) fn status(&self) -> u8 {
         match self {
             Self::Usage(_) => USAGE,
@@ -38,10 +38,10 @@ impl Failure {
         }
     }
 
-    /// Tells it on the standard error.
+    /// Writes it to the standard error.
     pub(super) fn tell(&self) {
         match self {
-            // Each line begins with the file, as those of compilers do.
+            // Each line begins with the file, as in compiler messages.
             Self::Usage(lines) => lines.iter().for_each(say),
             Self::Failed(line) => say(format_args!("piad: {line}")),
             Self::Closed => {}

@@ -1,4 +1,4 @@
-//! What the flags say of files, as the query of a request for one.
+//! Flags about output files as the query of a request.
 
 use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
 
@@ -14,12 +14,12 @@ pub(super) struct FileQuery {
     dxf: Option<String>,
     samples: Option<String>,
     spacing: Option<String>,
-    /// Where the coordinates start.
+    /// The origin of the coordinates.
     origin: Option<String>,
 }
 
 impl FileQuery {
-    /// Those of the flags.
+    /// The choices of the flags.
     pub(super) fn new(arguments: &FitArguments) -> Self {
         Self {
             units: arguments.units.clone(),
@@ -31,13 +31,13 @@ impl FileQuery {
         }
     }
 
-    /// Takes the place where longitudes and latitudes of the input have become metres, unless another one is given.
+    /// Takes the origin of the longitudes and latitudes of the input, unless another one is given.
     pub(super) fn set_origin(&mut self, origin: Option<Origin>) {
         let text = origin.map(|it| format!("{},{}", it.latitude, it.longitude));
         self.origin = self.origin.take().or(text);
     }
 
-    /// The query for a file of this format, with what is about it.
+    /// The query for a file of this format, with the options it has.
     pub(super) fn of(&self, format: Format) -> String {
         let has_samples = format.has_samples();
         let exact = format == Format::Dxf && self.dxf.as_deref() == Some("r2000");
@@ -60,7 +60,7 @@ impl FileQuery {
         given.collect::<Vec<_>>().join("&")
     }
 
-    /// What it says of a file of this format for a curve or a surface; or what is wrong with it.
+    /// The options of a file of this format for a curve or a surface, or the error in them.
     pub(super) fn options(&self, format: Format, surface: bool) -> Result<Options, String> {
         let options = file_options(&self.of(format), format, surface);
         options.map_err(|problem| problem.detail().to_owned())

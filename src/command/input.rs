@@ -1,4 +1,4 @@
-//! The input: where it comes from, and what it is by what is in it.
+//! The input: its source, and its kind, detected by its content.
 
 use std::io;
 use std::path::Path;
@@ -13,36 +13,36 @@ use crate::files;
 use piad_files::import::is_geojson;
 use piad_files::short::without_mark;
 
-/// What an input is.
+/// The kind of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     /// Points in any form, which `import` reads.
     Points,
     /// A whole job in JSON.
     Job,
-    /// Several jobs in JSON, and what they have in common.
+    /// Several jobs in JSON, with defaults.
     Batch,
 }
 
-/// The field that a batch has, and no job.
+/// The field that batches have, and jobs do not.
 #[derive(Deserialize)]
 struct Jobs {
     items: Option<IgnoredAny>,
 }
 
-/// What is fitted.
+/// An input to fit.
 #[derive(Debug)]
 pub(super) struct Input {
     /// The name of the file, for people.
     pub name: String,
-    /// What is in it.
+    /// Its content.
     pub bytes: Bytes,
-    /// What that is.
+    /// Its kind.
     pub content: Content,
 }
 
 impl Input {
-    /// Reads a file, or the standard input, of at most so many bytes.
+    /// Reads a file, or the standard input, of at most `max_bytes` bytes.
     pub(super) fn read(path: &Path, max_bytes: u64) -> Result<Self, Failure> {
         let (name, bytes) = match path.to_str() {
             Some("-") => {
@@ -67,12 +67,12 @@ impl Input {
         Ok(input)
     }
 
-    /// The JSON that it is.
+    /// Its JSON.
     pub(super) fn value(&self) -> Result<Value, Failure> {
         serde_json::from_slice(self.json()).map_err(|error| self.not_json(&error))
     }
 
-    /// Its bytes without a mark before them.
+    /// Its bytes without a byte-order mark.
     pub(super) fn json(&self) -> &[u8] {
         without_mark(&self.bytes)
     }
@@ -82,10 +82,10 @@ impl Input {
     }
 }
 
-/// What is wrong with a file of JSON, at its line.
+/// The error of a JSON file, at its line.
 pub(super) fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     let line = error.line().max(1);
-    // The line and column are told at the end, too.
+    // The line and column also stand at the end.
     let told = error.to_string();
     let detail = told.split(" at line ").next().unwrap_or(&told);
     Failure::usage(format!("{name}:{line}: {detail}"))

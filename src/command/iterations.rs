@@ -1,4 +1,4 @@
-//! A file of each iteration.
+//! Files of all iterations.
 
 use std::fs;
 use std::path::Path;
@@ -9,10 +9,10 @@ use super::file_query::FileQuery;
 use super::outputs::{OutputFormat, Place, write};
 use crate::config::fit_arguments::FitArguments;
 
-/// The most files where nobody says how many.
+/// The default limit of the number of files.
 const MOST: usize = 1000;
 
-/// Makes the directory, so that it is known to be there before the fit begins.
+/// Makes the directory before the fit begins, so that errors are found early.
 pub(super) fn prepare(directory: &Path) -> Result<(), Failure> {
     match fs::create_dir(directory) {
         Err(_) if directory.is_dir() => Ok(()),
@@ -24,7 +24,7 @@ pub(super) fn prepare(directory: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Writes iterations of a job up to the last one; tells how many, and their bytes.
+/// Writes iterations of a job up to the last one; returns their number and bytes.
 pub(super) async fn write_all(
     client: &Client,
     arguments: &FitArguments,

@@ -1,17 +1,17 @@
-//! `piad fit`: a fit from a file to files, and what shells and manuals need to know of the program.
+//! `piad fit`: a fit from a file to files; and completions and manual pages of the program.
 //!
-//! A fit is asked of a server as any client asks it: one inside of this process without a port, or one
-//! at a URL. So both give the same control points and refuse the same things.
+//! The command sends the same requests as any client, to a server in this process without a port, or to one at a URL.
+//! So both give the same control points and the same errors.
 //!
 //! - `single`: the fit of a file; `parts`: those of all parts of a file; `several`: those of many files;
-//! - `input`: what is read; the flags are in `config`;
-//! - `point_kind`: what is known of the points before the fit;
+//! - `input`: the input; the flags are in `config`;
+//! - `point_kind`: the kind of points, detected before the fit;
 //! - `options`: flags as fields of a job; `request`: the job that is posted;
-//! - `client`: the server; `events`: what it tells of the fit;
-//! - `outputs`, `iterations`: the files; `progress`, `summary`, `table`: what is reported on the terminal;
-//! - `refusal`: what is wrong, at its flag or line (`pointer`); `failure`: the status in the end;
+//! - `client`: the server; `events`: its events of the fit;
+//! - `outputs`, `iterations`: the files; `progress`, `summary`, `table`: reports on the terminal;
+//! - `refusal`: errors at their flag or line (`pointer`); `failure`: the exit status;
 //! - [`shells`]: completions and manual pages;
-//! - [`store`]: `piad store`, which is about the jobs of servers.
+//! - [`store`]: `piad store`, for the stores of servers.
 
 mod client;
 mod events;
@@ -49,13 +49,13 @@ use crate::config::fit_arguments::FitArguments;
 use crate::signals;
 use crate::terminal::say;
 
-/// The status after an interrupt, as shells tell it.
+/// The exit status after an interrupt, as shells report it.
 const INTERRUPTED: u8 = 130;
 
 /// How long the cancelling of a job on another server may take.
 const CANCELLING: Duration = Duration::from_secs(2);
 
-/// Fits what the arguments ask for; the status says how it ended.
+/// Runs `piad fit`; the exit status says how it ended.
 pub fn fit(arguments: &FitArguments) -> ExitCode {
     let runtime = match Runtime::new() {
         Ok(runtime) => runtime,
@@ -85,12 +85,12 @@ pub fn fit(arguments: &FitArguments) -> ExitCode {
             }
         }
     });
-    // Work that nobody waits for any more ends with the process.
+    // Abandoned work ends with the process.
     runtime.shutdown_background();
     status.into()
 }
 
-/// Fits and writes; tells whether all fits have converged.
+/// Fits and writes; returns true if all fits have converged.
 async fn run(arguments: &FitArguments, current: &Current) -> Result<bool, Failure> {
     let rows = match &arguments.input[..] {
         [input] if !outputs::is_directory(arguments) => {

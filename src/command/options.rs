@@ -1,4 +1,4 @@
-//! The options as fields of a job: what flags say becomes the JSON that servers read.
+//! Flags as fields of a job: their conversion to the JSON that servers read.
 
 use serde_json::{Map, Value, json};
 
@@ -12,32 +12,32 @@ use crate::config::fit_arguments::FitArguments;
 use crate::files;
 use piad_files::import::Hints;
 
-/// The parameters of scattered points that are those of foot points.
+/// The kind of parameters of foot points.
 const FOOT_POINTS: &str = "foot_points";
 
-/// What the flags ask for.
+/// The requested options.
 #[derive(Debug, Default)]
 pub(super) struct Asked {
     /// Fields of a job, without points.
     pub fields: Map<String, Value>,
-    /// What the flags say of a file: parameters of a query, and their values.
+    /// Flags about the input file: query parameters, and their values.
     pub reading: Vec<(&'static str, String)>,
-    /// Where each flag has gone.
+    /// The field of each flag.
     pub flags: Vec<(String, String)>,
 }
 
 impl Asked {
-    /// What the flags say of a file of points.
+    /// Flags about a file of points.
     pub(super) fn hints(&self) -> Hints {
         let mut reading = FileHints::default();
         for (name, text) in &self.reading {
-            // The server takes them, too, and reports what is wrong with them.
+            // The server accepts them, too, and reports errors in them.
             let _ = reading.take(name, text);
         }
         file::hints(&self.fields, reading, usize::MAX)
     }
 
-    /// What the flags ask of an input.
+    /// The options of the flags for an input.
     pub(super) fn of(arguments: &FitArguments, input: &Input) -> Result<Self, Failure> {
         let mut asked = Self::default();
         asked.take_settings(arguments)?;
@@ -82,7 +82,7 @@ impl Asked {
         Ok(asked)
     }
 
-    /// Returns true if heights get a place in space.
+    /// Returns true if heights are placed in space.
     pub(super) fn places_heights(&self) -> bool {
         let surface = self.fields.get("surface");
         surface.is_some_and(|surface| surface.get("spacing").is_some())
@@ -156,7 +156,7 @@ impl Asked {
         Ok(())
     }
 
-    /// Takes the flags that are about the curve or the surface, whichever it is.
+    /// Takes the flags that are about curves or surfaces.
     fn take_shape(
         &mut self,
         arguments: &FitArguments,
@@ -204,7 +204,7 @@ impl Asked {
         Ok(())
     }
 
-    /// Takes the flags that are about a curve or a surface, as the one or the other.
+    /// Takes the flags that are about curves or surfaces, as those of the one or the other.
     fn take_basis_and_ends(
         &mut self,
         arguments: &FitArguments,
@@ -272,7 +272,7 @@ impl Asked {
     }
 }
 
-/// Puts fields over others. A method of another kind has other settings, so it replaces the method.
+/// Overrides fields. A method of another kind has other settings, so it replaces the method.
 pub(super) fn merge(fields: &mut Map<String, Value>, over: Map<String, Value>) {
     for (name, value) in over {
         let before = fields.get_mut(&name);
@@ -292,7 +292,7 @@ fn is_other_kind(before: &Map<String, Value>, after: &Map<String, Value>) -> boo
     kind.is_some() && kind != before.get("kind")
 }
 
-/// Puts fields over those of each item of a batch, whether it is a curve or a surface.
+/// Overrides fields of each item of a batch, of curves or surfaces.
 pub(super) fn merge_into_items(batch: &mut Value, over: &Map<String, Value>) {
     let items = batch.get_mut("items").and_then(Value::as_array_mut);
     for item in items.into_iter().flatten().filter_map(Value::as_object_mut) {
@@ -306,10 +306,10 @@ pub(super) fn merge_into_items(batch: &mut Value, over: &Map<String, Value>) {
     }
 }
 
-/// Whether the points of an input are of a curve or of a surface.
+/// Returns `curve` or `surface` for the points of an input.
 fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
-        // Those who read it report what is wrong with it.
+        // The reader of the input reports its errors.
         Content::Points => {
             PointKind::of(input, &Asked::default().hints()).is_some_and(|points| points.surface)
         }
@@ -336,7 +336,7 @@ fn pair(text: &str, separator: char) -> Value {
     }
 }
 
-/// Corners as the flag names them.
+/// Corners as the flag gives them.
 fn corners_of(text: &str) -> Result<Value, Failure> {
     if text == "auto" {
         return Ok(Value::from(text));

@@ -1,4 +1,4 @@
-//! Where results go: which files, in which formats, and that there are only complete ones.
+//! Outputs: files and formats, written completely or not at all.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -48,7 +48,7 @@ impl OutputFormat {
         }
     }
 
-    /// What follows the path of a result or an iteration.
+    /// The path of a result or an iteration, relative to it.
     pub(super) fn suffix(self, query: &FileQuery) -> String {
         match self {
             Self::Json | Self::Shape => String::new(),
@@ -56,7 +56,7 @@ impl OutputFormat {
         }
     }
 
-    /// What follows the path of a job.
+    /// The path relative to a job.
     pub(super) fn path(self, query: &FileQuery) -> String {
         match self {
             Self::Shape => format!("/shape?{}", query.of(SAMPLED)),
@@ -64,7 +64,7 @@ impl OutputFormat {
         }
     }
 
-    /// The format that has the same choices.
+    /// The format with the same options.
     fn choices(self) -> Option<Format> {
         match self {
             Self::Json => None,
@@ -73,7 +73,7 @@ impl OutputFormat {
         }
     }
 
-    /// What is wrong with results for these points in this format.
+    /// The error of results for these points in this format.
     fn check(self, points: &PointKind, query: &FileQuery) -> Result<(), String> {
         match self {
             Self::Shape if points.dimension < 2 => return Err(NoShape::OneCoordinate.to_string()),
@@ -88,7 +88,7 @@ impl OutputFormat {
     }
 }
 
-/// Where something goes.
+/// The destination of an output.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Place {
     /// The standard output.
@@ -109,13 +109,13 @@ impl fmt::Display for Place {
 /// An output.
 #[derive(Clone, Debug)]
 pub(super) struct Output {
-    /// Where it goes.
+    /// Its destination.
     pub place: Place,
     /// Its format.
     pub format: OutputFormat,
 }
 
-/// The outputs that are asked for, if all of them can be written by what is known before the fit.
+/// The requested outputs, if all of them can be written as far as known before the fit.
 pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> {
     let given = given_format(arguments)?;
     let mut outputs = Vec::new();
@@ -134,7 +134,7 @@ pub(super) fn outputs(arguments: &FitArguments) -> Result<Vec<Output>, Failure> 
             format: OutputFormat::Shape,
         });
     }
-    // A picture or a shape alone is no result.
+    // A drawing or a shape alone is not a result.
     if arguments.output.is_empty() {
         let standard = Output {
             place: Place::Standard,
@@ -216,7 +216,7 @@ pub(super) fn in_directory(
     })
 }
 
-/// The format that `--format` names.
+/// The format of `--format`.
 fn given_format(arguments: &FitArguments) -> Result<Option<OutputFormat>, Failure> {
     let given = arguments.format.as_deref().map(|name| {
         let no_format = || Failure::usage(format!("--format {name}: {}", formats("there are")));
@@ -225,8 +225,8 @@ fn given_format(arguments: &FitArguments) -> Result<Option<OutputFormat>, Failur
     given.transpose()
 }
 
-/// Checks that results for these points can be written in the formats of all outputs, as it is chosen. The points are
-/// looked at only if a format does not hold everything.
+/// Checks that results for these points can be written in the formats of all outputs, with their options. The points
+/// are read only if a format has restrictions.
 pub(super) fn check_formats(
     outputs: &[Output],
     query: &mut FileQuery,
@@ -235,7 +235,7 @@ pub(super) fn check_formats(
     let as_usual = query.of(Format::Csv).is_empty();
     let files = outputs.iter().filter(|output| match output.format {
         OutputFormat::Json => false,
-        // Tables hold everything.
+        // Tables have no restrictions.
         OutputFormat::File(Format::Csv) => !as_usual,
         OutputFormat::File(_) | OutputFormat::Shape => true,
     });
@@ -263,7 +263,7 @@ fn output(path: &Path, given: Option<OutputFormat>) -> Result<Output, Failure> {
     };
     let format = given.or_else(by_name);
     let format = format.ok_or_else(|| {
-        let formats = formats("its ending is none of");
+        let formats = formats("its extension is none of");
         Failure::usage(format!("{place}: {formats}; --format says the format"))
     })?;
     Ok(Output { place, format })
@@ -281,12 +281,12 @@ fn formats(before: &str) -> String {
     format!("{before} json, {names}")
 }
 
-/// Checks that files can be where they are asked for, and that no two are in one place.
+/// Checks that files can be written at the requested paths, and that no two share one.
 pub(super) fn check(outputs: &[Output]) -> Result<(), Failure> {
     let mut places = HashSet::new();
     for Output { place, .. } in outputs {
         if !places.insert(place) {
-            return Err(Failure::usage(format!("{place}: it is asked for twice")));
+            return Err(Failure::usage(format!("{place}: it is given twice")));
         }
         if let Place::File(path) = place {
             let wrong = |detail: &str| Err(Failure::usage(format!("{place}: {detail}")));
@@ -311,7 +311,7 @@ fn directory(path: &Path) -> &Path {
     }
 }
 
-/// Writes a body; tells how many bytes it has.
+/// Writes a body; returns its number of bytes.
 pub(super) async fn write(place: &Place, mut body: Body) -> Result<u64, Failure> {
     let failed = |reason: &io::Error| match (place, reason.kind()) {
         (Place::Standard, io::ErrorKind::BrokenPipe) => Failure::Closed,
@@ -329,12 +329,13 @@ pub(super) async fn write(place: &Place, mut body: Body) -> Result<u64, Failure>
     Ok(count)
 }
 
-/// A file that is being written.
+/// A file while it is written.
 enum Sink {
     Standard,
     /// A device or a pipe, which cannot be replaced.
     Special(File),
-    /// A file beside its place, to which it moves when it is complete. It goes away if it is dropped before.
+    /// A temporary file beside the destination, to which it is renamed when it is complete. It is removed if it is
+    /// dropped before.
     Beside(NamedTempFile, PathBuf),
 }
 
@@ -343,7 +344,7 @@ impl Sink {
         let Place::File(path) = place else {
             return Ok(Self::Standard);
         };
-        // What a link leads to is replaced, rather than the link.
+        // The target of a link is replaced, rather than the link.
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
         let before = fs::metadata(&path).ok();
         if before.as_ref().is_some_and(|it| !it.is_file()) {
@@ -378,7 +379,7 @@ impl Sink {
     }
 }
 
-/// Those of the file that is replaced, or of any new file.
+/// The permissions of the replaced file, or of a new one.
 #[cfg(unix)]
 fn permissions(before: Option<Permissions>) -> Option<Permissions> {
     use std::os::unix::fs::PermissionsExt;

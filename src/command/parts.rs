@@ -20,20 +20,20 @@ use crate::config::fit_arguments::FitArguments;
 use crate::lines::Lines;
 use crate::terminal::say;
 
-/// What has come of all parts.
+/// The results of all parts.
 #[derive(Debug, Default)]
 struct Fits {
     /// The lines of the answer, as JSON.
     lines: Vec<Box<str>>,
     rows: Vec<Row>,
-    /// What was understood of the file. Most is about all of it, and stands in each line.
+    /// Notices about the file. Most are about all of it, and are in each line.
     notices: Vec<String>,
     known: HashSet<String>,
     /// The parts that have a result.
     file: PartFile,
 }
 
-/// What is done with the parts of a file.
+/// The actions for the parts of a file.
 pub(super) struct Parts<'a> {
     pub(super) arguments: &'a FitArguments,
     pub(super) outputs: &'a [Output],
@@ -84,7 +84,7 @@ impl Parts<'_> {
         self.arguments.quiet || self.is_one_of_many
     }
 
-    /// Reports what was found out about the file, and what came of its parts.
+    /// Reports the notices about the file, and the results of its parts.
     fn report(&self, input: &Input, fits: &Fits) {
         if !self.arguments.quiet {
             for notice in &fits.notices {
@@ -96,7 +96,7 @@ impl Parts<'_> {
     }
 }
 
-/// Refuses what is about one curve.
+/// Refuses options of a single curve.
 fn check(arguments: &FitArguments, input: &Input) -> Result<(), Failure> {
     let detail = match input.content {
         Content::Batch => {
@@ -124,7 +124,7 @@ async fn follow(mut lines: Lines, name: &str, mut progress: Progress) -> Result<
             "{name}: a line of the answer is not understood: {reason}"
         ))
     };
-    let broken = |reason: String| Failure::Failed(format!("the answer broke off: {reason}"));
+    let broken = |reason: String| Failure::Failed(format!("the answer was interrupted: {reason}"));
     loop {
         let line = lines.next().await.map_err(broken)?;
         let line = line.ok_or_else(|| broken("it ended too early".to_owned()))?;

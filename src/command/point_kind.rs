@@ -1,4 +1,4 @@
-//! What is known of the points of an input before they are fitted.
+//! The kind of the points of an input, known before the fit.
 
 use serde_json::Value;
 
@@ -10,19 +10,20 @@ use piad_files::import::{self, Hints, Kind};
 /// The number of coordinates in space.
 const SPACE: usize = 3;
 
-/// What points are of, and how many coordinates they have.
+/// The kind of geometry, and the number of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PointKind {
     /// True if they are points of a surface.
     pub surface: bool,
     /// The number of coordinates.
     pub dimension: usize,
-    /// Where the first two start, if they were longitudes and latitudes.
+    /// The origin of the first two, if they were longitudes and latitudes.
     pub origin: Option<Origin>,
 }
 
 impl PointKind {
-    /// That of an input with these hints; `None` if it cannot be read, which the server reports.
+    /// The kind of points of an input with these hints; `None` if it cannot be read, which the
+    /// server reports.
     pub(super) fn of(input: &Input, hints: &Hints) -> Option<Self> {
         match input.content {
             Content::Points => {
@@ -40,7 +41,7 @@ impl PointKind {
                 })
             }
             Content::Job => Self::of_job(input.json(), ""),
-            // Of several items the first one, likewise.
+            // Of several items also the first one.
             Content::Batch => {
                 let first = Self::of_job(input.json(), "/items/0")?;
                 let spacing = pointer::value(input.json(), "/defaults/surface/spacing");
@@ -49,7 +50,7 @@ impl PointKind {
         }
     }
 
-    /// That with a place for heights, if they get one.
+    /// The same after heights are placed in space, if they are.
     pub(super) fn placed(self, is_placed: bool) -> Self {
         match self {
             Self { dimension: 1, .. } if is_placed && self.surface => Self {
@@ -60,7 +61,7 @@ impl PointKind {
         }
     }
 
-    /// That of the job at this place of a JSON text.
+    /// The kind of points of the job at this path of a JSON text.
     fn of_job(json: &[u8], place: &str) -> Option<Self> {
         let value = |pointer: &str| pointer::value(json, &format!("{place}{pointer}"));
         let lists = [

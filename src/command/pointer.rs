@@ -44,7 +44,7 @@ impl Scanner<'_> {
         self.text.get(self.at).copied()
     }
 
-    /// Goes over what separates values, to the next one.
+    /// Skips separators, up to the next value.
     fn value(&mut self) -> usize {
         while self
             .peek()
@@ -88,7 +88,7 @@ impl Scanner<'_> {
         }
     }
 
-    /// Goes over the value that begins here.
+    /// Skips the value that begins here.
     fn skip(&mut self) {
         let mut depth = 0_usize;
         while let Some(byte) = self.peek() {
@@ -107,7 +107,7 @@ impl Scanner<'_> {
         }
     }
 
-    /// Goes to the end of a text, which begins here.
+    /// Skips to the end of a string, which begins here.
     fn skip_text(&mut self) {
         self.at += 1;
         while let Some(byte) = self.peek() {

@@ -1,4 +1,4 @@
-//! What is told while a fit runs: a bar on terminals, lines elsewhere.
+//! Progress of a running fit: a bar on terminals, lines elsewhere.
 
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -11,7 +11,7 @@ use crate::terminal::say;
 /// The time between lines.
 const PAUSE: Duration = Duration::from_secs(2);
 
-/// What is told, and how.
+/// The kind of progress output.
 pub(super) enum Progress {
     /// Nothing.
     Silent,
@@ -19,15 +19,15 @@ pub(super) enum Progress {
     Bar(ProgressBar),
     /// A line now and then.
     Lines {
-        /// When the last one was told.
+        /// When the last one was printed.
         told: Option<Instant>,
-        /// The iterations that it takes, if anybody knows.
+        /// The expected number of iterations, if it is known.
         total: Option<usize>,
     },
 }
 
 impl Progress {
-    /// Nothing if it is to be quiet, a bar if somebody looks at the standard error.
+    /// Nothing with `--quiet`, a bar if the standard error is a terminal.
     pub(super) fn new(quiet: bool) -> Self {
         if quiet {
             return Self::Silent;

@@ -1,4 +1,4 @@
-//! What is wrong with a request, told in the terms of the command line: flags, files and lines.
+//! Errors of a request in the terms of the command line: flags, files and lines.
 
 use axum::http::StatusCode;
 use serde::Deserialize;
@@ -9,13 +9,13 @@ use super::options::Asked;
 use super::pointer;
 use crate::api::json::request::file::{PART, SIZE};
 
-/// A problem object, as far as the command needs it.
+/// The used fields of a problem object.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct Refusal {
     /// The status of the answer.
     #[serde(skip)]
     pub status: StatusCode,
-    /// What is wrong.
+    /// The error.
     #[serde(default)]
     pub detail: String,
     #[serde(default)]
@@ -42,13 +42,13 @@ impl Refusal {
         refusal
     }
 
-    /// Returns true if a file has several parts, or not the one that is asked for.
+    /// Returns true if a file has several parts, or not the requested one.
     pub(super) fn wants_part(&self) -> bool {
         let is_part = |mistake: &Mistake| mistake.parameter.as_deref() == Some(PART);
         self.errors.iter().any(is_part)
     }
 
-    /// The refusal of a fit.
+    /// The failure of a refused fit.
     pub(super) fn of_fit(self, input: &Input, asked: &Asked) -> Failure {
         let about_the_request = matches!(
             self.status,
@@ -96,7 +96,7 @@ impl Mistake {
 }
 
 impl Asked {
-    /// The flag that a field comes from: the one with the longest path around it, or one inside of it.
+    /// The flag that a field comes from: the one with the longest path that contains it, or one inside it.
     pub(super) fn flag(&self, path: &str) -> Option<&str> {
         if path == SIZE {
             return Some("--surface");

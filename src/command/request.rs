@@ -1,4 +1,4 @@
-//! The request for a fit: what is posted, in this process or to a server.
+//! The request for a fit, posted to the server in this process or another one.
 
 use bytes::Bytes;
 use percent_encoding::{NON_ALPHANUMERIC, utf8_percent_encode};
@@ -8,7 +8,7 @@ use super::failure::Failure;
 use super::input::{Content, Input};
 use super::options::{Asked, merge, merge_into_items};
 
-/// Streams of progress: no geometry, and no iteration that is out of date.
+/// Streams of progress: no geometry, and only the newest iteration.
 pub(super) const PROGRESS: &str = "view=errors&pace=latest";
 
 /// The request for many fits, with their results.
@@ -60,7 +60,7 @@ impl Request {
         Self::of_points(input, asked, BATCH.to_owned())
     }
 
-    /// Points go as they are, and the other fields in the query.
+    /// Points are sent unchanged, and the other fields in the query.
     fn of_points(input: &Input, asked: &Asked, mut path: String) -> Result<Self, Failure> {
         let mut add = |name: &str, text: &str| {
             let text = utf8_percent_encode(text, NON_ALPHANUMERIC);
@@ -87,7 +87,7 @@ impl Request {
     }
 }
 
-/// A job or a batch with the fields that the flags put over it.
+/// A job or a batch with the overriding fields of the flags.
 fn json(input: &Input, asked: &Asked) -> Result<Bytes, Failure> {
     if asked.fields.is_empty() {
         return Ok(input.bytes.slice_ref(input.json()));

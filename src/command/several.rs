@@ -11,7 +11,7 @@ use super::single;
 use super::table::{self, Row};
 use crate::config::fit_arguments::FitArguments;
 
-/// Fits and writes files one after the other. One that fails does not keep the others back.
+/// Fits and writes files one after the other. A failure does not stop the others.
 pub(super) async fn fit(
     arguments: &FitArguments,
     inputs: &[PathBuf],

@@ -1,4 +1,5 @@
-//! Completions and manual pages, from the definitions of the arguments; texts on the standard output.
+//! Completions and manual pages, generated from the definitions of the arguments; texts on the
+//! standard output.
 
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
@@ -32,7 +33,7 @@ pub fn manual(name: Option<&str>) -> ExitCode {
         return failure.status().into();
     };
     let mut page = Vec::new();
-    // Nothing fails that is written to memory.
+    // Writing to memory cannot fail.
     let page_made = clap_mangen::Man::new(command.clone()).render(&mut page);
     match page_made {
         Ok(()) => show(&page),

@@ -97,16 +97,16 @@ pub(super) async fn fit(
     }
 }
 
-/// What is posted, and what it was made of.
+/// The request, and its input.
 struct Prepared {
     input: Input,
     asked: Asked,
     request: Request,
-    /// What is chosen about the outputs.
+    /// The options of the outputs.
     query: FileQuery,
 }
 
-/// Reads the input, and refuses what is known to be impossible before the fit.
+/// Reads the input, and refuses what cannot succeed before the fit.
 fn prepare(
     arguments: &FitArguments,
     input: &Path,
@@ -162,20 +162,21 @@ async fn follow(
             Event::Iteration(level) => progress.step(&level),
             Event::End(end) => {
                 progress.end();
-                let unsaid = || Failure::Failed("the fit has ended without a word".to_owned());
+                let unsaid =
+                    || Failure::Failed("the stream ended without a `job` event".to_owned());
                 return Ok((job.ok_or_else(unsaid)?, end));
             }
         }
     }
 }
 
-/// What was written, until something went wrong.
+/// The files written before a failure.
 struct Written {
     files: Vec<(String, u64)>,
     failure: Option<Failure>,
 }
 
-/// Writes all outputs of a fit that has a result; those that cannot be written keep no other back.
+/// Writes all outputs of a fit that has a result; a failure does not stop the others.
 async fn write(
     client: &Client,
     arguments: &FitArguments,

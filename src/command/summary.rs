@@ -1,4 +1,4 @@
-//! What is told when a fit has ended.
+//! The summary of a fit that has ended.
 
 use serde::Deserialize;
 use serde_json::Value;
@@ -8,14 +8,14 @@ use super::table::Row;
 use crate::api::batch::part_file::Distances;
 use crate::terminal::say;
 
-/// What a result says of its control points, if they are binary.
+/// The shape of control points in a result, if they are binary.
 #[derive(Debug, Deserialize)]
 pub(super) struct Shape {
     shape: Vec<usize>,
 }
 
 impl Shape {
-    /// How many control points there are, in each direction.
+    /// The number of control points, in each direction.
     fn told(&self) -> String {
         let counts = self
             .shape
@@ -26,12 +26,12 @@ impl Shape {
     }
 }
 
-/// Whether the number of control points is known only in the end.
+/// Returns true if the number of control points is known only after the fit.
 pub(super) fn is_automatic(job: &JobEvent) -> bool {
     job.method["control_points"] == "auto"
 }
 
-/// What was fitted, and how it ended.
+/// Reports a fit and its end.
 pub(super) fn tell(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Shape>) {
     for notice in &job.notices {
         say(format_args!("{name}: {notice}"));
@@ -87,7 +87,7 @@ pub(super) fn row(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Sha
     }
 }
 
-/// How many control points there are, in each direction.
+/// The number of control points, in each direction.
 fn control_points(job: &JobEvent, shape: Option<&Shape>) -> String {
     shape.map_or_else(|| each(&job.control_points), Shape::told)
 }

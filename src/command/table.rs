@@ -1,4 +1,4 @@
-//! The report of many fits: a table with a line for each, and how many there were.
+//! The report of many fits: a table with a line for each, and totals.
 
 use super::failure::Failure;
 use crate::api::batch::part_file::Distances;
@@ -13,20 +13,20 @@ const WIDEST: usize = 40;
 /// A fit that has ended.
 #[derive(Debug)]
 pub(super) struct Row {
-    /// What was fitted.
+    /// The name of the fit.
     pub name: String,
-    /// How it ended, such as `converged`.
+    /// The final state, such as `converged`.
     pub state: String,
-    /// The distances from the data; none if there is no result.
+    /// The distances from the data; `None` if there is no result.
     pub error: Option<Distances>,
-    /// How many control points there are, in each direction.
+    /// The number of control points, in each direction.
     pub control_points: Option<String>,
     /// Why it has not converged.
     pub detail: Option<String>,
 }
 
 impl Row {
-    /// What could not be fitted.
+    /// An input that could not be fitted.
     pub(super) fn failed(name: String, failure: &Failure) -> Self {
         Self {
             name,

@@ -15,10 +15,10 @@ use crate::config::{Lifetime, TokenCommand};
 use crate::job::tenant::Tenant;
 use crate::terminal::say;
 
-/// How many characters an id has.
+/// The number of characters of an id.
 const ID: usize = 8;
 
-/// Does what is asked for; the status says whether it has succeeded.
+/// Runs the command; the exit status says whether it has succeeded.
 pub fn run(command: &TokenCommand) -> ExitCode {
     let done = match command {
         TokenCommand::Create {
@@ -40,7 +40,7 @@ pub fn run(command: &TokenCommand) -> ExitCode {
     }
 }
 
-/// Makes a token, which is told once.
+/// Makes a token, which is shown once.
 fn create(
     path: &Path,
     tenant: &str,
@@ -73,13 +73,13 @@ fn create(
     Ok(vec![text])
 }
 
-/// When a lifetime is over.
+/// The end of a lifetime.
 fn end(begin: Timestamp, time: SignedDuration) -> Result<Timestamp, String> {
     let end = begin.checked_add(time);
     end.map_err(|_| "--expires: that is too long; never is possible, too".to_owned())
 }
 
-/// A time without its part of a second.
+/// A time rounded to seconds.
 fn second(at: Timestamp) -> Timestamp {
     Timestamp::from_second(at.as_second()).unwrap_or(at)
 }
@@ -115,7 +115,7 @@ fn told(token: &Token) -> String {
     format!("{id}  {tenant}  {scopes}  created {created}  {expires}{note}")
 }
 
-/// Removes a token. Servers know within two seconds.
+/// Removes a token. Servers notice within two seconds.
 fn revoke(path: &Path, id: &str) -> Result<Vec<String>, String> {
     TokensFile::change(path, |file| {
         let place = file.tokens.iter().position(|token| token.id == id);

@@ -15,7 +15,7 @@ use crate::access::scope::Scope;
 #[derive(Debug, Parser)]
 #[command(name = "piad", version = env!("PIAD_VERSION"), long_version = concat!(env!("PIAD_VERSION"), "\n", env!("PIAD_FEATURES")), about, args_conflicts_with_subcommands = true)]
 pub struct Cli {
-    /// What to do; without a command, serve.
+    /// The command; the default is serve.
     #[command(subcommand)]
     pub command: Option<Command>,
     /// Settings of the server.
@@ -32,8 +32,8 @@ pub enum Command {
     Config(Box<Config>),
     /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
     Health {
-        /// Where the server listens, a Unix domain socket first if there are several places; 0.0.0.0 and its like
-        /// stand for this machine.
+        /// The address of the server, a Unix domain socket first if there are several; 0.0.0.0 and its like stand for
+        /// this machine.
         #[arg(
             long,
             env = "PIAD_LISTEN",
@@ -48,7 +48,7 @@ pub enum Command {
         /// A file of settings, of which it takes these.
         #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
         config_file: Option<PathBuf>,
-        /// How many seconds to wait for the answer.
+        /// Seconds to wait for the answer.
         #[arg(long, default_value = "3")]
         timeout: u64,
     },
@@ -72,7 +72,7 @@ pub enum Command {
     },
 }
 
-/// What can be done with tokens.
+/// Commands for tokens.
 #[derive(Debug, Subcommand)]
 pub enum TokenCommand {
     /// Make a token and write it to the standard output, for the only time: the file keeps its hash.
@@ -80,10 +80,10 @@ pub enum TokenCommand {
         /// The file, which is made if it is missing.
         #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
         tokens: PathBuf,
-        /// To whom the jobs belong that are made with it. A tenant knows of its own jobs alone.
+        /// The tenant that owns the jobs made with it. A tenant sees only its own jobs.
         #[arg(long, default_value = "default", value_name = "NAME")]
         tenant: String,
-        /// What it is good for.
+        /// The scopes of the token.
         #[arg(
             long,
             value_enum,
@@ -94,7 +94,7 @@ pub enum TokenCommand {
         /// How long it is good, such as 720h, or never.
         #[arg(long, default_value = "2160h", value_name = "TIME")]
         expires: Lifetime,
-        /// What it is for, such as the name of its owner.
+        /// A note on its purpose, such as the name of its owner.
         #[arg(long, value_name = "TEXT")]
         note: Option<String>,
     },
@@ -109,23 +109,23 @@ pub enum TokenCommand {
         /// The file.
         #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
         tokens: PathBuf,
-        /// The id of the token, as lists and the log have it.
+        /// The id of the token, as in lists and the log.
         id: String,
     },
 }
 
-/// What can be done with stores.
+/// Commands for stores.
 #[derive(Debug, Subcommand)]
 pub enum StoreCommand {
     /// Copy all jobs, their results and idempotency keys into another store, which keeps what it has. What was
     /// cut off can be done again.
     Copy {
-        /// Where they are: a directory, or the URL of a PostgreSQL database.
+        /// The source: a directory, or the URL of a PostgreSQL database.
         from: Storage,
-        /// Where they go.
+        /// The destination.
         to: Storage,
     },
-    /// Read everything in a store and say what is damaged; the store stays as it is. Exit status 1 if anything is.
+    /// Read everything in a store and report damage; the store is not changed. Exit status 1 if anything is damaged.
     Check {
         /// A directory, or the URL of a PostgreSQL database.
         store: Storage,
@@ -141,7 +141,7 @@ pub enum StoreCommand {
     Export {
         /// A directory, or the URL of a PostgreSQL database.
         store: Storage,
-        /// Where the files go.
+        /// The directory of the files.
         directory: PathBuf,
     },
 }

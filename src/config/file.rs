@@ -11,16 +11,16 @@ use crate::redact::redacted;
 use crate::terminal::escaped;
 use crate::toml_text;
 
-/// What a file sets.
+/// The settings of a file.
 #[derive(Debug)]
 pub(super) struct SettingsFile {
     pub(super) path: PathBuf,
-    /// The values of each setting, as they would stand behind its flag.
+    /// The values of each setting, as they would follow its flag.
     values: BTreeMap<String, Vec<String>>,
 }
 
 impl SettingsFile {
-    /// Reads a file; the error names it, and the line or the setting that is wrong, but shows no value.
+    /// Reads a file; the error names it, and the line or the setting, but shows no value.
     pub(super) fn read(path: &Path, server: &Command) -> Result<Self, String> {
         let wrong = |reason: String| {
             let message = format!("{}: {reason}", path.display());
@@ -50,7 +50,7 @@ impl SettingsFile {
         Ok(Self { path, values })
     }
 
-    /// Whether the file has a setting.
+    /// Returns true if the file has a setting.
     pub(super) fn sets(&self, name: &str) -> bool {
         self.values.contains_key(name)
     }
@@ -67,7 +67,7 @@ impl SettingsFile {
     }
 }
 
-/// A value as it would stand behind a flag; several of a list.
+/// A value as it would follow a flag; several of a list.
 fn texts(value: Value) -> Option<Vec<String>> {
     match value {
         Value::Array(values) => values.into_iter().map(text).collect(),

@@ -10,13 +10,13 @@ use crate::model::named::Named;
 use crate::model::stream::Samples;
 use piad_files::export::{Style, Unit, Version};
 
-/// What is told below the flags.
+/// The help below the flags.
 const MORE: &str = "\
-Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, KML, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job or batch as POST /v1/jobs and /v1/batch take them. Points are a surface where blank lines part their rows, where their x and y form a lattice, or where --surface says so; points without an order are scattered points of a surface then. Meshes with faces are surfaces to the vertices of their largest piece.
+Input is recognised by what is in it: CSV and tables with blanks (with or without a header and comments), point clouds (XYZ, PTS, PCD, LAS), airfoils (.dat, Selig, Lednicer and MSES), GPX, KML, GeoJSON, DXF, SVG, G-code, meshes (PLY, STL, OBJ, OFF), ESRI grids, a JSON array of points, of rows of points or of rows of heights, or a whole job or batch as POST /v1/jobs and /v1/batch take them. Points are a surface where blank lines part their rows, where their x and y form a grid, or where --surface says so; points without an order are scattered points of a surface then. Meshes with faces are surfaces to the vertices of their largest piece.
 
 Output is written as the ending of its name says: .json, .step (.stp), .iges (.igs), .obj, .gltf (.glb), .stl, .ply, .dxf, .svg, .geojson, .gpx, .csv. Without -o the result goes to the standard output. Files appear when they are complete; those that are there are overwritten.
 
-Exit status: 0 converged; 1 not converged (files are written all the same), or failed; 2 wrong usage or data, told with file and line; 130 interrupted.
+Exit status: 0 converged; 1 not converged (files are written all the same), or failed; 2 wrong usage or data, reported with file and line; 130 interrupted.
 
 Examples:
   piad fit wing.dat --tolerance 1e-4 -o wing.step
@@ -25,7 +25,7 @@ Examples:
   cat points.csv | piad fit - --method chebyshev --format json > curve.json
   piad fit job.json --server https://fits.example.org --token-file token";
 
-/// What to fit, how, and where to.
+/// The input, the fit, and the outputs.
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = MORE)]
 pub struct FitArguments {
@@ -39,8 +39,8 @@ pub struct FitArguments {
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Vec<PathBuf>,
 
-    /// Format of the output, whatever its name ends with: json, step, iges, obj, gltf, stl, ply, dxf, svg,
-    /// geojson, gpx or csv [default: that of the ending; json on the standard output].
+    /// Format of the output, whatever the extension: json, step, iges, obj, gltf, stl, ply, dxf, svg, geojson, gpx or
+    /// csv [default: that of the extension; json on the standard output].
     #[arg(long, value_name = "FORMAT")]
     pub(crate) format: Option<String>,
 
@@ -62,8 +62,8 @@ pub struct FitArguments {
     #[arg(long, value_name = "DEGREE", help_heading = "Fit")]
     pub(crate) degree: Option<String>,
 
-    /// The points are of a surface, with so many rows and columns, such as 40x60; without a value the file
-    /// shows them, or the points are scattered.
+    /// The points are of a surface, with this many rows and columns, such as 40x60; without a value the file shows
+    /// them, or the points are scattered.
     #[arg(long, value_name = "ROWSxCOLUMNS", num_args = 0..=1, value_parser = size, help_heading = "Fit")]
     pub(crate) surface: Option<Option<String>>,
 
@@ -104,7 +104,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "FAIRNESS", help_heading = "Fit")]
     pub(crate) fairness: Option<String>,
 
-    /// A least-squares fit without points that are far from where their neighbours lead.
+    /// A least-squares fit without points that are far from where their neighbours predict them.
     #[arg(long, help_heading = "Fit")]
     pub(crate) robust: bool,
 
@@ -122,7 +122,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "DISTANCE", num_args = 0..=1, allow_negative_numbers = true, value_parser = distance, help_heading = "Fit")]
     pub(crate) trim: Option<Option<String>>,
 
-    /// How it ends: estimated, repeated or natural, or JSON [default: estimated].
+    /// End conditions: estimated, repeated or natural, or JSON [default: estimated].
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]
     pub(crate) ends: Option<String>,
 
@@ -151,7 +151,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "UNIT", value_parser = PossibleValuesParser::new(Unit::names()))]
     pub(crate) units: Option<String>,
 
-    /// What SVG files show: drawing, of the fit with its data, or path, of the curve alone for editors and plotters
+    /// Contents of SVG files: drawing, of the fit with its data, or path, of the curve alone for editors and plotters
     /// [default: drawing; path of several parts].
     #[arg(long, value_name = "STYLE", conflicts_with = "plot", value_parser = PossibleValuesParser::new(Style::names()))]
     pub(crate) svg: Option<String>,
@@ -178,8 +178,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) iterations: Option<PathBuf>,
 
-    /// With --iterations: only each so many iterations, and the last [default: as few as it takes for at
-    /// most 1000 files].
+    /// With --iterations: every n-th iteration, and the last [default: the least n for at most 1000 files].
     #[arg(long, value_name = "NUMBER", requires = "iterations", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) every: Option<u32>,
 
@@ -192,7 +191,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) shape: Option<PathBuf>,
 
-    /// Tell nothing but errors.
+    /// Print only errors.
     #[arg(short, long)]
     pub(crate) quiet: bool,
 

@@ -1,11 +1,11 @@
-//! Where to listen: addresses, with names as well as numbers, and Unix domain sockets.
+//! Listen addresses: with names as well as numbers, and Unix domain sockets.
 
 use std::fmt;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Where a server listens.
+/// A listen address.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Listen {
     /// On a port.

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// The memory of the machine, or of its control group if that has less. `None` if the system does not say,
-/// such as Linux without /proc.
+/// The memory of the machine, or of its control group if that has less. `None` if the system does not report it, such
+/// as Linux without /proc.
 pub(super) fn memory() -> Option<u64> {
     let mut system = sysinfo::System::new();
     system.refresh_memory();

@@ -1,9 +1,9 @@
 //! The settings of a server: flags, `PIAD_*` variables, and a file.
 //!
 //! - `cli`: the command line of the program, `fit_arguments`: that of `piad fit`;
-//! - `values`, [`listen`], [`origin`]: how values are read;
-//! - [`file`]: a file of settings; `sources`: where each setting comes from;
-//! - `machine`: the memory that there is.
+//! - `values`, [`listen`], [`origin`]: parsing of values;
+//! - [`file`]: a file of settings; `sources`: the source of each setting;
+//! - `machine`: the available memory.
 
 mod cli;
 mod file;
@@ -42,8 +42,8 @@ pub struct Config {
     #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
     pub config_file: Option<PathBuf>,
 
-    /// Where to listen, also at several places: an address or a name with a port (all addresses of a name; port 0
-    /// takes any free one), or a Unix domain socket such as unix:/run/piad.sock.
+    /// Listen addresses: an address or a name with a port (all addresses of a name; port 0 takes any free one), or a
+    /// Unix domain socket such as unix:/run/piad.sock. Several are possible.
     #[arg(
         long,
         env = "PIAD_LISTEN",
@@ -71,7 +71,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
     pub tokens: Option<PathBuf>,
 
-    /// Let everybody who reaches the server use it, also on addresses of the network.
+    /// Let everyone who reaches the server use it, also on network addresses.
     #[arg(long, env = "PIAD_INSECURE_NO_AUTH")]
     pub insecure_no_auth: bool,
 
@@ -136,9 +136,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_JOBS", default_value_t = 10_000)]
     pub max_jobs: usize,
 
-    /// Most jobs of one client address that have not ended; further ones are refused with 429.
-    /// Behind a proxy that is not trusted, which is one address: as many as --max-jobs
-    /// [default: half of what other addresses leave of --max-jobs].
+    /// Most jobs of one client address that have not ended; further ones are refused with 429. A proxy that is not
+    /// trusted is one address: set it to --max-jobs [default: half of what other addresses leave of --max-jobs].
     #[arg(long, env = "PIAD_MAX_JOBS_PER_PEER")]
     pub max_jobs_per_peer: Option<usize>,
 
@@ -147,8 +146,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_CONNECTIONS")]
     pub max_connections: Option<usize>,
 
-    /// Most connections of one client address. Behind a proxy that is not trusted, which is one address: as
-    /// many as --max-connections [default: half of --max-connections].
+    /// Most connections of one client address. A proxy that is not trusted is one address: set it to --max-connections
+    /// [default: half of --max-connections].
     #[arg(long, env = "PIAD_MAX_CONNECTIONS_PER_PEER")]
     pub max_connections_per_peer: Option<usize>,
 
@@ -157,8 +156,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_REQUESTS_PER_PEER", default_value_t = 1000)]
     pub max_requests_per_peer: usize,
 
-    /// Where jobs are kept: a directory; :memory: to forget them when the server ends; or a PostgreSQL
-    /// database, such as postgres://piad@db.example/piad?sslmode=verify-full, that several servers share.
+    /// The store of jobs: a directory; :memory: to forget them when the server ends; or a PostgreSQL database, such as
+    /// postgres://piad@db.example/piad?sslmode=verify-full, that several servers share.
     #[arg(
         long,
         env = "PIAD_STORE",
@@ -172,8 +171,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_STORE_CONNECTIONS", default_value = "10", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub store_connections: u16,
 
-    /// Seconds after which the jobs of a server that says nothing any more are taken over by others with the
-    /// same database.
+    /// Seconds after which the jobs of a server without a sign of life are taken over by others with the same database.
     #[arg(long, env = "PIAD_LEASE", default_value = "15", value_parser = some_seconds)]
     pub lease: Duration,
 
@@ -226,7 +224,7 @@ pub struct Config {
     #[arg(long, env = "PIAD_IDLE_TIMEOUT", default_value = "120", value_parser = some_seconds)]
     pub idle_timeout: Duration,
 
-    /// Seconds after which an answer is given up of which the client takes nothing.
+    /// Seconds after which an answer is given up if the client reads nothing of it.
     #[arg(long, env = "PIAD_WRITE_TIMEOUT", default_value = "60", value_parser = some_seconds)]
     pub write_timeout: Duration,
 
@@ -244,11 +242,11 @@ pub struct Config {
     )]
     pub otlp_endpoint: Option<String>,
 
-    /// How log lines, on standard error, look.
+    /// The format of log lines, on standard error.
     #[arg(long, env = "PIAD_LOG_FORMAT", value_enum, default_value_t = LogFormat::Text)]
     pub log_format: LogFormat,
 
-    /// What is logged: a level, or directives such as `info,piad::job=debug`.
+    /// The log filter: a level, or directives such as `info,piad::job=debug`.
     #[arg(long, env = "PIAD_LOG", default_value = "info")]
     pub log: String,
 }
@@ -256,7 +254,7 @@ pub struct Config {
 impl Config {
     /// The settings of a server that is started without flags and variables.
     pub fn standard() -> Self {
-        // The attributes above are the one place of the defaults; they always parse.
+        // The attributes above are the only definition of the defaults; they always parse.
         match Standard::try_parse_from(["piad"]) {
             Ok(standard) => standard.config,
             Err(error) => error.exit(),
@@ -287,7 +285,7 @@ impl Config {
         }
     }
 
-    /// Where the store is, and how it is used.
+    /// The store, and its settings.
     pub(crate) fn store_place(&self) -> StorePlace<'_> {
         let settings = Settings {
             connections: usize::from(self.store_connections),
@@ -296,13 +294,13 @@ impl Config {
         self.store.place(settings)
     }
 
-    /// Bytes that running fits may take together: as set, or half of what there is.
+    /// Bytes that running fits may take together: as set, or half of the available memory.
     pub fn memory_bytes(&self) -> u64 {
         let half = || machine::memory().map_or(UNKNOWN_MEMORY, |memory| memory / 2);
         self.memory.map_or_else(half, |size| size.as_u64())
     }
 
-    /// Whether the memory is set, or that of the machine is known.
+    /// Returns true if the memory is set, or that of the machine is known.
     pub fn knows_memory(&self) -> bool {
         self.memory.is_some() || machine::memory().is_some()
     }

@@ -1,4 +1,4 @@
-//! Where settings come from: flags first, then variables, then the file, then the defaults.
+//! The sources of settings: flags first, then variables, then the file, then the defaults.
 
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -17,7 +17,7 @@ use crate::terminal::escaped;
 /// The commands that take settings of a server.
 const OF_SERVERS: [&str; 3] = ["serve", "config", "health"];
 
-/// Where the settings of a server come from.
+/// The sources of the settings of a server.
 #[derive(Debug)]
 pub struct Sources {
     command: Command,
@@ -29,7 +29,7 @@ pub struct Sources {
 ///
 /// # Errors
 ///
-/// If there is anything wrong with them, or help was asked for. Errors show no passwords.
+/// If there are errors in them, or help was requested. Errors show no passwords.
 pub fn parse(arguments: Vec<OsString>) -> Result<(Cli, Sources), Error> {
     read(arguments).map_err(without_secrets)
 }
@@ -67,7 +67,7 @@ fn of_server(matches: &ArgMatches) -> Option<&ArgMatches> {
     }
 }
 
-/// The settings of a file in the place of all defaults.
+/// Replaces the defaults by the settings of a file.
 fn beneath(command: Command, file: &SettingsFile) -> Command {
     let command = file.beneath(command);
     OF_SERVERS.into_iter().fold(command, |command, name| {
@@ -75,13 +75,13 @@ fn beneath(command: Command, file: &SettingsFile) -> Command {
     })
 }
 
-/// What is wrong with a value in a file: without it nothing was.
+/// The error of a value in a file.
 fn of_file(command: &mut Command, file: &SettingsFile, error: &Error) -> Error {
-    let told = error.to_string();
-    let told = told.lines().next().unwrap_or_default();
-    let told = told.trim_start_matches("error: ");
+    let text = error.to_string();
+    let text = text.lines().next().unwrap_or_default();
+    let text = text.trim_start_matches("error: ");
     let path = file.path.display().to_string();
-    command.error(error.kind(), format!("{}: {told}", escaped(&path)))
+    command.error(error.kind(), format!("{}: {text}", escaped(&path)))
 }
 
 /// The error without passwords and control characters in the values that it repeats.
@@ -105,7 +105,7 @@ fn without_secrets(mut error: Error) -> Error {
 }
 
 impl Sources {
-    /// All settings as a file has them, with where each comes from.
+    /// All settings in the form of a file, with the source of each.
     pub fn shown(&self) -> String {
         let mut shown = String::new();
         for argument in self.command.get_arguments() {
@@ -115,7 +115,7 @@ impl Sources {
             if ["config", "help", "version"].contains(&name) {
                 continue;
             }
-            // Nothing fails that is written to memory.
+            // Writing to memory cannot fail.
             let _ = match self.value(argument) {
                 None => writeln!(shown, "# {name} is not set"),
                 Some(value) if is_secret(argument, &value) => {
@@ -160,7 +160,7 @@ impl Sources {
     }
 }
 
-/// Returns true if a value must not be shown: it has a password in it, or is the URL of a database.
+/// Returns true if a value must not be shown: it contains a password, or is the URL of a database.
 fn is_secret(argument: &Arg, value: &Value) -> bool {
     match value {
         Value::String(text) => {

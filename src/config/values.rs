@@ -1,4 +1,4 @@
-//! Values of settings that are no numbers, and how they are read.
+//! Values of settings that are not numbers, and their parsing.
 
 use std::fmt;
 use std::net::IpAddr;
@@ -14,7 +14,7 @@ use crate::job::store::StorePlace;
 use crate::job::store::shared::Settings;
 use crate::redact;
 
-/// Where the certificates are, all of them in the form of PEM.
+/// The files of certificates, all of them in PEM.
 #[derive(Clone, Debug)]
 pub(crate) struct TlsFiles {
     /// The certificate of the server, followed by those of the authorities below the root.
@@ -67,10 +67,10 @@ impl fmt::Display for BasePath {
     }
 }
 
-/// Where jobs are kept.
+/// The place of jobs.
 #[derive(Clone, PartialEq, Eq)]
 pub enum Storage {
-    /// Nowhere: they end with the server.
+    /// In memory: they end with the server.
     Memory,
     /// In a file of this directory.
     Directory(PathBuf),
@@ -79,7 +79,7 @@ pub enum Storage {
 }
 
 impl Storage {
-    /// The place that is meant; a database is used with these settings.
+    /// The place of the store; a database is used with these settings.
     pub(crate) fn place(&self, settings: Settings) -> StorePlace<'_> {
         match self {
             Self::Memory => StorePlace::Memory,
@@ -134,8 +134,8 @@ fn ignored_password(url: &str) -> Option<&str> {
     keys.find(|key| *key != "password" && redact::has_secret(&format!("{key}=")))
 }
 
-/// Returns true for a URL with a mistake and for a connection string such as `host=db user=piad`. As the name of a
-/// directory it would be shown with its password.
+/// Returns true for a mistyped URL and for a connection string such as `host=db user=piad`. As the name of a directory
+/// it would be shown with its password.
 fn is_meant_for_database(text: &str) -> bool {
     const KEYS: [&str; 5] = ["host", "hostaddr", "user", "dbname", "service"];
     let lower = text.to_ascii_lowercase();
@@ -150,10 +150,10 @@ fn is_meant_for_database(text: &str) -> bool {
     is_url || lower.split_whitespace().any(is_key) || redact::has_secret(text)
 }
 
-/// How long a token is good.
+/// The lifetime of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lifetime {
-    /// So long.
+    /// This long.
     For(SignedDuration),
     /// Until it is revoked.
     Never,
@@ -174,7 +174,7 @@ impl FromStr for Lifetime {
     }
 }
 
-/// How log lines look.
+/// The format of log lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LogFormat {
     /// For people.

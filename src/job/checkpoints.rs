@@ -1,8 +1,7 @@
-//! Levels of an iteration from which it can go on again, so that a level far back is not computed from the
-//! start each time somebody asks for it.
+//! Saved levels of an iteration, so that reading a level far back does not restart from level 0 each time.
 //!
-//! They are evenly spaced, and as many as there is room for in the cache: when there are more, every second
-//! one is dropped. Taking one costs as much as a few levels.
+//! They are evenly spaced, and their number is limited by the cache: when there are more, every second one is dropped.
+//! Taking one costs as much as a few levels.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,10 +11,10 @@ use parking_lot::Mutex;
 use super::memory::{Cache, Charge};
 use piad_fit::engine::Iteration;
 
-/// The most that are kept of an iteration.
+/// The most checkpoints of an iteration.
 const MOST: usize = 8;
 
-/// The distance of the first ones, in levels.
+/// The initial distance of checkpoints, in levels.
 const NEAR: usize = 256;
 
 /// The checkpoints of one problem.
@@ -45,8 +44,7 @@ impl Default for Kept {
 }
 
 impl Checkpoints {
-    /// Keeps the level that an iteration has reached, if it is one of those and there is room for so many
-    /// bytes.
+    /// Keeps the level that an iteration has reached, if it is at the spacing and there is room for this many bytes.
     pub(super) fn pass(&self, iteration: &Iteration, bytes: usize, cache: &Arc<Cache>) {
         let level = iteration.level().iteration;
         if level == 0 || !level.is_multiple_of(NEAR) || iteration.outcome().is_some() {
@@ -76,19 +74,19 @@ impl Checkpoints {
         }
     }
 
-    /// How many levels may be computed at once from this one, so that none is left out that may be kept.
+    /// The number of levels that may be computed at once from this one without skipping a checkpoint.
     pub(super) fn at_once(level: usize) -> usize {
         NEAR - level % NEAR
     }
 
-    /// Whether it is quicker to begin at a checkpoint than to go on from this level, to get to another one.
+    /// Returns true if the way from this level to another one is shorter from a checkpoint.
     pub(super) fn shorten(&self, from: usize, to: usize) -> bool {
         let kept = self.0.lock();
         let last = kept.levels.range(..=to).next_back();
         last.is_some_and(|(&level, _)| level > from + 2 * NEAR)
     }
 
-    /// The last one that is not beyond this level.
+    /// The last checkpoint that is not beyond this level.
     pub(super) fn before(&self, level: usize) -> Option<Iteration> {
         let kept = self.0.lock();
         let (_, checkpoint) = kept.levels.range(..=level).next_back()?;

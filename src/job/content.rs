@@ -1,9 +1,7 @@
-//! Bytes for the wire: small contents are kept whole, large ones are made piece by piece as they are
-//! sent.
+//! Bytes to send: small contents are kept whole, large ones are made piece by piece as they are sent.
 //!
-//! A frame of a million points is tens of megabytes as text. So of large contents only the closures
-//! that make their pieces are kept. A piece is made when a reader comes to it, and the last few pieces
-//! are cached for the other readers.
+//! A frame of a million points is tens of megabytes as text. So of large contents only the closures that make their
+//! pieces are kept. A piece is made when a reader needs it, and the last few pieces are cached for the other readers.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, OnceLock};
@@ -15,7 +13,7 @@ use tokio::sync::OnceCell;
 use super::memory::{Cache, Charge, Permit};
 use super::scheduler::{Broken, Scheduler, WorkLane};
 
-/// How many pieces are cached for readers that follow, and how many while the cache is full.
+/// The number of pieces cached for readers that follow, and the number while the cache is full.
 const RECENT: usize = 16;
 const FEWEST: usize = 4;
 
@@ -28,7 +26,7 @@ pub(crate) struct Content {
     pub rest: Option<Arc<Pieces>>,
     /// The bytes of the head in the cache.
     charge: Option<Arc<Charge>>,
-    /// Memory of another part that it holds until it is sent.
+    /// Memory of another part, held until it is sent.
     permit: Option<Arc<Permit>>,
 }
 
@@ -138,12 +136,12 @@ impl Pieces {
         Self { are_quick, ..self }
     }
 
-    /// Whether they are quick to make.
+    /// Returns true if they are quick to make.
     pub(crate) fn are_quick(&self) -> bool {
         self.are_quick
     }
 
-    /// How many pieces there are.
+    /// The number of pieces.
     pub(crate) fn count(&self) -> usize {
         self.pieces.len()
     }
@@ -229,7 +227,7 @@ mod tests {
 
     use super::*;
 
-    /// Readers that go together share what is made; one that is far behind costs only itself.
+    /// Readers at the same place share pieces; one that is far behind costs only itself.
     #[tokio::test]
     async fn pieces_are_shared_by_those_who_are_close() {
         let pool = Scheduler::new(1).unwrap();

@@ -1,4 +1,4 @@
-//! The metrics of a server for Prometheus: what it has done since its start, and what is open now.
+//! The metrics of a server for Prometheus: counters since its start, and gauges.
 
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::metrics::counter::Counter;
@@ -21,7 +21,7 @@ pub(crate) struct Counters {
     pub events: Counter,
     /// Jobs accepted.
     pub accepted: Counter,
-    /// Ephemeral edits begun, which are no jobs that are accepted.
+    /// Ephemeral edits begun, which are not accepted jobs.
     pub ephemeral: Counter,
     /// Batches begun.
     pub batches: Counter,
@@ -33,11 +33,11 @@ pub(crate) struct Counters {
     pub writes: Counter,
     /// Statements that were sent to the database of several replicas.
     pub store_statements: Counter,
-    /// Those of them that have failed as it could not be reached, and may have been sent again.
+    /// Statements that failed because it could not be reached, and may have been repeated.
     pub store_retries: Counter,
     /// Ends of jobs that were refused, as another replica had claimed the job.
     pub stale_writes: Counter,
-    /// Jobs of replicas that were gone, put back into the queue or failed by this one.
+    /// Jobs of dead replicas, put back into the queue or failed by this one.
     pub jobs_recovered: Counter,
     /// Connections whose TLS handshake has failed.
     pub handshakes_failed: Counter,
@@ -51,7 +51,7 @@ pub(crate) struct Counters {
     running: Gauge,
 }
 
-/// What is counted for each tenant. There are as many as tokens name.
+/// Counters of one tenant. Their number is bounded by the tenants of the tokens.
 #[derive(Clone, Debug, Default)]
 struct PerTenant {
     /// Jobs accepted.
@@ -141,13 +141,12 @@ impl Counters {
         Open::new(&self.running)
     }
 
-    /// How many jobs are running.
+    /// The number of running jobs.
     pub(crate) fn running(&self) -> usize {
         usize::try_from(self.running.get()).unwrap_or(0)
     }
 
-    /// Registers the counters under their names; of those that are counted for each tenant only that of one, if it is
-    /// given.
+    /// Registers the counters under their names; if a tenant is given, only its counters among those of tenants.
     pub(crate) fn register(&self, registry: &mut Registry, tenant: Option<Tenant>) {
         let plain = [
             ("iterations", "Levels computed", &self.iterations),

@@ -14,7 +14,7 @@ use super::run::attached::Attached;
 use super::state::{State, Status};
 use super::store::StoreError;
 
-/// What a reader gets next.
+/// The next item of a reader.
 #[derive(Debug)]
 pub(crate) enum Next {
     /// The next frame.
@@ -25,8 +25,8 @@ pub(crate) enum Next {
 
 /// Reads the frames of a job in order, without gaps, from any level on.
 ///
-/// At most a few frames are computed ahead of a reader, and none are kept for it: a reader that falls
-/// out of the ring of its run goes on with a run of its own.
+/// At most a few frames are computed ahead of a reader, and none are kept for it: a reader that falls out of the ring
+/// of its run continues with a run of its own.
 pub(crate) struct Cursor {
     job: Arc<Job>,
     next: usize,
@@ -74,7 +74,7 @@ impl Cursor {
 
     /// The next frame to read will be `index`.
     pub(crate) fn seek(&mut self, index: usize) {
-        // Where frames are left out, another run may need fewer steps: that of the job, most often.
+        // Where frames are skipped, another run may need fewer steps: most often that of the job.
         if index > self.next && self.run.is_some() {
             self.run = self.job.attach_to_live(index, self.peer);
         }
@@ -192,7 +192,7 @@ async fn attempt(
     Attempt::TryAgain
 }
 
-/// Waits until this time, or for ever without one.
+/// Waits until this time, or forever without one.
 async fn time(until: Option<Instant>) {
     match until {
         Some(until) => sleep_until(until.into()).await,
@@ -200,7 +200,7 @@ async fn time(until: Option<Instant>) {
     }
 }
 
-/// Waits for a change of the job's status, or for ever if there can be none any more.
+/// Waits for a change of the job's status, or forever if there can be none any more.
 async fn changed(status: &mut watch::Receiver<Status>) {
     if status.changed().await.is_err() {
         std::future::pending().await

@@ -42,7 +42,7 @@ impl DirectFit {
         }
     }
 
-    /// What is fitted.
+    /// The system of the fit.
     pub(crate) fn problem(&self) -> &Arc<Problem> {
         &self.problem
     }
@@ -56,7 +56,7 @@ impl DirectFit {
         }
     }
 
-    /// Works until about `deadline`, at least one piece; returns the end once it is reached. Level 0 is given up by
+    /// Works until about `deadline`, at least one piece; returns the end once it is reached. Level 0 is abandoned by
     /// unwinding if `cancelled` becomes true meanwhile.
     pub(crate) fn work(
         &mut self,

@@ -13,7 +13,7 @@ use super::memory::Cache;
 use super::peer;
 use super::store::StoreError;
 
-/// The most encodings that are kept. Clients could ask for one for each number of samples.
+/// The most encodings that are kept. Clients could request one for each number of samples.
 const MOST: usize = 4;
 
 /// The encodings by the names of their forms, the oldest first.
@@ -30,7 +30,7 @@ enum Encoding<T> {
     Pending(Shared<BoxFuture<'static, Made<T>>>),
 }
 
-/// What is cached.
+/// Cached contents.
 pub(crate) trait Kept: Clone + Send + Sync + 'static {
     /// The same, counted in the cache from now on.
     fn kept_in(self, cache: &Arc<Cache>) -> Self;
@@ -42,7 +42,7 @@ impl Kept for Content {
     }
 }
 
-/// Steps that cannot be made are known as such.
+/// The result is also cached for steps that cannot be made.
 impl Kept for Option<Step> {
     fn kept_in(self, cache: &Arc<Cache>) -> Self {
         self.map(|step| step.kept_in(cache))
@@ -56,8 +56,7 @@ impl<T> Default for EncodingCache<T> {
 }
 
 impl<T: Kept> EncodingCache<T> {
-    /// The content in this form, which `encode` makes if nobody has before. It is kept while there is
-    /// room in the cache.
+    /// The content in this form, made by `encode` if it is not cached. It is kept while there is room in the cache.
     pub(crate) async fn get<F: Future<Output = Made<T>> + Send + 'static>(
         &self,
         form: &Arc<str>,
@@ -91,7 +90,7 @@ impl<T: Kept> EncodingCache<T> {
             Some(made) => Encoding::Done(made?),
             None => {
                 let task = peer::spawn(encoding);
-                let broken = |_| Err(StoreError::Failed("an encoding broke down".to_owned()));
+                let broken = |_| Err(StoreError::Failed("an encoding panicked".to_owned()));
                 let made = task.map(move |made| made.unwrap_or_else(broken));
                 Encoding::Pending(made.boxed().shared())
             }

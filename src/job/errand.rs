@@ -1,5 +1,5 @@
-//! Work that is done in slices until it pauses, and is given back then: it may have ended, or need something that
-//! threads of the compute pool do not wait for.
+//! Work that is done in slices until it pauses, and is returned then: it may have ended, or need something that threads
+//! of the compute pool do not wait for.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -16,7 +16,7 @@ pub(crate) trait Errand: Send + 'static {
     fn work(&mut self, deadline: Instant) -> Progress;
 }
 
-/// What an errand needs next.
+/// The next need of an errand.
 pub(crate) enum Progress {
     /// Another slice, on this queue.
     Again(WorkLane),
@@ -24,14 +24,14 @@ pub(crate) enum Progress {
     Paused,
 }
 
-/// An errand whose end somebody waits for.
+/// An errand with a task that waits for its end.
 struct Awaited<E> {
     errand: Arc<Mutex<E>>,
     done: Mutex<Option<oneshot::Sender<()>>>,
 }
 
 impl Scheduler {
-    /// Works on an errand for the current peer until it pauses. It is left as it is if nobody waits any more.
+    /// Works on an errand for the current peer until it pauses. An abandoned one is left as it is.
     pub(crate) async fn run_errand<E: Errand>(
         &self,
         lane: WorkLane,
@@ -64,7 +64,7 @@ impl<E: Errand> Work for Awaited<E> {
         }
     }
 
-    // Whoever waits notices the closed channel.
+    // The waiting task sees the closed channel.
     fn broken(&self) {
         self.done.lock().take();
     }

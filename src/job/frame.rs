@@ -1,4 +1,4 @@
-//! The geometry of one level, shared by everyone who reads it.
+//! The geometry of one level, shared by all readers.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use piad_fit::engine::{Geometry, Iteration, Level, Problem};
 pub(crate) struct Frame {
     /// The level and its errors.
     pub level: Level,
-    /// What is fitted, with the bases of this level.
+    /// The setup of the fit, with the bases of this level.
     pub problem: Arc<Problem>,
     /// The level from which on the bases are what they are at this one.
     pub knots_since: usize,
@@ -54,7 +54,7 @@ impl Frame {
         Self {
             level,
             problem,
-            // Where it is not known it is said again.
+            // Where it is unknown it is repeated.
             knots_since: if known { 0 } else { level.iteration },
             control_points,
             moved: None,
@@ -65,8 +65,8 @@ impl Frame {
         }
     }
 
-    /// The same level, with what is different from another fit with these bases as what has moved; with
-    /// all of it, if the other one has other control points.
+    /// The same level, where control points that differ from another fit with these bases count as moved; all of them,
+    /// if the other one has other control points.
     pub(crate) fn since(&self, before: &Self) -> Self {
         let old = Geometry::new(&before.problem, &before.control_points);
         let new = Geometry::new(&self.problem, &self.control_points);
@@ -99,7 +99,7 @@ impl Frame {
         self.encoded.get(form, cache, encode).await
     }
 
-    /// The step to the frame for readers with this name, which have the same numbers; `None` if they are too far away.
+    /// The step to the frame for readers with this key, which have the same numbers; `None` if they are too far away.
     pub(crate) async fn step<
         F: Future<Output = Result<Option<Step>, StoreError>> + Send + 'static,
     >(

@@ -9,11 +9,11 @@
 //! | `bodies` | ½ | large ones while they arrive, which small ones do not wait for |
 //! | `reading` | ¼ | large ones while they are read, which wait for no client |
 //! | `files` | ¾ | files that are made as a whole, and searches for foot points |
-//! | `numbers` | ½ | what readers have that are told differences alone |
+//! | `numbers` | ½ | what readers of difference streams have |
 //! | `cache` | 2 | recent frames, their encoded forms, jobs that have just ended |
 //!
-//! All but the last two are [shares](Share): those who need memory wait for it. A [cache](Cache) only counts its
-//! contents, which are evicted when there are too many, or not kept.
+//! All but the last two are [shares](Share), for which tasks wait. A [cache](Cache) only counts its contents, which are
+//! evicted when there are too many, or not kept.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -76,7 +76,7 @@ impl Memory {
     }
 }
 
-/// Counts the bytes that are kept to save time.
+/// Counts the bytes of caches.
 #[derive(Debug)]
 pub(crate) struct Cache {
     limit: usize,
@@ -101,12 +101,12 @@ impl Cache {
         }
     }
 
-    /// Whether nothing more should be kept.
+    /// Returns true if nothing more should be kept.
     pub(crate) fn is_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit
     }
 
-    /// Whether nothing more should be kept that nobody has read yet.
+    /// Returns true if unread frames should no longer be kept.
     pub(super) fn is_half_full(&self) -> bool {
         self.used.load(Ordering::Relaxed) > self.limit / 2
     }
@@ -120,7 +120,7 @@ pub(crate) struct Charge {
 }
 
 impl Charge {
-    /// Whether more may be kept beside it.
+    /// Returns true if more may be cached.
     pub(super) fn has_room(&self) -> bool {
         !self.cache.is_full()
     }

@@ -1,28 +1,28 @@
-//! A fit as a thing that lives: with an id, a state, readers, and an end.
+//! The life of a fit: an id, a state, readers, and an end.
 //!
 //! - [`outline`]: a job without its points;
-//! - [`state`]: the state machine of a job, and how far it has come;
-//! - [`frame`]: the geometry of one level, shared by everyone who reads it;
-//! - [`encoding_cache`], [`content`]: its encoded forms, each made once, and their bytes for the wire; [`deltas`]: its
-//!   difference from what a reader has;
-//! - [`run`]: an iteration that advances as far as somebody wants it to, with its recent frames;
-//! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`reader_budget`]: how long readers wait
-//!   for each other; [`peer`]: the client machine that a reader belongs to;
-//! - [`checkpoints`]: levels from which an iteration can go on again;
-//! - [`memory`]: how the memory is divided; [`replay`]: runs for readers that have missed frames;
-//!   [`resources`]: what all jobs share;
+//! - [`state`]: the state machine of a job, and its progress;
+//! - [`frame`]: the geometry of one level, shared by all readers;
+//! - [`encoding_cache`], [`content`]: its encoded forms, each made once, and their bytes; [`deltas`]: its difference
+//!   from a reader's state;
+//! - [`run`]: an iteration that advances on demand, with its recent frames;
+//! - [`cursor`]: a reader of a job, frame by frame, at its own pace; [`reader_budget`]: limits of the time that readers
+//!   wait for each other; [`peer`]: the client machine of a reader;
+//! - [`checkpoints`]: levels from which an iteration can continue;
+//! - [`memory`]: the division of the memory; [`replay`]: runs for readers that have missed frames;
+//!   [`resources`]: shared by all jobs;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work; [`errand`]: work that pauses;
-//! - [`direct`]: fits without readers, whose last level alone is of interest;
+//! - [`direct`]: fits without readers, of which only the last level is needed;
 //! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
-//! - [`slots`]: how many jobs and connections there may be, in all and for each peer;
+//! - [`slots`]: limits of the number of jobs and connections, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
-//! - [`peer`]: for whom work is done; [`tenant`]: to whom jobs belong; [`quota`]: how many;
-//! - [`store`]: where jobs are kept; [`probation`]: those that were running in a crash; [`recent`]: ended jobs that
-//!   are still in memory;
+//! - [`peer`]: the client that work is done for; [`tenant`]: the owner of jobs; [`quota`]: limits of their number;
+//! - [`store`]: the store of jobs; [`probation`]: jobs that were running in a crash; [`recent`]: ended jobs that are
+//!   still in memory;
 //! - [`counters`]: the metrics of the server; [`trace`]: the spans of a job.
 //!
-//! An iterate is a pure function of the problem and its level. So frames are never stored: those that
-//! are no longer in memory are computed again, by a run that starts over.
+//! An iterate is a pure function of the problem and its level. So frames are never stored: those that are no longer in
+//! memory are recomputed by a new run.
 
 mod checkpoints;
 pub(crate) mod content;
@@ -84,21 +84,21 @@ use state::{State, Status};
 use store::{Record, Store, StoreError};
 use trace::JobTrace;
 
-/// Streams hold the points of jobs of at most so many bytes.
+/// Streams hold the points of jobs of at most this many bytes.
 const HELD: usize = 256 * 1024;
 
 /// The system of a job, if a stream holds it until it ends.
 pub(crate) type Held = Option<Arc<SharedSystem>>;
 
-/// A job: a problem and what has become of it. Its points are in memory only while it runs or is read.
+/// A job: a problem and its status. Its points are in memory only while it runs or is read.
 pub(crate) struct Job {
     outline: Outline,
-    /// How many crashes of the process are counted for it.
+    /// The number of crashes of the process counted for it.
     crashes: u32,
-    /// For whom it is computed; of no one after a restart.
+    /// The peer it is computed for; `None` after a restart.
     peer: Option<Peer>,
     status: watch::Sender<Status>,
-    /// Where it is kept. Of an ephemeral edit there is nothing once nobody reads it.
+    /// The store that keeps it. An ephemeral edit is gone once it is not read any more.
     store: Option<Arc<Store>>,
     system: Mutex<Weak<SharedSystem>>,
     result: OnceLock<Option<LastGeometry>>,
@@ -106,21 +106,21 @@ pub(crate) struct Job {
     cancel: Notify,
     /// Another replica runs it, or may.
     elsewhere: AtomicBool,
-    /// It was not stored, or nobody knows.
+    /// True if it was not stored, or that is unknown.
     abandoned: AtomicBool,
     /// The run whose end is the end of the job; gone once the job has ended.
     primary: Mutex<Weak<Run>>,
     /// Runs that readers can share, including the primary one.
     runs: Mutex<Vec<Weak<Run>>>,
     resources: Arc<Resources>,
-    /// Runs that compute again, of all jobs.
+    /// The runs that recompute, of all jobs.
     replays: Arc<Replays>,
     descriptions: EncodingCache,
     trace: Arc<JobTrace>,
 }
 
 impl Job {
-    /// A job as the store knows it, which is computed for this peer.
+    /// A job of the store, which is computed for this peer.
     fn new(
         record: Record,
         store: Option<Arc<Store>>,
@@ -148,7 +148,7 @@ impl Job {
         }
     }
 
-    /// What it is, without its points.
+    /// The job without its points.
     pub(crate) fn outline(&self) -> &Outline {
         &self.outline
     }
@@ -158,7 +158,7 @@ impl Job {
         self.outline.id
     }
 
-    /// Whether it is in the store. An ephemeral edit is nowhere but in its stream.
+    /// Returns true if it is in the store. An ephemeral edit exists only in its stream.
     pub(crate) fn is_kept(&self) -> bool {
         self.store.is_some()
     }
@@ -173,7 +173,7 @@ impl Job {
         Ok(Arc::clone(self.system().await?.problem()))
     }
 
-    /// The system of the problem, shared by all who need it; read from the store if nobody has it.
+    /// The system of the problem, shared by its users; read from the store if it is not in memory.
     pub(crate) async fn system(&self) -> Result<Arc<SharedSystem>, StoreError> {
         if let Some(system) = self.system.lock().upgrade() {
             return Ok(system);
@@ -190,8 +190,8 @@ impl Job {
         Ok(system)
     }
 
-    /// The system of a small job that has begun, for its streams to hold: so they come to their end
-    /// even if the job is deleted meanwhile.
+    /// The system of a small job that has begun, held by its streams, so that they reach their end even if the job is
+    /// deleted meanwhile.
     pub(crate) async fn held(&self) -> Result<Held, StoreError> {
         let is_small = self.outline.memory <= HELD;
         let waits = self.status.borrow().state == State::Queued;
@@ -212,14 +212,14 @@ impl Job {
         status
     }
 
-    /// Whether the job has ended at this level.
+    /// Returns true if the job has ended at this level.
     pub(crate) fn has_ended_at(&self, iteration: usize) -> bool {
         let status = self.status.borrow();
         let last = status.levels.map(|levels| levels.last.iteration);
         status.state.is_final() && last == Some(iteration)
     }
 
-    /// The last frame again, once the job has ended at this level; `None` if it has no geometry.
+    /// Recomputes the last frame, once the job has ended at this level; `None` if it has no geometry.
     pub(crate) async fn last_frame(&self, level: Level) -> Result<Option<Arc<Frame>>, StoreError> {
         let Some(result) = self.result().await? else {
             return Ok(None);
@@ -256,17 +256,17 @@ impl Job {
         }
     }
 
-    /// Whether another replica runs the job, or may.
+    /// Returns true if another replica runs the job, or may.
     fn is_elsewhere(&self) -> bool {
         self.elsewhere.load(Ordering::Acquire)
     }
 
-    /// Whether the run of this replica, if it was stopped, does not tell how the job goes on or has ended.
+    /// Returns true if the run of this replica was stopped and does not decide how the job continues or has ended.
     pub(crate) fn goes_on_without_its_run(&self) -> bool {
         self.is_elsewhere() || self.status().state.is_final()
     }
 
-    /// Takes over what another replica has made of the job.
+    /// Takes over the status that another replica has stored.
     fn follow(&self, theirs: Status) {
         let reached = |status: &Status| status.levels.map(|levels| levels.last.iteration);
         self.status.send_if_modified(|mine| {
@@ -298,7 +298,7 @@ impl Job {
         }
     }
 
-    /// Stops a job that was not stored, or may not have been: nobody is told of its end.
+    /// Stops a job that was not stored, or may not have been; its end is not published.
     fn abandon(&self) {
         self.cancel_requested.store(true, Ordering::Release);
         self.abandoned.store(true, Ordering::Release);
@@ -314,7 +314,7 @@ impl Job {
         }
     }
 
-    /// Waits until cancelling is asked for.
+    /// Waits until cancelling is requested.
     async fn cancel_requested(&self) {
         let mut notified = std::pin::pin!(self.cancel.notified());
         notified.as_mut().enable();
@@ -335,7 +335,7 @@ impl Job {
         self.descriptions.get(&form.into(), cache, encode).await
     }
 
-    /// What the job's runs share with those of other jobs.
+    /// The resources shared by the runs of all jobs.
     pub(crate) fn resources(&self) -> &Arc<Resources> {
         &self.resources
     }
@@ -388,7 +388,7 @@ impl Job {
             return Ok(attached);
         }
         let (system, resources) = (self.system().await?, Arc::clone(resources));
-        // The spans of the job are about what it does once.
+        // The spans of the job are about its first computation only.
         let run = Run::new(system, resources, permit, peer, Arc::default());
         let attached = Attached::to_new(Arc::clone(&run), next, peer);
         self.replays.add(Arc::downgrade(&run));
@@ -414,10 +414,10 @@ impl Job {
     }
 }
 
-/// How long to wait before the store is asked again that could not do something.
+/// The pause before the store is asked again after a failure.
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
-/// Asks the store again and again while it has no room, or its database cannot be reached.
+/// Retries the store while it has no space, or its database cannot be reached.
 async fn patiently<T, F>(ask: impl Fn() -> F) -> Result<T, StoreError>
 where
     F: Future<Output = Result<T, StoreError>>,

@@ -19,7 +19,7 @@ pub(crate) struct Outliers<'a> {
 }
 
 impl<'a> Outliers<'a> {
-    /// Those of a fit; `None` if it has none.
+    /// The outliers of a fit; `None` if it has none.
     pub(crate) fn of(problem: &'a Problem) -> Option<Self> {
         let all = problem.outliers();
         (!all.is_empty()).then(|| Self {

@@ -20,13 +20,13 @@ use piad_fit::method::Method;
 pub(crate) struct Outline {
     /// The id; ids grow with time.
     pub(crate) id: Uuid,
-    /// To whom it belongs.
+    /// The tenant that owns it.
     pub(crate) tenant: Tenant,
     /// Name, parent and stream defaults, as the client gave them.
     pub(crate) label: Label,
     /// When it was accepted.
     pub(crate) created: Timestamp,
-    /// Whether it is a surface.
+    /// True if it is a surface.
     pub(crate) surface: bool,
     /// The arrangement of the data points.
     pub(crate) grid: Grid,
@@ -44,13 +44,13 @@ pub(crate) struct Outline {
     pub(crate) step_cost: usize,
     /// The warnings when it was accepted.
     pub(super) warnings: Vec<Warning>,
-    /// Surfaces: the bases of both directions were asked for separately.
+    /// Surfaces: the bases of both directions were requested separately.
     pub(crate) bases_differ: bool,
     /// The kernel of the program that accepted it.
     pub(crate) kernel: u32,
 }
 
-/// What a client says about a job besides the problem.
+/// Client data of a job besides the problem.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Label {
     /// The client's name for the job.
@@ -59,7 +59,7 @@ pub(crate) struct Label {
     pub(crate) parent: Option<Parent>,
     /// The defaults of its streams.
     pub(crate) stream: Option<Arc<StreamSpec>>,
-    /// What was understood of the file that its points come from, in sentences.
+    /// Notices about the file that its points come from, in sentences.
     #[serde(default)]
     pub(crate) notices: Vec<String>,
 }
@@ -74,7 +74,7 @@ pub(crate) struct Parent {
 }
 
 impl Outline {
-    /// The outline of a new job that a peer has asked for.
+    /// The outline of a new job of a peer.
     pub(crate) fn new(label: Label, problem: &Problem, peer: Option<Peer>) -> Self {
         let adjusted = || {
             let all = problem.grid().count();
@@ -99,7 +99,7 @@ impl Outline {
         }
     }
 
-    /// What it takes of the quota of its tenant until it has ended, besides bytes.
+    /// Its usage of the quota of its tenant until it has ended, besides bytes.
     pub(super) fn amount(&self) -> Amount {
         Amount {
             jobs: 1,

@@ -1,5 +1,5 @@
-//! The peer that work is done for: a tenant, if the server asks for tokens; else the machine at the other end of
-//! a connection.
+//! The peer that work is done for: a tenant, if the server requires tokens; else the machine at the other end of a
+//! connection.
 //!
 //! Limits hold for each peer, so that no one client can take everything. The peer of a request is a
 //! task-local variable of the task that answers it; background work has no peer. Behind a trusted proxy the
@@ -17,13 +17,14 @@ task_local! {
     static CURRENT: Option<Peer>;
 }
 
-/// For whom work is done.
+/// The client that work is done for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Peer {
     /// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a
     /// machine chooses its address itself.
     Machine(IpAddr),
-    /// The clients of the proxy at this address that it does not name. None of them has the limits of the proxy itself.
+    /// The clients of the proxy at this address that it does not name. They do not share the limits of the proxy
+    /// itself.
     Unnamed(IpAddr),
     /// A tenant, whose token the request has.
     Tenant(Tenant),
@@ -49,7 +50,7 @@ impl Peer {
         }
     }
 
-    /// The tenant, if the server asks for tokens.
+    /// The tenant, if the server requires tokens.
     pub(crate) fn tenant(self) -> Option<Tenant> {
         match self {
             Self::Machine(_) | Self::Unnamed(_) => None,
@@ -57,12 +58,12 @@ impl Peer {
         }
     }
 
-    /// The tenant to whom belongs what is made for a peer.
+    /// The tenant that owns the results of work for a peer.
     pub(crate) fn owner(peer: Option<Self>) -> Tenant {
         peer.and_then(Self::tenant).unwrap_or(Tenant::DEFAULT)
     }
 
-    /// The peer for whom the current task works.
+    /// The peer of the current task.
     pub(crate) fn current() -> Option<Self> {
         CURRENT.try_with(|peer| *peer).ok().flatten()
     }

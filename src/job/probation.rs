@@ -1,14 +1,14 @@
 //! Jobs that were running in a crash run again one at a time: each is on probation before the next one starts.
 //!
-//! A crash during a probation is counted for its job. So that it is not the fault of a request, no large body is
-//! read meanwhile: one that has arrived ends the probation.
+//! A crash during a probation is counted for its job. To rule out requests as the cause, no large body is read
+//! meanwhile: one that has arrived ends the probation.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use tokio::sync::{Notify, OwnedRwLockReadGuard, OwnedRwLockWriteGuard, RwLock};
 
-/// Who may be at fault for a crash: one job, or large bodies.
+/// The possible causes of a crash: one job, or large bodies.
 #[derive(Debug, Default)]
 pub(crate) struct Probation {
     turn: Arc<RwLock<()>>,
@@ -71,7 +71,7 @@ mod tests {
         let mut body = Box::pin(probation.read_large_body());
         assert!(body.as_mut().now_or_never().is_none());
         assert!(interrupted.now_or_never().is_some());
-        // Those that come later end with it, too.
+        // Later probations end with it, too.
         assert!(probation.interrupted().now_or_never().is_some());
         drop(job);
         let body = body.now_or_never().unwrap();

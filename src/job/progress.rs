@@ -1,18 +1,18 @@
-//! How far a job has come, and why it has ended, in words.
+//! The progress of a job, and the reason of its end in words.
 
 use super::outline::Outline;
 use super::state::{Levels, State, Status};
 use piad_fit::engine::{Reason, Warning};
 
 impl Status {
-    /// Why it ended, in words, where the state does not say it.
+    /// The reason of the end, in words, if the state does not imply it.
     pub(crate) fn detail(&self, outline: &Outline) -> Option<String> {
         let (reason, levels) = self.reason.zip(self.levels)?;
         Some(detail(reason, self, &levels, outline))
     }
 
-    /// How far the fit has come, in [0, 1]. As PIA converges geometrically, this is
-    /// `log(e₀/e) / log(e₀/tolerance)` with a tolerance; without one, the share of `max_iterations`.
+    /// The progress of the fit, in [0, 1]. As PIA converges geometrically, this is `log(e₀/e) /
+    /// log(e₀/tolerance)` with a tolerance; without one, the share of `max_iterations`.
     pub(crate) fn progress(&self, outline: &Outline) -> f64 {
         if matches!(
             self.state,
@@ -41,15 +41,15 @@ impl Status {
     }
 }
 
-/// Why a job ended, in words, with the largest distance that is left.
+/// Why a job ended, in words, with the largest remaining distance.
 fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -> String {
     let (first, last) = (levels.first.error.max, levels.last.error.max);
     let tolerance = outline.tolerance;
     let left = format!("a distance of {last:.3e} is left, the tolerance is {tolerance:.3e}");
     match reason {
         Reason::Minimum if status.state == State::Converged => format!(
-            "no step brings the fit nearer to all of the data: a distance of {last:.3e} is left, and no tolerance was \
-             asked for"
+            "no step brings the fit nearer to all of the data: a distance of {last:.3e} is left, \
+             and no tolerance was requested"
         ),
         Reason::Minimum if matches!(levels.last.found, Some(Warning::Folded(_))) => format!(
             "no step brings the fit nearer to all of the data, as their parameters fold: {left}; give other parameters"
@@ -76,8 +76,9 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
                 )
             }
             _ => format!(
-                "a fit within the tolerance at the data leaves them where there are none, and one that does not is not \
-                 within it: {left}; use a larger tolerance, fairness, or a number of control points"
+                "a fit within the tolerance at the data deviates between them, and one that does \
+                 not deviate is not within it: {left}; use a larger tolerance, fairness, or a \
+                 number of control points"
             ),
         },
     }

@@ -1,5 +1,5 @@
-//! Quotas: what a tenant may have at most. Jobs, points and bytes are counted where jobs are kept, in the
-//! transaction that keeps a new one; streams are counted here.
+//! Quotas: limits of a tenant. Jobs, points and bytes are counted in the store, in the transaction that inserts a new
+//! one; streams are counted here.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::{Add, Sub};
@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use super::tenant::Tenant;
 
-/// What a tenant may have at most; what is not said has no limit of its own.
+/// The limits of a tenant; missing ones do not limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Quota {
@@ -29,7 +29,7 @@ pub(crate) struct Quota {
         serialize_with = "exact"
     )]
     pub(crate) bytes: Option<ByteSize>,
-    /// Streams that are open, and fits for one answer that are computed.
+    /// Open streams, and running fits for one answer.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) streams: Option<u64>,
 }
@@ -39,7 +39,7 @@ fn exact<S: Serializer>(size: &Option<ByteSize>, output: S) -> Result<S::Ok, S::
     size.map(|it| it.as_u64()).serialize(output)
 }
 
-/// What jobs take of a quota.
+/// Usage of a quota by jobs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Amount {
     pub(crate) jobs: u64,
@@ -47,7 +47,7 @@ pub(crate) struct Amount {
     pub(crate) bytes: u64,
 }
 
-/// A tenant would have more than it may.
+/// A tenant would exceed its quota.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error("tenant {tenant} may have {limit} {what} and would have {would}")]
 pub struct Exceeded {
@@ -55,17 +55,17 @@ pub struct Exceeded {
     what: &'static str,
     limit: u64,
     would: u64,
-    /// Nothing that ends makes room for it.
+    /// True if waiting does not help.
     pub(crate) for_good: bool,
 }
 
 impl Quota {
-    /// Whether it limits what is counted where jobs are kept.
+    /// Returns true if it limits what the store counts.
     pub(crate) fn limits_jobs(&self) -> bool {
         self.jobs.is_some() || self.points.is_some() || self.bytes.is_some()
     }
 
-    /// Whether a tenant who has so much may have a new job.
+    /// Refuses a new job that would exceed the quota of a tenant with this usage.
     pub(crate) fn admit(&self, tenant: Tenant, has: Amount, new: Amount) -> Result<(), Exceeded> {
         let with = has + new;
         let bytes = self.bytes.map(|it| it.as_u64());
@@ -133,12 +133,12 @@ pub(crate) struct OpenStream {
 }
 
 impl Quotas {
-    /// Sets what tenants may have from now on. Nothing is taken away from them.
+    /// Sets the quotas of tenants from now on. Existing jobs stay.
     pub(crate) fn set(&self, limits: BTreeMap<Tenant, Quota>) {
         *self.limits.lock() = limits;
     }
 
-    /// What a tenant may have.
+    /// The quota of a tenant.
     pub(crate) fn of(&self, tenant: Tenant) -> Quota {
         self.limits.lock().get(&tenant).copied().unwrap_or_default()
     }

@@ -1,8 +1,8 @@
-//! How long the readers of a job wait for each other, so that none loses its next frame.
+//! Limits how long the readers of a job wait for each other, so that none loses its next frame.
 //!
-//! A reader waits up to a second for another reader of its own peer. Readers of another peer can make
-//! it wait for a second in total, however many streams that peer opens one after the other: the time
-//! that they have used up comes back slowly.
+//! A reader waits up to a second for another reader of its own peer. Readers of another peer can
+//! make it wait for a second in total, however many streams that peer opens one after the other:
+//! the used time is refilled slowly.
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -11,10 +11,10 @@ use parking_lot::Mutex;
 
 use super::peer::Peer;
 
-/// How long a reader waits at most.
+/// The longest wait of a reader.
 pub(super) const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
-/// Seconds of the budget that come back in each second.
+/// Seconds of the budget that are refilled in each second.
 const REGAINED: f64 = 0.1;
 
 /// How long each peer has made others wait.

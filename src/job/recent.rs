@@ -13,7 +13,7 @@ use super::memory::{Cache, Charge};
 use super::run::{Run, SharedSystem};
 use piad_fit::engine::System;
 
-/// The last jobs to end, up to so many bytes.
+/// The last jobs to end, up to a number of bytes.
 #[derive(Debug)]
 pub(super) struct Recent {
     limit: usize,
@@ -65,7 +65,7 @@ impl Recent {
         self.push(entry);
     }
 
-    /// Whether the points of a job are kept.
+    /// Returns true if the points of a job are kept.
     pub(super) fn has_points(&self, id: Uuid) -> bool {
         let kept = self.kept.lock();
         let has = |entry: &KeptJob| entry.run.is_some() || entry.shared.is_some();
@@ -121,9 +121,9 @@ impl Recent {
         }
     }
 
-    /// Those of the jobs in memory that somebody reads, runs or makes: that are held not only here.
+    /// The jobs in memory that are in use: held not only here.
     pub(super) fn held(&self, live: &Mutex<HashMap<Uuid, Weak<Job>>>) -> HashSet<Uuid> {
-        // While this is locked, no job is taken in or given up here.
+        // While this is locked, no job is added or dropped here.
         let kept = self.kept.lock();
         let mut here: HashMap<Uuid, usize> = HashMap::new();
         for entry in &kept.jobs {

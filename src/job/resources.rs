@@ -1,4 +1,4 @@
-//! What the jobs of a server share: compute pool, memory and counters.
+//! The shared resources of the jobs of a server: compute pool, memory and counters.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::quota::{Exceeded, OpenStream, Quotas};
 use super::scheduler::Scheduler;
 use super::tenant::Tenant;
 
-/// What all jobs of a server share.
+/// The shared resources of all jobs of a server.
 #[derive(Debug)]
 pub(crate) struct Resources {
     /// The compute pool.
@@ -17,11 +17,11 @@ pub(crate) struct Resources {
     pub memory: Memory,
     /// Bytes of recent frames that each run keeps at most.
     pub(super) ring_bytes: usize,
-    /// What tenants may have.
+    /// The quotas of tenants.
     pub quotas: Arc<Quotas>,
     /// The metrics of the server.
     pub counters: Counters,
-    /// What the paths of jobs begin with, in links.
+    /// The path prefix of jobs, in links.
     pub base_path: String,
 }
 

@@ -1,4 +1,4 @@
-//! What is kept of a fit that has ended: its last level.
+//! The stored result of a fit: its last level.
 
 use std::sync::Arc;
 
@@ -11,12 +11,12 @@ use piad_fit::engine::{Bases, Level, Problem};
 pub(crate) struct LastGeometry {
     /// The free control points.
     pub control_points: Arc<Points>,
-    /// The knots, of a fit that has chosen them by itself.
+    /// The knots, of a fit that has chosen them.
     pub bases: Option<Arc<Bases>>,
 }
 
 impl LastGeometry {
-    /// That of the last frame.
+    /// The result of the last frame.
     pub(super) fn of(frame: &Frame) -> Self {
         Self {
             control_points: Arc::clone(&frame.control_points),
@@ -24,7 +24,7 @@ impl LastGeometry {
         }
     }
 
-    /// The last frame again, of a level of this problem.
+    /// Recomputes the last frame, of a level of this problem.
     pub(crate) fn frame(self, level: Level, problem: Arc<Problem>) -> Arc<Frame> {
         let problem = match &self.bases {
             None => problem,

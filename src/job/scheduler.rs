@@ -8,11 +8,11 @@
 //! - wire: reading requests and encoding answers;
 //! - long: work that can take seconds in one piece, like factorising a dense matrix.
 //!
-//! The operating system shares the cores between the lanes. So a small job never waits for a large
-//! one, and no request waits for the set-up of another client's job. Work on the long lane is not cut
-//! into slices. Of each peer it takes the piece with the least work and the piece that came first in turn,
-//! so that a short one does not wait for many longer ones, and none waits for ever. Samples of curves and
-//! surfaces for clients are computed there, if they take long; they let shorter work of other peers run in between.
+//! The operating system shares the cores between the lanes. So a small job never waits for a large one, and no request
+//! waits for the set-up of another client's job. Work on the long lane is not cut into slices. For each peer it
+//! alternates between the piece with the least work and the oldest piece, so that a short one does not wait for many
+//! longer ones, and none waits forever. Samples of curves and surfaces for clients are computed there, if they take
+//! long; they let shorter work of other peers run in between.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -36,7 +36,7 @@ const SLICE: Duration = Duration::from_millis(2);
 /// How long a piece of work on the long lane may run before shorter ones of other peers get a turn.
 const LONG_SLICE: Duration = Duration::from_millis(20);
 
-/// How far large steps give way to small ones, as `nice` has it: they get a quarter of a processor that both want.
+/// The niceness of large steps: they get a quarter of a processor that both kinds need.
 #[cfg(target_os = "linux")]
 const NICE: i32 = 5;
 
@@ -46,14 +46,14 @@ pub(super) const QUICK: usize = 200_000;
 /// Multiplications that take a tenth of a second or more.
 const LONG: usize = 100_000_000;
 
-/// Which threads do the work.
+/// The kind of threads that do the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum WorkLane {
     /// For small steps.
     Quick,
     /// For large steps.
     Heavy,
-    /// For reading what comes from clients, and writing what goes to them.
+    /// For reading requests, and encoding answers.
     Wire,
     /// For work that can take seconds in one piece, with its number of multiplications.
     Long(usize),
@@ -77,7 +77,7 @@ impl WorkLane {
         }
     }
 
-    /// The lane of reading a request or encoding an answer, which takes so many operations.
+    /// The lane of reading a request or encoding an answer with this many operations.
     pub(crate) fn of_wire(operations: usize) -> Self {
         match Self::of(operations) {
             Self::Quick => Self::Quick,
@@ -110,7 +110,7 @@ impl WorkLane {
     }
 }
 
-/// Whether work needs another turn.
+/// The need of work for another turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Turn {
     /// Queue it again on this lane, behind the others.
@@ -124,13 +124,13 @@ pub(super) trait Work: Send + Sync {
     /// Works until about `deadline`.
     fn slice(&self, deadline: Instant) -> Turn;
 
-    /// Called after a panic in [`slice`](Self::slice), or if that was given up; it will not be called again.
+    /// Called after a panic in [`slice`](Self::slice), or if that was abandoned; it will not be called again.
     fn broken(&self);
 }
 
-/// Work has panicked, which is a defect of the program; other work is not affected.
+/// Work has panicked, which is a bug; other work is not affected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("the computation broke down")]
+#[error("the computation panicked")]
 pub struct Broken;
 
 /// The compute pool. Its threads end when it is closed, or dropped.
@@ -155,7 +155,7 @@ impl Queues {
     }
 }
 
-/// The lanes, and what their threads are called.
+/// The lanes, and the names of their threads.
 const LANES: [(WorkLane, &str); 4] = [
     (WorkLane::Quick, "quick"),
     (WorkLane::Heavy, "heavy"),
@@ -177,7 +177,7 @@ struct QueueState {
 
 /// Work that waits.
 struct Task {
-    /// For whom it is done.
+    /// The peer it is done for.
     peer: Option<Peer>,
     /// The multiplications of work on the long lane.
     multiplications: usize,
@@ -185,8 +185,8 @@ struct Task {
 }
 
 impl QueueState {
-    /// The oldest work of the peer whose turn it is; on the long lane, every other time that with the
-    /// fewest multiplications.
+    /// The oldest work of the peer whose turn it is; on the long lane, alternating with that with the fewest
+    /// multiplications.
     fn next(&mut self, lane: WorkLane) -> Option<Task> {
         self.waiting.next(|_, PeerQueue { waiting, turns }| {
             let least = *turns % 2 == 0 && matches!(lane, WorkLane::Long(_));
@@ -239,8 +239,8 @@ impl Scheduler {
         self.0.push(lane, peer, work);
     }
 
-    /// Computes a value for the current peer in the pool, off the threads that serve the network. It is
-    /// given up if nobody waits for it any more.
+    /// Computes a value for the current peer in the pool, off the threads that serve the network. It is dropped if it
+    /// is abandoned.
     pub(crate) async fn compute<T: Send + 'static>(
         &self,
         lane: WorkLane,
@@ -310,10 +310,9 @@ pub(crate) fn share_loops(workers: usize) {
     let _ = threads.build_global();
 }
 
-/// Lets this thread get less of a processor than others that want it: large steps give way to small ones, and to
-/// what serves the network.
+/// Lowers the priority of this thread: large steps give way to small ones, and to the network threads.
 fn give_way() {
-    // Elsewhere it would be the whole process.
+    // On other systems it would affect the whole process.
     #[cfg(target_os = "linux")]
     let _ = rustix::process::nice(NICE);
 }
@@ -333,7 +332,7 @@ impl Queue {
         }
     }
 
-    /// Waits for the next work. A thread that waits for long gives memory back: see [`trim`].
+    /// Waits for the next work. A thread that waits for long releases memory: see [`trim`].
     fn pop(&self, lane: WorkLane) -> Option<Task> {
         let mut state = self.state.lock();
         let mut rounds = trim::ROUNDS;
@@ -383,7 +382,7 @@ impl Queues {
             Ok(Turn::Done) => {}
             Err(panic) => {
                 if !panic.is::<Interrupted>() {
-                    error!("a computation panicked; its job fails, the others go on");
+                    error!("a computation panicked; its job fails, the others continue");
                 }
                 task.work.broken();
             }

@@ -1,16 +1,14 @@
-//! A part of the memory, which is divided among those who need some.
+//! A part of the memory, divided among waiting tasks.
 //!
-//! Whoever needs memory waits for it in the queue of its peer, and the peers take turns. A peer gets at most
-//! half of what the others leave, or a single piece of any size. So there is room for somebody who comes
-//! later, however much the first one asks for.
+//! A task that needs memory waits in the queue of its peer, and the peers take turns. A peer gets at most half of what
+//! the others leave, or a single piece of any size. So there is room for later peers, whatever the first one requests.
 //!
-//! A piece that takes more than is free lets smaller ones of other peers pass. When it has waited for long,
-//! only peers that have next to nothing pass any more, so that it gets its room; if it takes nearly all of
-//! the share, nobody does.
+//! A piece that takes more than is free lets smaller ones of other peers pass. When it has waited for long, only peers
+//! that have next to nothing pass, so that it gets its room; if it takes nearly all of the share, none passes.
 //!
-//! What grows holds memory while it waits for more. So that no two such pieces wait for each other, the first of
-//! them gets what it waits for at once, whoever has how much, and whatever it asks for from then on; the next one
-//! when that one has given everything back. So a share can be exceeded by one piece that grows.
+//! A growing piece holds memory while it waits for more. To prevent deadlocks between such pieces, the first of them is
+//! favoured: it gets all that it requests from then on at once; the next one when the first has given everything back.
+//! So a share can be exceeded by one growing piece.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -28,7 +26,7 @@ const PAGE: usize = 4096;
 /// How long a piece waits before room is made for it.
 const LONG: Duration = Duration::from_secs(10);
 
-/// A peer with this part of the share has next to nothing.
+/// A peer with at most this part of the share has next to nothing.
 const LITTLE: u32 = 32;
 
 /// A part of the memory.
@@ -46,7 +44,7 @@ struct ShareState {
     has_favourite: bool,
 }
 
-/// Who has how much.
+/// The usage of the share.
 #[derive(Debug)]
 struct Usage {
     /// All pages of the share.
@@ -63,14 +61,14 @@ struct Waiter {
     granted: oneshot::Sender<Permit>,
 }
 
-/// What is asked for.
+/// A request for memory.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     peer: Option<Peer>,
     pages: u32,
     /// Pages that are held already, which belong to the same piece.
     held: u32,
-    /// It gets what it asks for, whoever has how much.
+    /// It gets all that it requests, whatever others have.
     favoured: bool,
 }
 
@@ -137,12 +135,12 @@ impl Share {
         self.try_take(self.piece(peer, bytes))
     }
 
-    /// Waits until a peer gets this many bytes. There is always a permit in the end.
+    /// Waits until a peer gets this many bytes.
     pub(crate) async fn take(&self, peer: Option<Peer>, bytes: usize) -> Option<Permit> {
         self.wait(self.piece(peer, bytes)).await
     }
 
-    /// Waits until a permit is for so many bytes more, or for all of the share.
+    /// Waits until a permit has this many more bytes, or all of the share.
     pub(crate) async fn extend(&self, permit: &mut Permit, bytes: usize) {
         let more = self.piece(permit.peer, bytes);
         let piece = Piece {
@@ -194,14 +192,14 @@ fn permit(share: &Arc<Mutex<ShareState>>, piece: Piece) -> Permit {
     }
 }
 
-/// Gives those who wait what they can have now.
+/// Gives waiting tasks what they can have now.
 fn grant(share: &Arc<Mutex<ShareState>>) {
     loop {
         let next = share.lock().next();
         let Some(Waiter { piece, granted, .. }) = next else {
             return;
         };
-        // Whoever does not wait any more gives it back.
+        // A task that does not wait any more gives it back.
         let _ = granted.send(permit(share, piece));
     }
 }
@@ -217,7 +215,7 @@ impl Drop for Permit {
 }
 
 impl ShareState {
-    /// The next of those who wait that can have its piece, which is counted as given.
+    /// The next waiting piece that can be given, which is counted as given.
     fn next(&mut self) -> Option<Waiter> {
         let next = self.next_with_room().or_else(|| self.next_favourite())?;
         self.usage.add(next.piece);
@@ -233,7 +231,7 @@ impl ShareState {
         let waiting = || self.waiting.iter().flat_map(|(_, queue)| queue);
         let growing = || waiting().filter(grows);
         let first = growing().map(|it| it.since).min()?;
-        // One alone waits for pieces that do not wait themselves.
+        // A single one waits for pieces that do not wait themselves.
         growing().nth(1)?;
         let mut next = self.waiting.next(|_, queue| {
             let waiting = &mut queue.waiting;
@@ -266,7 +264,7 @@ impl ShareState {
         })
     }
 
-    /// The piece that has waited for the longest, too long, for nothing but room.
+    /// The piece that has waited for the longest, too long, and only for room.
     fn overdue(&self, now: Instant) -> Option<Overdue> {
         let first = self.waiting.iter().filter_map(|(_, queue)| {
             let first = queue.iter().find(|it| !it.granted.is_closed())?;
@@ -289,7 +287,7 @@ impl Usage {
         self.peers.get(&peer).copied().unwrap_or(0)
     }
 
-    /// Whether a peer does not have more than its part with this piece.
+    /// Returns true if a peer does not have more than its part with this piece.
     fn is_due(&self, piece: Piece) -> bool {
         let has = self.of(piece.peer);
         let left_by_others = self.pages.saturating_sub(self.used - has);
@@ -297,7 +295,7 @@ impl Usage {
         has == piece.held || 2 * with_it <= u64::from(left_by_others)
     }
 
-    /// Whether a peer can have this piece now.
+    /// Returns true if a peer can have this piece now.
     fn admits(&self, piece: Piece, overdue: Option<Overdue>) -> bool {
         let passes = overdue.is_none_or(|overdue| {
             overdue.peer == piece.peer || self.of(piece.peer) + piece.pages <= overdue.others
@@ -331,7 +329,7 @@ mod tests {
         Some(Peer::at([192, 0, 2, last].into()))
     }
 
-    /// A share of 64 pages, and what is taken of it in pages.
+    /// A share of 64 pages, and its usage in pages.
     fn share() -> Share {
         Share::new(64 * PAGE)
     }
@@ -347,7 +345,7 @@ mod tests {
         assert!(take(&share, 1, 1).is_none() && take(&share, 2, 5).is_none());
         assert_eq!(share.used(), 60 * PAGE);
         drop(most);
-        // More than there is waits for all that there is.
+        // A request for more than the total waits for the total.
         let all = share.take(peer(1), usize::MAX).await.unwrap();
         assert!(take(&share, 2, 1).is_none());
         drop(all);
@@ -400,13 +398,13 @@ mod tests {
         };
         {
             let mut one = Box::pin(share.extend(first, 40 * PAGE));
-            assert!(one.as_mut().now_or_never().is_none(), "the others go on");
+            assert!(one.as_mut().now_or_never().is_none(), "the others continue");
             let mut other = Box::pin(share.extend(third, 40 * PAGE));
             assert!(other.as_mut().now_or_never().is_none());
             assert!(one.now_or_never().is_some(), "it came first");
             assert!(other.now_or_never().is_none());
         }
-        // Whatever it asks for, as often as it does, and nobody else.
+        // Only for the favoured piece, however often it requests more.
         assert!(share.extend(first, PAGE).now_or_never().is_some());
         assert_eq!(share.used(), (57 + 16 + 16) * PAGE);
         let mut one = Box::pin(share.extend(second, 30 * PAGE));
@@ -468,7 +466,7 @@ mod tests {
         let passes = |last, pages| state().usage.admits(piece(last, pages), overdue);
         assert!(passes(3, 2) && !passes(3, 3) && !passes(1, 1));
         assert!(passes(2, 34), "it does not wait for itself");
-        // What is more than the part of its peer keeps nobody waiting.
+        // A piece beyond the part of its peer does not block others.
         drop(large);
         let mut own = Box::pin(share.take(peer(1), 10 * PAGE));
         assert!(own.as_mut().now_or_never().is_none());

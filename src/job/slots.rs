@@ -15,13 +15,12 @@ pub(crate) struct Slots {
     taken: Mutex<Taken>,
 }
 
-/// How many slots one peer may have.
+/// The number of slots of one peer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PerPeer {
-    /// So many.
+    /// This number.
     Fixed(usize),
-    /// Half of those that the others leave: so there is one for somebody who comes later, however many
-    /// the first ones ask for.
+    /// Half of those that the others leave, so that there is one for later peers.
     Fair,
 }
 
@@ -44,7 +43,7 @@ pub(crate) struct Slot {
 pub enum NoSlot {
     /// All slots are taken; this is their number.
     All(usize),
-    /// The peer has taken as many as it may have now; this is that number.
+    /// The peer has reached its limit, which is this number.
     PerPeer(usize),
 }
 
@@ -85,7 +84,7 @@ impl Slots {
         Ok(self.slot(peer))
     }
 
-    /// How many slots are taken.
+    /// The number of slots taken.
     pub(crate) fn taken(&self) -> usize {
         self.taken.lock().all
     }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) use piad_fit::engine::Reason;
 use piad_fit::engine::{Forecast, Level};
 
-/// Where a job is in its life.
+/// The state of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum State {
     /// Accepted, and waiting for memory.
@@ -20,11 +20,11 @@ pub(crate) enum State {
     Converged,
     /// Ended at `max_iterations`.
     Exhausted,
-    /// Ended because the method cannot go on.
+    /// Ended because the method cannot continue.
     Stalled,
     /// Ended because of an error.
     Failed,
-    /// Ended because a client asked for it.
+    /// Ended because a client cancelled it.
     Cancelled,
 }
 
@@ -53,7 +53,7 @@ impl State {
         }
     }
 
-    /// Whether the job has ended.
+    /// Returns true if the job has ended.
     pub(crate) fn is_final(self) -> bool {
         !matches!(self, Self::Queued | Self::Running)
     }
@@ -84,7 +84,7 @@ impl FromStr for State {
 pub enum Failure {
     /// The distances left the range of 64-bit floating-point numbers.
     Overflow,
-    /// A defect of the program.
+    /// A bug of the program.
     Defect,
     /// The process has crashed several times while the job was running.
     Crashes,
@@ -97,7 +97,7 @@ pub(crate) struct Levels {
     pub(crate) first: Level,
     /// The last level so far.
     pub(crate) last: Level,
-    /// What is known about the convergence.
+    /// The forecast of the convergence.
     pub(crate) forecast: Forecast,
 }
 
@@ -111,7 +111,7 @@ pub(crate) struct Status {
     pub(crate) started: Option<Timestamp>,
     /// When it ended.
     pub(crate) finished: Option<Timestamp>,
-    /// Why it ended, where the state does not say it.
+    /// The reason of the end, if the state does not imply it.
     pub(crate) reason: Option<Reason>,
     /// Why it failed.
     pub(crate) failure: Option<Failure>,

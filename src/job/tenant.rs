@@ -1,4 +1,4 @@
-//! Tenants: to whom jobs belong.
+//! Tenants: the owners of jobs.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 /// The most bytes of a name.
 const LONGEST: usize = 64;
 
-/// All names so far. They are kept for ever, as there are only as many as tokens and jobs name.
+/// All names so far. They are kept forever, as their number is bounded by tokens and jobs.
 static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 
 /// A tenant, by its name.
@@ -18,7 +18,7 @@ static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 pub(crate) struct Tenant(&'static str);
 
 impl Tenant {
-    /// To whom jobs belong that were made without a token.
+    /// The owner of jobs that were made without a token.
     pub(crate) const DEFAULT: Self = Self("default");
 
     /// Its name.

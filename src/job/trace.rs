@@ -1,4 +1,4 @@
-//! The spans of a job: one for the job, below it those of what is done for it. Without a collector there are none.
+//! The spans of a job: one for the job, with child spans for its work. Without a collector there are none.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,10 +11,10 @@ use super::state::{State, Status};
 use crate::telemetry::TARGET;
 use crate::telemetry::request::RequestTrace;
 
-/// How many slices of a job have spans, and how many encodings: endless jobs have endlessly many.
+/// The number of slices of a job with spans, and of encodings: endless jobs have endlessly many.
 const MOST: usize = 32;
 
-/// The span of a job, shared by all who work on it. It ends with the job, whoever still holds this.
+/// The span of a job, shared by all tasks that work on it. It ends with the job, whatever still holds this.
 #[derive(Debug)]
 pub(crate) struct JobTrace {
     span: Mutex<Span>,
@@ -33,7 +33,7 @@ impl Default for JobTrace {
 }
 
 impl JobTrace {
-    /// Begins the span of a job, if it has none: below that of the request that has made it.
+    /// Begins the span of a job, if it has none: a child of the request that has created it.
     pub(crate) fn begin(&self, outline: &Outline, request: Option<&RequestTrace>) {
         let mut span = self.span.lock();
         if !span.is_disabled() {
@@ -62,7 +62,7 @@ impl JobTrace {
         self.end_in(status.state.name(), status);
     }
 
-    /// Ends the span of a job that was given up before it was stored.
+    /// Ends the span of a job that was abandoned before it was stored.
     pub(crate) fn abandon(&self, status: &Status) {
         self.end_in("abandoned", status);
     }
@@ -90,7 +90,7 @@ impl JobTrace {
         self.child(|job| debug_span!(target: TARGET, parent: job, "queue"))
     }
 
-    /// What is computed before level 0.
+    /// The computation before level 0.
     pub(super) fn set_up(&self) -> Span {
         self.child(|job| debug_span!(target: TARGET, parent: job, "set-up"))
     }
@@ -105,7 +105,7 @@ impl JobTrace {
         }
     }
 
-    /// Encoding so many numbers off the network threads, for this request if the job has ended.
+    /// The encoding of this many numbers off the network threads, for this request if the job has ended.
     pub(crate) fn encode(&self, numbers: usize) -> Span {
         let encode = |parent: &Span| debug_span!(target: TARGET, parent: parent, "encode", piad.numbers = integer(numbers));
         let job = self.span.lock().clone();
@@ -124,7 +124,7 @@ impl JobTrace {
         stored.await
     }
 
-    /// A span below that of the job. A span of nothing would be the first one of another trace.
+    /// A child span of the job. Without a span of the job it would be the root of another trace.
     fn child(&self, make: impl FnOnce(&Span) -> Span) -> Span {
         let job = self.span.lock().clone();
         if job.is_disabled() { job } else { make(&job) }
@@ -135,7 +135,7 @@ fn is_one_of_the_first(count: &AtomicUsize) -> bool {
     count.fetch_add(1, Ordering::Relaxed) < MOST
 }
 
-/// A number as collectors have it.
+/// A number in the form of collectors.
 fn integer(count: usize) -> i64 {
     i64::try_from(count).unwrap_or(i64::MAX)
 }

@@ -1,4 +1,4 @@
-//! What is left of a trimmed surface.
+//! The remaining part of a trimmed surface.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,18 +7,18 @@ use super::frame::Frame;
 use piad_fit::engine::outline::trimmed_area;
 use piad_fit::geometry::{Face, Nurbs, Outline};
 
-/// What is left of a trimmed surface: where its parameters are on the left of all loops.
+/// The remaining part of a trimmed surface: where its parameters are on the left of all loops.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{
     "area": 2.9, "distance": 0.1, "faces": [{"outer": 0, "holes": []}],
     "loops": [{"degree": 3, "knots": [0, 0, 0, 0, 2, 2, 2, 2], "control_points": [[0, 0], [3, 0], [0, 3], [0, 0]]}],
 }]))]
 pub(crate) struct Trimmed {
-    /// The area of what is left, of surfaces in the plane and in space.
+    /// The area of the remaining part, of surfaces in the plane and in space.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     pub(crate) area: Option<f64>,
-    /// How far the outline can be from the data, in the unit of the points.
+    /// The largest distance of the outline from the data, in the unit of the points.
     pub(crate) distance: f64,
     /// The pieces that it is in; none if it is all of the surface.
     pub(crate) faces: Vec<TrimmedFace>,
@@ -49,7 +49,7 @@ pub(crate) struct TrimLoop {
 }
 
 impl Trimmed {
-    /// What is left of the surface of a level, if it is trimmed.
+    /// The remaining part of the surface of a level, if it is trimmed.
     pub(crate) fn of(frame: &Frame) -> Option<Self> {
         let outline: &Outline = frame.problem.outline()?;
         let nurbs = Nurbs::of(&frame.problem, &frame.control_points);

@@ -1,22 +1,22 @@
-//! Queues in which peers take turns: however much one of them has waiting, the others do not wait for it.
+//! Queues in which peers take turns, so that a peer with much waiting does not delay the others.
 
 use std::collections::{HashMap, VecDeque};
 
 use super::peer::Peer;
 
-/// What waits, in the order in which it came, with a queue for each peer. Background work has one, too.
+/// Waiting items, in the order of arrival, with a queue for each peer. Background work has one, too.
 #[derive(Debug)]
 pub(super) struct Turns<T> {
     queues: HashMap<Option<Peer>, PeerQueue<T>>,
-    /// The peers that have something waiting, in the order of their turns.
+    /// The peers with waiting items, in the order of their turns.
     order: VecDeque<Option<Peer>>,
 }
 
-/// What waits for one peer.
+/// The waiting items of one peer.
 #[derive(Debug)]
 pub(super) struct PeerQueue<T> {
     pub(super) waiting: VecDeque<T>,
-    /// How many turns the peer has had since it last had nothing waiting.
+    /// The number of turns of the peer since its queue was last empty.
     pub(super) turns: usize,
 }
 
@@ -30,7 +30,7 @@ impl<T> Default for Turns<T> {
 }
 
 impl<T> Turns<T> {
-    /// Adds something behind all else of its peer.
+    /// Adds an item behind all others of its peer.
     pub(super) fn push(&mut self, peer: Option<Peer>, item: T) {
         let queue = self.queues.entry(peer).or_insert_with(|| {
             self.order.push_back(peer);
@@ -42,7 +42,7 @@ impl<T> Turns<T> {
         queue.waiting.push_back(item);
     }
 
-    /// Gives the peers their turns, until one of them takes something out of its queue.
+    /// Gives the peers their turns, until one of them takes an item out of its queue.
     pub(super) fn next<R>(
         &mut self,
         mut take: impl FnMut(Option<Peer>, &mut PeerQueue<T>) -> Option<R>,
@@ -64,13 +64,13 @@ impl<T> Turns<T> {
         None
     }
 
-    /// The peers with what waits for them.
+    /// The peers with their waiting items.
     pub(super) fn iter(&self) -> impl Iterator<Item = (Option<Peer>, &VecDeque<T>)> {
         let queues = self.queues.iter();
         queues.map(|(&peer, queue)| (peer, &queue.waiting))
     }
 
-    /// Drops all that waits.
+    /// Drops all waiting items.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(rest, [20, 1, 11, 2, 3]);
         assert!(turns.queues.is_empty() && turns.order.is_empty());
 
-        // A peer that takes nothing keeps what it has.
+        // A peer that takes nothing keeps its items.
         turns.push(peer(1), 1);
         turns.push(peer(2), 2);
         let even = |_, queue: &mut PeerQueue<i32>| match queue.waiting.front() {

@@ -1,4 +1,4 @@
-//! Bases, knots and parameters as they are asked for.
+//! Requested bases, knots and parameters.
 
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
@@ -11,14 +11,14 @@ use piad_fit::basis::{BasisChoice, Knots, MAX_DEGREE, Polynomial};
 use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::parameters::Parametrization;
 
-/// The degree of a B-spline if nobody says it.
+/// The default degree of a B-spline.
 pub(crate) const DEFAULT_DEGREE: usize = 3;
 
 /// A kind of basis.
 #[derive(Clone, Copy, Debug, Default, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(example = &"bspline")]
-#[allow(missing_docs, reason = "schemas repeat what is said of a value")]
+#[allow(missing_docs, reason = "schemas repeat the documentation of a value")]
 pub(crate) enum BasisKind {
     #[default]
     Bspline,
@@ -35,7 +35,7 @@ names!(BasisKind, "kind of basis", [
 ]);
 
 rules!(
-    /// The knots of a B-spline as they are asked for.
+    /// The requested knots of a B-spline.
     KnotsInput(Knots), "rule for knots", [
     "data" => Data,
     "averaged" => Averaged,
@@ -44,7 +44,7 @@ rules!(
 ]);
 
 rules!(
-    /// The parameters of data points as they are asked for.
+    /// The requested parameters of data points.
     ParametersInput(Parametrization), "rule for parameters", [
     "chord_length" => ChordLength,
     "centripetal" => Centripetal,
@@ -66,7 +66,7 @@ pub(crate) struct Basis {
     )]
     #[schemars(range(min = 1, max = MAX_DEGREE), extend("default" = DEFAULT_DEGREE))]
     pub degree: Option<usize>,
-    /// Where the pieces meet.
+    /// The knots, where the pieces meet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub knots: Option<KnotsInput>,
 }
@@ -122,7 +122,7 @@ impl Basis {
     }
 }
 
-/// As it would be asked for.
+/// A basis in the form of a request.
 impl From<&BasisChoice> for Basis {
     fn from(choice: &BasisChoice) -> Self {
         let kind = match choice {
@@ -157,7 +157,7 @@ schema_of!(
     })
 );
 
-/// The degree of a B-spline that is as usual otherwise.
+/// A B-spline of this degree with defaults.
 pub(super) enum Degree {}
 
 schema_of!(

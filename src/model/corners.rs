@@ -1,4 +1,4 @@
-//! The corners of a curve, and the creases of a surface, as they are asked for.
+//! The requested corners of a curve, and creases of a surface.
 
 use std::fmt;
 
@@ -13,7 +13,7 @@ use super::schema::schema_of;
 use piad_fit::basis::Corners;
 use piad_fit::engine::DirectionChoice;
 
-/// Where a curve may turn: `"auto"`, an angle, or indices of points.
+/// The corners of a curve: `"auto"`, an angle, or indices of points.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct CornersInput(pub Corners);
 
@@ -43,7 +43,7 @@ pub(crate) struct Creases {
 object!(Creases, "an object with rows u or columns v");
 
 impl Creases {
-    /// Those of the choices of both directions, if there are some.
+    /// The creases of the choices of both directions, if there are any.
     pub(crate) fn of(u: &DirectionChoice, v: &DirectionChoice) -> Option<Self> {
         let lines = |choice: &DirectionChoice| {
             let indices = choice.corners.as_ref()?.indices().iter();
@@ -56,7 +56,7 @@ impl Creases {
         (creases.u.is_some() || creases.v.is_some()).then_some(creases)
     }
 
-    /// Those of the directions.
+    /// The corners of the directions.
     pub(super) fn corners(self) -> [Option<Corners>; 2] {
         [self.u, self.v].map(|lines| {
             let indices = lines?.into_iter().map(|Whole(index)| index);

@@ -1,4 +1,4 @@
-//! An edit as it is asked for, and its way from the parent's problem to a new one.
+//! A requested edit, and its way from the parent's problem to a new one.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -28,7 +28,7 @@ use piad_fit::invalid::{self as fit, Invalid};
 /// The most characters of the name of a drag.
 pub(crate) const LONGEST_SESSION: usize = 100;
 
-/// Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
+/// Changes of a fit. Fields that are not given stay as they are; at least one of `points`, `weights`, `rational`,
 /// `method` and `stop` is given.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
@@ -45,13 +45,13 @@ pub(crate) struct EditRequest {
     /// New weights of all data points.
     #[schemars(with = "Option<NewWeights>")]
     pub weights: Option<PerDirection<PointNumbers>>,
-    /// How the weights are used. It stays as it is where there were weights before.
+    /// The use of the weights. It stays as it is where there were weights before.
     pub rational: Option<Rational>,
     /// Another method.
     pub method: Option<MethodInput>,
     /// Other rules when the iteration ends.
     pub stop: Option<StopRules>,
-    /// What the event streams are like; without it as those of the parent.
+    /// The options of the event streams; default: those of the parent.
     pub stream: Option<StreamSpec>,
     /// The edit is one frame of a drag: it is streamed in the answer, neither stored nor listed, and ends
     /// with its connection.
@@ -70,7 +70,7 @@ pub(crate) struct EditRequest {
 pub(crate) struct Move {
     /// Which data point.
     pub index: Index,
-    /// Where it goes.
+    /// Its new position.
     #[schemars(with = "Option<Point>")]
     pub point: Option<Coordinates>,
     /// Its new weight, in homogeneous fits.
@@ -81,7 +81,7 @@ pub(crate) struct Move {
 object!(EditRequest, "an object");
 object!(Move, "an object with an index and a point or a weight");
 
-/// What an edit starts from.
+/// The start of an edit.
 pub(crate) struct ParentFit<'a> {
     /// The problem of the parent.
     pub problem: &'a Problem,
@@ -89,7 +89,7 @@ pub(crate) struct ParentFit<'a> {
     pub control_points: &'a Arc<Points>,
     /// The least eigenvalue of its collocation matrix, if it is known.
     pub lambda_min: Option<f64>,
-    /// What its streams are like.
+    /// The stream options of the parent.
     pub stream: Option<&'a StreamSpec>,
 }
 
@@ -111,7 +111,7 @@ impl EditRequest {
         let method = self.method.map(|method| method.choice(grid, surface));
         if let Some(method) = mistakes.keep(method.transpose()).flatten() {
             (request.method, request.selected) = (method.method, method.selected);
-            // Least squares has knots and ends of its own, and other bases are refused below.
+            // Least squares has its own knots and ends, and other bases are refused below.
             if request.method.has_fewer_control_points() {
                 request.u.unsettle();
                 request.v.iter_mut().for_each(DirectionChoice::unsettle);
@@ -169,7 +169,7 @@ impl EditRequest {
     }
 }
 
-/// Changes single points; gives the entry of each that was changed.
+/// Changes single points; returns the entry of each that was changed.
 fn change_points(
     changes: Vec<Move>,
     request: &mut Request,
@@ -199,7 +199,7 @@ fn change_points(
 }
 
 impl Move {
-    /// Puts the point elsewhere; gives its index.
+    /// Moves the point; returns its index.
     fn apply(self, k: usize, request: &mut Request) -> Result<usize, Mistake> {
         let wrong = |part, detail: String| Err(Mistake::at(SpecPart::Change(k, part), detail));
         let index = self.index.of_point(request.grid, request.v.is_some());
@@ -276,8 +276,8 @@ fn set_weights(
     Ok(())
 }
 
-/// The parent's control points. Where data points get other weights, so do their control points,
-/// which stay where they are: the old weights would go through the data as well, and be kept.
+/// The parent's control points. Where data points get other weights, so do their control points, without moving: the
+/// old weights would interpolate the data as well, and be kept.
 fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
     let ParentFit {
         problem,
@@ -311,7 +311,7 @@ fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
     Ok(Arc::new(Points::from_lanes(lanes)))
 }
 
-/// Where a fit that chooses its knots goes on from: the knots of its parent.
+/// The initial knots of a fit that chooses its knots: those of its parent.
 fn start_breaks(
     parent: &ParentFit<'_>,
     request: &Request,
@@ -337,7 +337,7 @@ fn other_basis() -> Mistakes {
     Mistake::at(SpecPart::Fit(fit::Place::Method), detail).into()
 }
 
-/// Where in an edit a part of the problem is, which has changed these points by these entries.
+/// The location in an edit of a part of the problem, which has changed these points by these entries.
 fn in_edit(place: fit::Place, changed: &HashMap<usize, usize>) -> SpecPart {
     use fit::Place as P;
     let entry = |index, part| changed.get(&index).map(|k| SpecPart::Change(*k, part));
@@ -345,7 +345,7 @@ fn in_edit(place: fit::Place, changed: &HashMap<usize, usize>) -> SpecPart {
         P::Point(index) => entry(index, ChangePart::Whole).unwrap_or(SpecPart::Whole),
         P::Weight(index) => entry(index, ChangePart::Weight).unwrap_or(SpecPart::Fit(place)),
         P::AxisWeights(_) | P::AxisWeight(..) => SpecPart::Fit(P::Weights),
-        // What an edit leaves as it is was right in the parent.
+        // The unchanged parts of an edit were valid in the parent.
         P::Section(_)
         | P::Line(..)
         | P::Degree(_)

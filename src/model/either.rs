@@ -1,9 +1,9 @@
-//! Readers of what serde derives no good reader for: it takes lists for objects, and loses the place of
-//! an error in values that may be of several types.
+//! Readers where serde's derived ones are not good enough: those accept lists for objects, and lose the location of an
+//! error in values that may be of several types.
 //!
-//! - [`object!`]: objects, and names that are short for one;
+//! - [`object!`]: objects, and names as short forms;
 //! - [`Whole`]: whole numbers, with or without a decimal point;
-//! - [`Kept`]: objects whose `kind` says what the other fields are.
+//! - [`Kept`]: objects whose `kind` determines the other fields.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -20,12 +20,12 @@ use serde_json::value::RawValue;
 /// Encloses a JSON pointer in the text of an error, see [`below`].
 pub(crate) const MARK: char = '\u{1}';
 
-/// An error at a place below the value that is read, which no deserializer has seen.
+/// An error at a location below the value that is read, which no deserializer has seen.
 pub(crate) fn below<E: Error>(pointer: &str, error: impl fmt::Display) -> E {
     E::custom(format_args!("{MARK}{pointer}{MARK}{error}"))
 }
 
-/// A JSON pointer (RFC 6901) to a place as serde_path_to_error tells it.
+/// A JSON pointer (RFC 6901) to a location of serde_path_to_error.
 pub(crate) fn pointer(path: &serde_path_to_error::Path) -> String {
     use serde_path_to_error::Segment;
     let step = |segment: &Segment| match segment {
@@ -41,9 +41,9 @@ pub(super) fn step(name: &str) -> String {
     format!("/{}", name.replace('~', "~0").replace('/', "~1"))
 }
 
-/// A type that is read from objects, and maybe from names that are short for one.
+/// A type that is read from objects, and maybe from names as short forms.
 pub(crate) trait Object<'de>: Sized {
-    /// What it should be.
+    /// The expected form, for errors.
     const EXPECTED: &'static str;
 
     /// Reads it from the fields of an object.
@@ -54,7 +54,7 @@ pub(crate) trait Object<'de>: Sized {
         Err(E::invalid_type(Unexpected::Str(name), &Self::EXPECTED))
     }
 
-    /// What stands for null, and for one of two directions that is left out.
+    /// The value for null, and for one of two directions that is left out.
     fn of_nothing<E: Error>() -> Result<Self, E> {
         Err(E::invalid_type(Unexpected::Unit, &Self::EXPECTED))
     }
@@ -127,12 +127,12 @@ pub(crate) use object;
 pub(crate) struct Whole(pub usize);
 
 impl Whole {
-    /// What a reader of it expects.
+    /// The expected form, for errors.
     pub(crate) const EXPECTED: &'static str = "a whole number, zero or greater";
 
-    /// The whole number that this is. One that is too large for this machine is too large for anything.
+    /// The whole number. One that is too large for this machine is too large for any limit.
     pub(crate) fn of<E: Error>(x: f64, expected: &dyn serde::de::Expected) -> Result<usize, E> {
-        /// Up to here every whole number is a number of its own.
+        /// Up to here every whole number is exact.
         const EXACT: f64 = 9_007_199_254_740_992.0;
         match (0.0..=EXACT).contains(&x) && x.fract() == 0.0 {
             true => Ok(x as usize),
@@ -218,7 +218,7 @@ pub(crate) struct Kept<'de, A> {
     map: A,
 }
 
-/// The most fields before the `kind` of an object; none has so many.
+/// The most fields before the `kind` of an object; no valid object has more.
 const MOST_BEFORE: usize = 100;
 
 impl<'de, A: MapAccess<'de>> Kept<'de, A> {
@@ -333,7 +333,7 @@ pub(crate) fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>
     deserializer.deserialize_any(NumberVisitor(word, expected, PhantomData))
 }
 
-/// A list of at most so many elements, which is longer in no request that could be right.
+/// A list of at most `MOST` elements, which no valid request exceeds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct AtMost<T, const MOST: usize>(pub Vec<T>);

@@ -1,4 +1,4 @@
-//! The names of what can be chosen about files.
+//! Names of choices about files.
 
 use piad_files::export::{Dots, Style, Unit, Version};
 

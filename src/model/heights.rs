@@ -6,7 +6,7 @@ use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::points::PointGrid;
 use piad_fit::data::Points;
 
-/// Where the heights of a grid are.
+/// The positions of the heights of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Placement {
     /// The steps from column to column along x, and from row to row along y.
@@ -16,7 +16,7 @@ pub(crate) struct Placement {
 }
 
 impl Placement {
-    /// That of a spacing and an origin, if there is a spacing.
+    /// The positions by a spacing and an origin, if there is a spacing.
     pub(super) fn new(
         spacing: Option<[f64; 2]>,
         origin: Option<[f64; 2]>,

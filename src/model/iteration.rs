@@ -19,7 +19,7 @@ impl IterationChoice {
         Self(Some(Whole(usize::try_from(number).unwrap_or(usize::MAX))))
     }
 
-    /// The number; none of the last one.
+    /// The number; `None` for the last one.
     pub(crate) fn number(self) -> Option<usize> {
         self.0.map(|Whole(k)| k)
     }

@@ -1,4 +1,4 @@
-//! A job as it is asked for, and its way to a fitting problem.
+//! A requested job, and its way to a fitting problem.
 
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ pub struct JobRequest {
     /// The surface to fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) surface: Option<SurfaceInput>,
-    /// How weights are used; only with weights.
+    /// The use of weights; only with weights.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) rational: Option<Rational>,
     /// The method; without one `global`, and of polylines, sections, meshes, and, with a tolerance, scattered points and grids with missing points least squares with `control_points` `"auto"`.
@@ -51,38 +51,37 @@ pub struct JobRequest {
     /// When the iteration ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stop: Option<StopRules>,
-    /// What the event streams of the job are like if they do not say it themselves.
+    /// The default stream options of the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) stream: Option<StreamSpec>,
 }
 
 object!(JobRequest, "an object");
 
-/// A job that can be computed.
+/// A valid job.
 #[derive(Debug)]
 pub struct ValidJob {
     /// The client's name for it.
     pub name: Option<String>,
-    /// What its streams are like if they do not say it themselves.
+    /// The default options of its streams.
     pub stream: Option<Arc<StreamSpec>>,
     /// The problem.
     pub problem: Problem,
 }
 
-/// What a server accepts.
+/// The limits of a server.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
     /// The most data points.
     pub(crate) points: usize,
     /// The most iterations.
     pub(crate) iterations: usize,
-    /// What a fit may take.
+    /// The limits of a fit.
     pub(crate) admission: Admission,
 }
 
 impl JobRequest {
-    /// What would ask for the same problem again. The start of an edit is not a part of it: that is its
-    /// iteration 0.
+    /// The request for the same problem. The start of an edit is not a part of it: that is its iteration 0.
     pub(crate) fn of(name: Option<String>, stream: Option<StreamSpec>, request: &Request) -> Self {
         Self {
             name,
@@ -100,20 +99,19 @@ impl JobRequest {
         self.surface.as_ref().and_then(SurfaceInput::base)
     }
 
-    /// Checks the job against the limits and the mathematics. `base` is the surface of
-    /// `Self::base`, or why there is none.
+    /// Validates the job. `base` is the surface of `Self::base`, or why there is none.
     pub fn validate(self, limits: Limits, base: Result<&Nurbs, Mistake>) -> OrMistakes<ValidJob> {
         let mut mistakes = Mistakes::default();
         let (name, stream) = (self.name.clone(), self.stream.clone());
         mistakes.keep(check_name(name.as_deref()));
         let request = self.problem(limits.points, limits.iterations, base, &mut mistakes);
-        // The points and the basis may be wrong beside what was found so far.
+        // The points and the basis may have further errors.
         let problem =
             request.and_then(|request| mistakes.fit(request, &limits.admission, SpecPart::Fit));
         ValidJob::new(name, stream, problem, mistakes)
     }
 
-    /// The problem of a job that was accepted before: no limit is looked at.
+    /// The problem of a job that was accepted before: no limit is checked.
     pub(crate) fn request(self) -> OrMistakes<Request> {
         let mut mistakes = Mistakes::default();
         match self.problem(usize::MAX, usize::MAX, Err(no_base()), &mut mistakes) {
@@ -122,7 +120,7 @@ impl JobRequest {
         }
     }
 
-    /// The problem that is asked for, with at most so many points and iterations.
+    /// The requested problem, with at most this many points and iterations.
     fn problem(
         self,
         most_points: usize,
@@ -157,7 +155,7 @@ impl JobRequest {
         if let Some(stream) = &self.stream {
             mistakes.keep(stream.check(is_surface));
         }
-        // Without points nothing is said of the method.
+        // Without points the method is not validated.
         let method = match self.method {
             None if request
                 .as_ref()
@@ -180,8 +178,8 @@ impl JobRequest {
     }
 }
 
-/// Returns true if only least squares with as few control points as the tolerance needs fits what is asked for: the edges
-/// of a polyline, sections, meshes, and scattered points and grids with missing points for which there is a tolerance.
+/// Returns true if only least squares with as few control points as the tolerance needs fits the request: the edges of
+/// a polyline, sections, meshes, and scattered points and grids with missing points for which there is a tolerance.
 fn has_one_method(request: &Request, tolerance: Option<Tolerance>) -> bool {
     let scattered = request.scattered.as_ref();
     let is_one_kind =
@@ -191,7 +189,7 @@ fn has_one_method(request: &Request, tolerance: Option<Tolerance>) -> bool {
 }
 
 impl ValidJob {
-    /// The job, if nothing is wrong with it.
+    /// The job, if there are no errors.
     pub(super) fn new(
         name: Option<String>,
         stream: Option<StreamSpec>,

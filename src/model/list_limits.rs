@@ -1,6 +1,6 @@
-//! How long the lists of a request may get while they are read.
+//! Limits on the length of the lists of a request while they are read.
 //!
-//! Readers of serde take no arguments, so the limits are those of the thread that reads.
+//! Readers of serde take no arguments, so the limits are those of the thread.
 
 use std::cell::Cell;
 use std::fmt;
@@ -20,7 +20,7 @@ thread_local! {
     static CURRENT: Cell<ListLimits> = const { Cell::new(ListLimits::NONE) };
 }
 
-/// Brings the limits before back, also if the stack is unwound.
+/// Restores the previous limits, also if the stack is unwound.
 struct Scope(ListLimits);
 
 impl Drop for Scope {
@@ -45,7 +45,7 @@ pub(super) fn most_numbers(limits: ListLimits, each: usize) -> usize {
     limits.points.saturating_mul(each).saturating_add(EXTRA)
 }
 
-/// Says that a list is too long.
+/// The error for a list that is too long.
 pub(super) fn too_many(most: usize) -> String {
     format!("there are more than {most} of them, the most that can be given here")
 }
@@ -78,7 +78,7 @@ pub(super) fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<
     read(deserializer, most_numbers(current(), 1))
 }
 
-/// Reads a list of at most so many elements.
+/// Reads a list of at most `MOST` elements.
 fn read<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
     most: usize,
@@ -132,7 +132,7 @@ mod tests {
         let mut list = vec![0.0; LONG];
         limits.make_room(&mut list, most_numbers(limits, 1));
         assert_eq!(list.capacity(), 10_000);
-        // Without limits it grows as it likes.
+        // Without limits it grows freely.
         current().make_room(&mut list, usize::MAX);
         assert_eq!(current().points, usize::MAX);
     }

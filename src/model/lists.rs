@@ -23,7 +23,7 @@ pub(crate) struct Lists {
 /// The most levels of lists: orders of derivatives, data points of a boundary, coordinates.
 const DEEPEST: usize = 3;
 
-/// What lists without numbers of their own are expected to be.
+/// The expected form of lists without numbers.
 pub(crate) const LISTS: &str = "a list of numbers, or of lists of them";
 
 impl Lists {
@@ -49,7 +49,7 @@ impl Lists {
         Ok(lists)
     }
 
-    /// Notes that a list of a level has ended, which has so many entries.
+    /// Notes the end of a list of a level, with its number of entries.
     fn end<E: Error>(&mut self, level: usize, length: usize, before: usize) -> Result<(), E> {
         let has_numbers = self.values.len() == before + length;
         if self.lengths.is_empty() && has_numbers && (length > 0 || level == 0) {
@@ -71,7 +71,7 @@ impl Lists {
     }
 }
 
-/// Reads a list of a level, or a number in one; gives whether it was a list.
+/// Reads a list of a level, or a number in one; returns true if it was a list.
 struct Level<'a> {
     lists: &'a mut Lists,
     level: usize,
@@ -109,7 +109,7 @@ impl<'de> Visitor<'de> for Level<'_> {
         if !self.may_be_number {
             return Err(E::invalid_type(Unexpected::Float(x), &self));
         }
-        // Numbers stand in lists of one level, which is known once a list has ended.
+        // Numbers are in lists of one level, which is known once a list has ended.
         let known = self.lists.lengths.len();
         if known != 0 && known != self.level {
             return Err(E::custom("a number stands here where others have lists"));
@@ -237,13 +237,12 @@ impl Vectors {
         })
     }
 
-    /// How many lists there are in the outermost one, or numbers.
+    /// The number of lists, or numbers, in the outermost one.
     pub(crate) fn count(&self) -> usize {
         self.0.lengths.first().copied().unwrap_or(0)
     }
 
-    /// The vectors of each order, of a boundary of one data point or of many; none if these are other
-    /// lists.
+    /// The vectors of each order, of a boundary of one data point or of many; `None` for other lists.
     pub(crate) fn orders(self, is_surface: bool, are_many: bool) -> Option<Vec<Arc<Points>>> {
         let Self(Lists { values, lengths }) = self;
         let mut lengths = lengths.into_iter().rev();
@@ -287,7 +286,7 @@ impl PointNumbers {
         }
     }
 
-    /// Those that lists have; none of other lists.
+    /// The numbers of a list; `None` for other lists.
     pub(super) fn of<E: Error>(lists: Lists, things: &str) -> Result<Self, E> {
         match lists.lengths[..] {
             [_] => Ok(Self::Line(lists.values)),
@@ -301,8 +300,7 @@ impl PointNumbers {
         }
     }
 
-    /// The numbers of points in a grid, row by row. Whether there are as many in a list as points is
-    /// checked with the problem.
+    /// The numbers of points in a grid, row by row. The length of a list is checked with the problem.
     pub(super) fn of_points(
         self,
         grid: Grid,

@@ -1,4 +1,4 @@
-//! What is wrong with a fitting problem, as far as one mistake does not follow from another.
+//! Validation of a fitting problem, which collects independent errors.
 
 use super::mistakes::{Mistake, Mistakes, SpecPart};
 use piad_fit::basis::{BasisChoice, Knots};
@@ -7,12 +7,12 @@ use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::method::{LeastSquares, Method};
 use piad_fit::parameters::Parametrization;
 
-/// Of problems with so many points more than one mistake is looked for, which takes a copy.
+/// Up to this many points more than one error is searched for, which takes a copy of the problem.
 const MOST_COPIED: usize = 10_000;
 
 impl Mistakes {
-    /// The problem, or what is wrong with it. Each mistake that is found is set right in a copy, to
-    /// find those after it. `place` says where a part of the problem is in the model.
+    /// The problem, or its errors. Each error is corrected in a copy, to find those after it.
+    /// `place` maps a part of the problem to the model.
     pub(super) fn fit(
         &mut self,
         request: Request,
@@ -49,8 +49,8 @@ impl Mistakes {
     }
 }
 
-/// Replaces what is wrong by something that is right; tells whether it could, and whether what is
-/// wrong beside it is wrong still.
+/// Replaces an invalid part by a valid one; returns true if it could and other errors stay what
+/// they are.
 fn correct(request: &mut Request, place: fit::Place) -> bool {
     let (u, v) = (&mut request.u, &mut request.v);
     match place {
@@ -72,7 +72,7 @@ fn correct(request: &mut Request, place: fit::Place) -> bool {
                 (Axis::V, Some(v)) => v,
                 _ => u,
             };
-            // What is explicit about the knots depends on the parameters.
+            // Explicit knots depend on the parameters.
             let given = matches!(choice.parameters, Parametrization::Explicit(_));
             choice.parameters = Parametrization::Uniform;
             given && !has_explicit_knots(choice)
@@ -82,7 +82,7 @@ fn correct(request: &mut Request, place: fit::Place) -> bool {
                 (Axis::V, Some(v)) => v,
                 _ => u,
             };
-            // What is at parameters has others then.
+            // Settings at parameters have others then.
             let at_parameters = |method: &LeastSquares| !method.constraints.is_empty();
             let depends = has_explicit_knots(choice)
                 || matches!(&request.method, Method::LeastSquares(it) if at_parameters(it));

@@ -1,14 +1,14 @@
-//! What is wrong with a job or an edit, and with which part of it.
+//! Validation errors of a job or an edit, and their locations.
 //!
-//! Places are parts of the model. The language in which a request was written says where they stand
-//! there: JSON by a pointer, a protobuf message by the path of a field.
+//! Locations are parts of the model. The encoding of a request maps them: JSON to a pointer, a
+//! protobuf message to the path of a field.
 
 use std::fmt;
 
 use super::stream::Choice;
 use piad_fit::invalid as fit;
 
-/// The most mistakes that are told at once.
+/// The most errors that are reported at once.
 pub(crate) const MOST_MISTAKES: usize = 16;
 
 /// A part of a job or an edit.
@@ -20,7 +20,7 @@ pub enum SpecPart {
     Name,
     /// A part of the fitting problem.
     Fit(fit::Place),
-    /// How weights are used.
+    /// The use of weights.
     Rational,
     /// The last iteration that is computed.
     MaxIterations,
@@ -28,7 +28,7 @@ pub enum SpecPart {
     Stream(Choice, Option<usize>),
     /// The steps between heights, or one of them: along x or y.
     Spacing(Option<usize>),
-    /// Where heights start, or a coordinate of that.
+    /// The origin of heights, or a coordinate of it.
     Origin(Option<usize>),
     /// The job on whose surface scattered points have their foot points.
     FootPoints,
@@ -36,7 +36,7 @@ pub enum SpecPart {
     FootPointsIteration,
     /// Edits: the iteration to start from.
     Iteration,
-    /// Edits: whether nothing of it is kept.
+    /// Edits: the `ephemeral` setting.
     Ephemeral,
     /// Ephemeral edits: the name of the drag.
     Session,
@@ -44,39 +44,39 @@ pub enum SpecPart {
     Change(usize, ChangePart),
 }
 
-/// A part of what an edit says of a point.
+/// A part of the change of a point in an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChangePart {
     /// All of it.
     Whole,
-    /// Which point.
+    /// The index of the point.
     Index,
-    /// Where it goes.
+    /// Its new position.
     Point,
     /// Its weight.
     Weight,
 }
 
-/// Where something is wrong.
+/// The location of an error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Site {
     /// In a part of the model.
     Part(SpecPart),
-    /// At a place in the language of the request that is no part of the model.
+    /// At a location in the encoding of the request that is not a part of the model.
     Text(String),
 }
 
-/// What is wrong, and where.
+/// An error, with its location.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mistake {
-    /// Where.
+    /// The location.
     pub site: Site,
-    /// Why.
+    /// The reason.
     pub detail: String,
 }
 
 impl Mistake {
-    /// A mistake in a part of the model.
+    /// An error in a part of the model.
     pub fn at(place: SpecPart, detail: impl Into<String>) -> Self {
         Self {
             site: Site::Part(place),
@@ -84,7 +84,7 @@ impl Mistake {
         }
     }
 
-    /// A mistake at a place that only the language of the request has.
+    /// An error at a location that only the encoding of the request has.
     pub fn at_text(text: impl Into<String>, detail: impl Into<String>) -> Self {
         Self {
             site: Site::Text(text.into()),
@@ -93,27 +93,27 @@ impl Mistake {
     }
 }
 
-/// What was read of a part of a request, or all that is wrong with it.
+/// A part of a request, or all of its errors.
 pub(crate) type OrMistakes<T> = Result<T, Mistakes>;
 
-/// All mistakes that were found, as far as one does not follow from another.
+/// The independent errors that were found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Mistakes(Vec<Mistake>);
 
 impl Mistakes {
-    /// One mistake more.
+    /// Adds an error.
     pub fn push(&mut self, mistake: Mistake) {
         self.0.push(mistake);
     }
 
-    /// Adds to the last one, where no more are told.
+    /// Adds to the last one, after which no more are reported.
     pub fn more(&mut self, detail: &str) {
         if let Some(last) = self.0.last_mut() {
             last.detail = format!("{}; {detail}", last.detail);
         }
     }
 
-    /// The value, or its mistakes more.
+    /// The value; its errors are added.
     pub fn keep<T>(&mut self, read: Result<T, impl Into<Self>>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
@@ -124,17 +124,17 @@ impl Mistakes {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are none.
     pub fn none(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether there are as many as are told.
+    /// Returns true if no more are reported.
     pub fn full(&self) -> bool {
         self.0.len() >= MOST_MISTAKES
     }
 
-    /// The value if there are no mistakes.
+    /// The value if there are no errors.
     pub fn or<T>(self, value: T) -> OrMistakes<T> {
         if self.none() { Ok(value) } else { Err(self) }
     }

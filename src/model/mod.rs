@@ -1,14 +1,14 @@
-//! What clients ask for: its JSON is what serde makes of these types, and protobuf messages are read into
-//! them.
+//! Requests of clients: serde reads and writes their JSON, and protobuf messages are converted to these types.
 //!
-//! - [`job`]: a job, with its `shape`, of a `surface` (`points`, `heights`, `basis`, `corners`, `ends`, [`scattered`] points), its `weights`, its
-//!   `method` with `settings`, and when it ends (`stop`); `edit`: changes of one, from an `iteration`;
-//! - `stream`: what the event streams of a job are like;
-//! - `mistakes`: all that is wrong with a request, each at a part of the model; `mathematics`: what is
-//!   wrong with the fitting problem;
-//! - `either`: readers of what has several forms; `per_direction`: one value for both directions of a surface, or
-//!   one for each; `lists`: numbers in lists, and `list_limits`: how long they get; `named`: enumerations whose
-//!   values have names; `files`: those of choices about files;
+//! - [`job`]: a job, with its `shape`, of a `surface` (`points`, `heights`, `basis`, `corners`, `ends`, [`scattered`]
+//!   points), its `weights`, its `method` with `settings`, and its end (`stop`); `edit`: changes of one, from an
+//!   `iteration`;
+//! - `stream`: options of the event streams of a job;
+//! - `mistakes`: all errors of a request, each at a part of the model; `mathematics`: validation of the fitting
+//!   problem;
+//! - `either`: readers of values with several forms; `per_direction`: one value for both directions of a surface, or
+//!   one for each; `lists`: numbers in lists, and `list_limits`: their lengths; `named`: enumerations whose values have
+//!   names; `files`: those of choices about files;
 //! - `schema`, `numbers`: schemas that are not derived.
 
 pub(crate) mod basis;

@@ -1,5 +1,5 @@
-//! Enumerations whose values have names, which are the same in JSON, in queries and in stores; and rules
-//! with names, instead of which there may be numbers.
+//! Enumerations whose values have names, which are the same in JSON, in queries and in stores; and rules with names,
+//! which may be replaced by numbers.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -14,10 +14,10 @@ use piad_files::short::quoted;
 
 /// A value with a name.
 pub(crate) trait Named: Copy + PartialEq + 'static {
-    /// What a value is: "kind of basis".
+    /// What a value is, for errors: "kind of basis".
     const WHAT: &'static str = "choice";
 
-    /// All values with their names; the first is the one that is meant if none is chosen.
+    /// All values with their names; the first is the default.
     const ALL: &'static [(Self, &'static str)];
 
     /// The names.
@@ -25,7 +25,7 @@ pub(crate) trait Named: Copy + PartialEq + 'static {
         Self::ALL.iter().map(|(_, name)| *name).collect()
     }
 
-    /// What it is called.
+    /// Its name.
     fn name(self) -> &'static str {
         let entry = Self::ALL.iter().find(|(value, _)| *value == self);
         entry.map_or("", |(_, name)| name)
@@ -37,22 +37,24 @@ pub(crate) trait Named: Copy + PartialEq + 'static {
         entry.map(|(value, _)| *value)
     }
 
-    /// What a reader of it expects.
+    /// The expected form, for errors.
     fn expected() -> String {
         let names = Self::names().join(", ");
         format!("the name of a {}: {names}", Self::WHAT)
     }
 
-    /// The value of a name, or what is wrong with it.
+    /// The value of a name, or the error.
     fn read<E: Error>(name: &str) -> Result<Self, E> {
         Self::of_name(name).ok_or_else(|| unknown(name, Self::WHAT, &Self::names()))
     }
 }
 
-/// What is said of a name that is none of these.
+/// The error for an unknown name.
 fn unknown<E: Error>(name: &str, what: &str, names: &[&str]) -> E {
     let (name, names) = (quoted(name), names.join(", "));
-    E::custom(format_args!("{name} is no {what}; there are {names}"))
+    E::custom(format_args!(
+        "unknown {what} {name}; expected one of {names}"
+    ))
 }
 
 /// Reads a value by its name.
@@ -107,7 +109,7 @@ macro_rules! by_name {
 }
 pub(crate) use by_name;
 
-/// Declares how a setting of a fit is written: by the names of its values.
+/// Declares the JSON of a setting of a fit: the names of its values.
 macro_rules! setting {
     ($(#[$about:meta])* $written:ident($type:ident), $what:literal, [$($name:literal => $value:ident),+ $(,)?]) => {
         $(#[$about])*
@@ -140,7 +142,7 @@ pub(crate) use named;
 
 /// A rule that has a name, or explicit numbers.
 pub(crate) trait Rule: Clone + PartialEq + 'static {
-    /// What a rule is: "rule for knots".
+    /// What a rule is, for errors: "rule for knots".
     const WHAT: &'static str;
 
     /// All rules with their names.
@@ -194,7 +196,7 @@ pub(crate) fn read_rule<'de, T: Rule, D: Deserializer<'de>>(
     deserializer.deserialize_any(RuleVisitor(PhantomData))
 }
 
-/// Declares how a rule of a fit is written: by its name; numbers are its variant `Explicit`.
+/// Declares the JSON of a rule of a fit: its name; numbers are its variant `Explicit`.
 macro_rules! rules {
     ($(#[$about:meta])* $written:ident($type:ident), $what:literal, [$($name:literal => $rule:ident),+ $(,)?]) => {
         $(#[$about])*

@@ -80,7 +80,7 @@ schema_of!(
         "type": "array",
         "items": {
             "type": "array",
-            // A point as above: generators of clients do not understand a list that is a choice of a reference.
+            // A point as above: client generators do not understand a list that is a choice of a reference.
             "items": {
                 "type": ["array", "number", "null"],
                 "items": {"type": "number"},

@@ -43,7 +43,7 @@ impl<T> PerDirection<T> {
         }
     }
 
-    /// What is made of each of the values.
+    /// The result for each of the values.
     pub(crate) fn map<U>(self, make: impl Fn(T) -> U) -> PerDirection<U> {
         match self {
             Self::Both(value) => PerDirection::Both(make(value)),
@@ -54,7 +54,7 @@ impl<T> PerDirection<T> {
         }
     }
 
-    /// The value for both directions where they have the same, or there is only one.
+    /// The value for both directions if they have the same, or there is only one.
     pub(crate) fn of(u: T, v: Option<T>) -> Self
     where
         T: PartialEq,
@@ -65,7 +65,7 @@ impl<T> PerDirection<T> {
         }
     }
 
-    /// Whether each direction has a value of its own.
+    /// Returns true if each direction has a value of its own.
     pub(crate) fn is_each(&self) -> bool {
         matches!(self, Self::Each { .. })
     }
@@ -145,7 +145,7 @@ fn unknown_field<E: Error>(name: &str) -> E {
     E::unknown_field(name, &["u", "v"])
 }
 
-/// The value of a field, or what stands for one that is not there.
+/// The value of a field, or the default for a missing one.
 fn given<'de, T: Deserialize<'de>, E: Error>(value: Option<T>, name: &'static str) -> Result<T, E> {
     let absent = || T::deserialize(UnitDeserializer::<E>::new());
     value.map_or_else(|| absent().map_err(|_| E::missing_field(name)), Ok)
@@ -168,7 +168,7 @@ impl JsonSchema for Count {
     }
 }
 
-/// What a JSON pointer has for a direction, if there is one value for each.
+/// The step of a JSON pointer to a direction, if there is one value for each.
 pub(crate) fn direction(each: bool, axis: Axis) -> &'static str {
     match (each, axis) {
         (false, _) => "",
@@ -193,8 +193,8 @@ impl<T: JsonSchema> JsonSchema for PerDirection<T> {
     }
 }
 
-/// The choices of a schema. Generators of clients understand a reference to an object among the choices
-/// of another schema, but no reference to what is a choice itself, a list or a name.
+/// The choices of a schema. Client generators understand a reference to an object among the choices of another schema,
+/// but no reference to a choice, a list or a name.
 fn one_of(mut schema: Schema, reference: Schema) -> Vec<Value> {
     if let Some(Value::Array(choices)) = schema.get("oneOf") {
         return choices.clone();
@@ -208,8 +208,7 @@ fn one_of(mut schema: Schema, reference: Schema) -> Vec<Value> {
     vec![schema.to_value()]
 }
 
-/// The schema of a value for each direction, under a name of its own: generated clients have a type
-/// for it.
+/// The schema of a value for each direction, under a name of its own, so that generated clients have a type for it.
 pub(crate) struct Pair<T>(PhantomData<T>);
 
 impl<T: JsonSchema> JsonSchema for Pair<T> {

@@ -1,4 +1,4 @@
-//! Points, which are read from JSON straight into the arrays that are computed with.
+//! Points, which are read from JSON directly into the arrays of the computation.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub(crate) struct PointList(pub Arc<Points>);
 /// for a missing one.
 #[derive(Clone, Debug)]
 pub(crate) struct PointGrid {
-    /// The points, row by row; what is at missing ones is not looked at.
+    /// The points, row by row; the values of missing ones are undefined.
     pub points: Arc<Points>,
     /// The indices of missing points, increasing.
     pub missing: Vec<usize>,

@@ -1,7 +1,7 @@
-//! What the schemas of requests have in common, and their examples.
+//! Common parts of the schemas of requests, and their examples.
 //!
-//! Schemas of types with derived readers are derived, too. Where a reader is written by hand so is
-//! its schema.
+//! Schemas of types with derived readers are derived, too. Types with a reader written by hand have
+//! a schema written by hand.
 
 use schemars::{Schema, json_schema};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ use super::named::Named;
 use piad_fit::basis::BASES;
 use piad_fit::engine::About;
 
-/// Gives a type, or a name that stands for a schema, the schema that is written down.
+/// Gives a type, or a name that stands for a schema, a schema written by hand.
 macro_rules! schema_of {
     ($type:ty, $name:literal, $generator:ident => $schema:expr) => {
         impl schemars::JsonSchema for $type {
@@ -41,7 +41,7 @@ pub(crate) fn names<T: Named>(description: &str) -> Schema {
     })
 }
 
-/// Says which bases there are. Only B-splines have a degree and knots to choose.
+/// Describes the kinds of bases. Only B-splines have a degree and knots to choose.
 pub(super) fn basis(schema: &mut Schema) {
     explain(schema, &BASES);
     for name in ["degree", "knots"] {

@@ -48,7 +48,7 @@ impl Thresholds {
         })
     }
 
-    /// As they would be asked for.
+    /// Thresholds in the form of a request.
     pub(super) fn of(threshold: &Threshold, grid: Grid, surface: bool) -> Self {
         match threshold {
             Threshold::All(threshold) => Self::All(*threshold),
@@ -83,7 +83,7 @@ pub(crate) enum Index {
 const _: () = assert!(size_of::<Index>() == 8);
 
 impl Index {
-    /// The index of a point in rows of so many `columns`, or without rows.
+    /// The index of a point in rows of `columns` points, or without rows.
     pub(crate) fn new(index: usize, columns: Option<usize>) -> Self {
         match columns {
             None => Self::Single(clamped(index)),
@@ -97,8 +97,7 @@ impl Index {
         Self::Pair(clamped(row), behind)
     }
 
-    /// The index in the list of all points, row by row. Whether a point of a curve exists is
-    /// checked with the problem.
+    /// The index in the list of all points, row by row. That a point of a curve exists is checked with the problem.
     pub(super) fn of_point(self, grid: Grid, surface: bool) -> Result<usize, String> {
         let Grid { rows, columns } = grid;
         match (self, surface && grid.is_rows()) {
@@ -132,9 +131,9 @@ fn clamped(index: usize) -> u32 {
     u32::try_from(index).unwrap_or(u32::MAX)
 }
 
-/// An index as it is kept, in four bytes.
+/// The stored form of an index, in four bytes.
 fn small<E: Error>(index: u64) -> Result<u32, E> {
-    let detail = || format!("{index} is not the index of a point: no job has so many");
+    let detail = || format!("{index} is not the index of a point: no job has this many");
     u32::try_from(index).map_err(|_| E::custom(detail()))
 }
 
@@ -243,7 +242,7 @@ schema_of!(
     })
 );
 
-/// How much data points count.
+/// The weights of data points in the sum of squares.
 pub(crate) enum DataWeights {}
 
 schema_of!(DataWeights, "DataWeights", {

@@ -1,4 +1,4 @@
-//! A curve as it is asked for, and what curves and surfaces have in common.
+//! A requested curve, and what curves and surfaces have in common.
 
 use std::sync::Arc;
 
@@ -48,27 +48,27 @@ pub(crate) struct CurveInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveWeights>")]
     pub weights: Option<PointNumbers>,
-    /// Whether the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the first
-    /// of them.
+    /// True if the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the
+    /// first of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<bool>,
-    /// How it ends.
+    /// Its ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<CurveEnds>")]
     pub ends: Option<EndsInput>,
-    /// Where it may turn; without them nowhere.
+    /// The corners; default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub corners: Option<CornersInput>,
-    /// Whether the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and turns
-    /// at all points at which the edges do by more than 30 degrees, unless `corners` are given.
+    /// True if the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and
+    /// turns at all points at which the edges do by more than 30 degrees, unless `corners` are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub polyline: Option<bool>,
     /// The order of the points: that in which they are given, or the nearest one where they have none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order: Option<PointOrder>,
-    /// What becomes of points that equal the one before them.
+    /// The treatment of points that equal the one before them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repeated_points: Option<RepeatedPoints>,
 }
@@ -87,8 +87,8 @@ names!(PointOrder, "order of points", [
     "nearest" => Nearest,
 ]);
 
-/// What becomes of points of a curve that equal the one before them: `refuse`, where their parameters do not increase, or
-/// `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it.
+/// The treatment of points of a curve that equal the one before them: `refuse`, where their parameters do not increase,
+/// or `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq)]
 #[schemars(rename_all = "snake_case", extend("default" = "refuse"), example = &"merge")]
 pub(crate) enum RepeatedPoints {
@@ -103,7 +103,7 @@ names!(RepeatedPoints, "treatment of repeated points", [
 
 object!(CurveInput, "an object with points");
 
-/// What is said of a direction.
+/// The settings of a direction.
 pub(super) struct DirectionInput {
     pub(super) basis: Option<Basis>,
     pub(super) parameters: Option<ParametersInput>,
@@ -112,7 +112,7 @@ pub(super) struct DirectionInput {
 }
 
 impl DirectionInput {
-    /// The direction with all that is usual where nothing is said, but for weights.
+    /// The direction with defaults filled in, but for weights.
     pub(super) fn choice(
         self,
         axis: Axis,
@@ -134,7 +134,7 @@ impl DirectionInput {
     }
 }
 
-/// The weights of points as a fit uses them, or none where they are wrong.
+/// The weights of points as a fit uses them, or none where they are invalid.
 pub(super) fn resolved(
     weights: Option<PerDirection<PointNumbers>>,
     rational: Option<Rational>,
@@ -175,7 +175,7 @@ pub(super) fn problem(
 }
 
 impl CurveInput {
-    /// The problem of fitting it, also if there are mistakes beside the points.
+    /// The problem of fitting it, also if there are errors outside the points.
     pub(super) fn request(
         self,
         rational: Option<Rational>,
@@ -208,7 +208,7 @@ impl CurveInput {
         })
     }
 
-    /// The curve of a problem as it would be asked for.
+    /// The curve of a problem in the form of a request.
     pub(super) fn of(request: &Request) -> Self {
         let weights = match weights::asked(request) {
             Some(PerDirection::Both(weights)) => Some(weights),

@@ -1,4 +1,4 @@
-//! When an iteration ends, as it is asked for.
+//! The requested end of an iteration.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use super::schema;
 use piad_fit::engine::{Request, Tolerance};
 use piad_fit::invalid as fit;
 
-/// The last iteration that is computed if nobody says it, and the server computes as many.
+/// The default last iteration, unless the server's limit is lower.
 pub(crate) const DEFAULT_ITERATIONS: usize = 1000;
 
 /// When the iteration ends. There is one of the tolerances, or none.
@@ -25,7 +25,7 @@ pub(crate) struct StopRules {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0), extend("default" = 1e-6))]
     pub relative_tolerance: Option<f64>,
-    /// The last iteration that is computed. Servers have a limit, which /v1/capabilities tells.
+    /// The last iteration that is computed. /v1/capabilities returns the server's limit.
     #[serde(
         default,
         deserialize_with = "whole",
@@ -38,7 +38,7 @@ pub(crate) struct StopRules {
 object!(StopRules, "an object");
 
 impl StopRules {
-    /// Those of a problem.
+    /// The stop rules of a problem.
     pub(super) fn of(request: &Request) -> Self {
         let (tolerance, relative_tolerance) = match request.tolerance {
             None => (None, None),
@@ -52,8 +52,7 @@ impl StopRules {
         }
     }
 
-    /// The largest allowed distance and the last iteration that is computed, with what is usual where nothing
-    /// is said.
+    /// The largest allowed distance and the last iteration that is computed, with defaults filled in.
     pub(super) fn resolve(
         self,
         most_iterations: usize,

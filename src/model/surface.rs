@@ -1,4 +1,4 @@
-//! A surface as it is asked for.
+//! A requested surface.
 
 use std::sync::Arc;
 
@@ -67,18 +67,18 @@ pub(crate) struct SurfaceInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<SurfaceWeights>")]
     pub weights: Option<PerDirection<PointNumbers>>,
-    /// Whether the directions are periodic.
+    /// True if the directions are periodic.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub closed: Option<PerDirection<bool>>,
-    /// Where a surface through a grid of points may turn; without them nowhere.
+    /// The creases of a surface through a grid of points; default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub creases: Option<Creases>,
-    /// How it ends; one value for both directions, or one for each that is not closed.
+    /// The end conditions; one value for both directions, or one for each that is not closed.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "given_ends")]
     #[schemars(with = "Option<SurfaceEnds>")]
     pub ends: Option<PerDirection<DirectionEnds>>,
-    /// How it is trimmed to the outline of its data; without it not at all.
+    /// The trimming to the outline of its data; default: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trim: Option<TrimInput>,
 }
@@ -99,12 +99,12 @@ fn given_ends<S: Serializer>(
     }
 }
 
-/// The data points of a surface, and how they get their parameters.
+/// The data points of a surface, and the rule for their parameters.
 struct SurfaceData {
     points: PointGrid,
-    /// How scattered points get their parameters; those of foot points are not known yet.
+    /// The rule for scattered points; that of foot points is not resolved yet.
     scattered: Option<Scattered>,
-    /// How those of a grid do.
+    /// The rule for a grid.
     parameters: Option<PerDirection<ParametersInput>>,
 }
 
@@ -156,7 +156,7 @@ impl SurfaceData {
 }
 
 impl SurfaceInput {
-    /// How its points are arranged, if there are any.
+    /// The arrangement of its points, if there are any.
     pub(crate) fn grid(&self) -> Option<Grid> {
         let sections = self.sections.as_ref().map(|it| &it.points);
         let scattered = self.scattered.as_ref().or(sections).map(PointList::grid);
@@ -164,7 +164,7 @@ impl SurfaceInput {
         points.or(scattered)
     }
 
-    /// The same with sections as scattered points, and with what is usual of them.
+    /// The same with sections as scattered points, and with their defaults.
     fn with_sections_scattered(mut self) -> Result<Self, Mistake> {
         let wrong = |detail| Err(Mistake::at_text("/surface/sections", detail));
         if let Some(SectionList { points, counts }) = self.sections.take() {
@@ -201,8 +201,7 @@ impl SurfaceInput {
         }
     }
 
-    /// The problem of fitting it, also if there are mistakes beside the points; foot points get their
-    /// parameters later.
+    /// The problem of fitting it, also if there are errors outside the points; foot points get their parameters later.
     pub(super) fn request(
         self,
         rational: Option<Rational>,
@@ -272,7 +271,7 @@ impl SurfaceInput {
         })
     }
 
-    /// The surface of a problem with these directions as it would be asked for.
+    /// The surface of a problem with these directions in the form of a request.
     pub(super) fn of(request: &Request, v: &DirectionChoice) -> Self {
         let u = &request.u;
         let points = Arc::clone(&request.points);
@@ -284,7 +283,7 @@ impl SurfaceInput {
             let [u, v] = [u, v].map(|it| ParametersInput(it.parameters.clone()));
             PerDirection::of(u, Some(v))
         };
-        // Sections of which it is not said are closed where their ends are near each other.
+        // Without a setting, sections are closed where their ends are near each other.
         let is_decided = match &request.scattered {
             Some(Scattered::Sections(sections)) => sections.closed.is_some(),
             _ => true,

@@ -1,4 +1,4 @@
-//! How a surface is trimmed, as it is asked for.
+//! The requested trimming of a surface.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 use super::schema::schema_of;
 use piad_fit::engine::Trim;
 
-/// How a surface is trimmed to the outline of its data: true, false, or a distance.
+/// The trimming of a surface to the outline of its data: true, false, or a distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct TrimInput(pub Option<Trim>);
 

@@ -1,4 +1,4 @@
-//! Weights as they are asked for: of the data points, or fixed ones.
+//! Requested weights: of the data points, or fixed ones.
 
 use schemars::JsonSchema;
 
@@ -10,12 +10,12 @@ use piad_fit::data::Grid;
 use piad_fit::engine::{DirectionChoice, Request, Weights};
 use piad_fit::invalid::{self as fit, Axis, Invalid};
 
-/// How weights are used: in homogeneous coordinates, so that the weights of the control points
-/// evolve with them, or as a part of the basis, so that they stay.
+/// The use of weights: in homogeneous coordinates, so that the weights of the control points evolve with them, or as a
+/// part of the basis, so that they stay.
 #[derive(Clone, Copy, Debug, JsonSchema, PartialEq, Eq)]
 #[schemars(rename_all = "snake_case")]
 #[schemars(example = &"homogeneous")]
-#[allow(missing_docs, reason = "schemas repeat what is said of a value")]
+#[allow(missing_docs, reason = "schemas repeat the documentation of a value")]
 pub(crate) enum Rational {
     Homogeneous,
     Fixed,
@@ -27,7 +27,7 @@ names!(Rational, "use of weights", [
 ]);
 
 impl Rational {
-    /// How the weights of a problem are used.
+    /// The use of the weights of a problem.
     pub(crate) fn of(request: &Request) -> Option<Self> {
         match (&request.weights, &request.u.weights) {
             (Weights::Homogeneous(_), _) => Some(Self::Homogeneous),
@@ -40,7 +40,7 @@ impl Rational {
 /// Weights as the fitting problem has them.
 #[derive(Clone, Debug)]
 pub(crate) struct Resolved {
-    /// Those that are not of a single direction.
+    /// The weights that are not of a single direction.
     pub weights: Weights,
     /// Fixed ones of the direction u.
     pub u: Option<Vec<f64>>,
@@ -115,7 +115,7 @@ impl Resolved {
     }
 }
 
-/// The weights of a problem as they would be asked for.
+/// The weights of a problem in the form of a request.
 pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
     let rows = |values: &Vec<f64>| match request.v {
         None => PointNumbers::Line(values.clone()),
@@ -137,7 +137,7 @@ pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
     }
 }
 
-/// Refuses to use weights that there are not.
+/// Refuses a use of weights without any.
 pub(crate) fn check_unused(rational: Option<Rational>) -> OrMistakes<()> {
     let detail = "rational says how weights are used, but there are no weights";
     match rational {

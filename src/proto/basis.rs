@@ -57,7 +57,7 @@ pub(crate) fn read_parameters(
 
 /// The rule by which numbers are chosen.
 enum Chosen<R> {
-    /// As the numbers say, if there are any.
+    /// Explicit numbers, if there are any.
     Any,
     Explicit,
     Rule(R),

@@ -10,8 +10,7 @@ use piad_fit::basis::{End, Ends};
 use piad_fit::data::Points;
 use piad_fit::invalid::Side;
 
-/// The ends that a message asks for; `boundary` is the number of data points on a boundary and that of
-/// their coordinates.
+/// The ends of a message; `boundary` is the number of data points on a boundary and that of their coordinates.
 pub(super) fn read(
     ends: Option<pb::Ends>,
     boundary: (usize, usize),
@@ -88,7 +87,7 @@ fn vectors(
     Ok(flat.chunks_exact(numbers).map(order).collect())
 }
 
-/// The message that asks for these ends.
+/// The message of these ends.
 pub(super) fn message(ends: &Ends) -> pb::Ends {
     let side = |end: &End| {
         let mut message = pb::End {
@@ -121,10 +120,10 @@ pub(crate) fn rule(end: &End) -> pb::EndRule {
     }
 }
 
-/// Where the vectors of ends stand in a message.
+/// The locations of the vectors of ends in a message.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EndsLayout {
-    /// Whether the ends of u and v have tangents, at the start and at the end.
+    /// True if the ends of u and v have tangents, at the start and at the end.
     tangents: [[bool; 2]; 2],
     /// The numbers of data points on the boundaries of u and v.
     boundaries: [usize; 2],

@@ -35,7 +35,7 @@ const RATIONALS: [(Rational, pb::Rational); 2] = [
     (Rational::Fixed, pb::Rational::Fixed),
 ];
 
-/// The job that a message asks for, with at most so many points.
+/// The job of a message, with at most this many points.
 pub(crate) fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<JobRequest> {
     let mut mistakes = Mistakes::default();
     let mut request = JobRequest {
@@ -52,7 +52,7 @@ pub(crate) fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<Job
         most: most_points,
     };
     match input.geometry {
-        // Without points the rest is not looked at.
+        // Without points the rest is not validated.
         None => return Ok(request),
         Some(Geometry::Curve(it)) => {
             request.curve = mistakes.keep(curve(it, most_points));
@@ -93,7 +93,7 @@ fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, Mistake> {
     })
 }
 
-/// The corners that a message asks for.
+/// The corners of a message.
 fn corners(corners: pb::Corners) -> Option<Corners> {
     Some(match corners.choice? {
         pb::corners::Choice::At(pb::Indices { indices }) => {
@@ -103,7 +103,7 @@ fn corners(corners: pb::Corners) -> Option<Corners> {
     })
 }
 
-/// The lines that these indices are those of, if there are some.
+/// The lines with these indices, if there are any.
 fn lines(indices: &[u32]) -> Option<Vec<Whole>> {
     let lines = indices.iter().map(|&index| Whole(index as usize));
     (!indices.is_empty()).then(|| lines.collect())
@@ -271,7 +271,7 @@ pub(crate) fn surface_weights(
     }
 }
 
-/// How weights are used.
+/// The use of weights.
 pub(crate) fn rational(value: i32) -> Result<Option<Rational>, Mistake> {
     chosen(&RATIONALS, value, "rational")
 }
@@ -283,7 +283,7 @@ pub(crate) fn stop(stop: pb::StopRules) -> StopRules {
         Some(Rule::Tolerance(value)) => (Some(value), None),
         Some(Rule::RelativeTolerance(value)) => (None, Some(value)),
     };
-    // Too many for this machine are too many for any limit.
+    // Numbers too large for this machine are beyond any limit.
     let count = |count| usize::try_from(count).unwrap_or(usize::MAX);
     StopRules {
         tolerance,
@@ -292,8 +292,7 @@ pub(crate) fn stop(stop: pb::StopRules) -> StopRules {
     }
 }
 
-/// The message that would ask for the same problem again. The start of an edit is not a part of it: that
-/// is its iteration 0.
+/// The message for the same problem. The start of an edit is not a part of it: that is its iteration 0.
 pub(crate) fn message(
     name: Option<String>,
     request: &Request,
@@ -370,7 +369,7 @@ fn direction(choice: &DirectionChoice, scattered: bool) -> pb::SurfaceDirection 
     }
 }
 
-/// How the weights of a problem are used.
+/// The use of the weights of a problem.
 pub(crate) fn rational_message(request: &Request) -> pb::Rational {
     value(&RATIONALS, Rational::of(request))
 }

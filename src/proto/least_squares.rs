@@ -39,7 +39,7 @@ const BOUNDARIES: [((Axis, Side), m::Boundary); 4] = [
     ((Axis::V, Side::End), m::Boundary::VEnd),
 ];
 
-/// The settings that a message asks for. Without a number for v both directions have that for u.
+/// The settings of a message. Without a number for v both directions have that for u.
 pub(super) fn input(
     settings: m::LeastSquares,
     target: MethodTarget,
@@ -181,7 +181,7 @@ fn points(vectors: &[m::Vector]) -> Option<Points> {
 
 /// The settings, without lists.
 pub(super) fn message(settings: &LeastSquares, surface: bool) -> m::LeastSquares {
-    // Zero: as many as there are data points.
+    // Zero means the number of data points.
     let number = |most| {
         if most == AS_MANY_AS_DATA {
             0

@@ -30,7 +30,7 @@ const SWEEPS: [(SweepsInput, m::Sweeps); 2] = [
     (SweepsInput(Sweeps::Columns), m::Sweeps::Columns),
 ];
 
-/// The method that a message asks for.
+/// The method of a message.
 pub(crate) fn input(
     method: Option<pb::Method>,
     target: MethodTarget,
@@ -104,8 +104,8 @@ fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput
     })
 }
 
-/// The method as outlines of jobs have it, of its message without the indices and thresholds of points
-/// and the entries of matrices.
+/// The method in outlines of jobs, from its message without the indices and thresholds of points and the entries of
+/// matrices.
 pub(crate) fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
     let target = MethodTarget {
         grid: Grid {
@@ -157,7 +157,7 @@ fn matrix(entries: &[f64], field: &str) -> Result<Matrix, Mistake> {
     Ok(AtMost(rows.collect()))
 }
 
-/// How the settings of a method are laid out.
+/// The layout of the settings of a method.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SettingsLayout {
     /// The numbers of columns of the square matrices of a transform for u and v.
@@ -240,7 +240,7 @@ pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
     }
 }
 
-/// The method as it was asked for, with its lists and the indices of the points that it selects.
+/// The method as requested, with its lists and the indices of the points that it selects.
 pub(crate) fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     let mut message = message(method, surface, None);
     match (&mut message.kind, method) {

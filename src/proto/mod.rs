@@ -1,4 +1,4 @@
-//! The messages of the contract (`proto/piad/v1/fitting.proto`), and how they say a job.
+//! The messages of the contract (`proto/piad/v1/fitting.proto`), and their conversion to and from jobs.
 //!
 //! - [`job`]: a job and its message, both ways; `basis`, [`ends`], [`method`] with `least_squares`, and [`stream`]: parts
 //!   of it; [`values`]: numbers, lists and enumerations.
@@ -14,7 +14,7 @@ mod scattered;
 pub(crate) mod stream;
 pub(crate) mod values;
 
-/// What is generated from the contract; the contract documents it.
+/// Code generated from the contract, which has the documentation.
 #[allow(
     dead_code,
     missing_docs,

@@ -13,7 +13,7 @@ use piad_fit::parameters::{
     CoordinatePlane, Cylinder, Domain, Mesh, MeshUnfolding, Pairs, Scattered, Sections, Sphere,
 };
 
-/// Which directions are closed. Sections say it themselves, or their ends do.
+/// The closed directions. For sections they follow from a setting or from their ends.
 pub(super) fn closed(
     scattered: &Option<pb::ScatteredParameters>,
     [u, v]: [bool; 2],
@@ -158,7 +158,7 @@ fn mesh(indices: &[u32], unfolding: pb::MeshUnfolding) -> Result<SurfaceParamete
     })))
 }
 
-/// How far a direction of explicit parameters goes.
+/// The extent of a direction of explicit parameters.
 fn domain(domain: Option<pb::ParameterDomain>, field: &str) -> Result<Domain, Mistake> {
     let Some(domain) = domain else {
         return Ok(Domain::Data);

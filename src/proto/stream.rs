@@ -1,4 +1,4 @@
-//! What a stream is like, in messages.
+//! Stream options in messages.
 
 use super::messages as pb;
 use super::values::{check_count, chosen, value};
@@ -50,7 +50,7 @@ pub(crate) fn field(choice: Choice) -> &'static str {
     }
 }
 
-/// What a message says, which is a field with this name and a dot.
+/// The choices of a message, which is a field with this name and a dot.
 pub(crate) fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpec, Mistake> {
     let every = options.every.map(|every| {
         let detail = "it is larger than any number of iterations";
@@ -83,7 +83,7 @@ pub(crate) fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpe
     })
 }
 
-/// What the message of a call says. What is about JSON alone is ignored.
+/// The choices of the message of a call. JSON options are ignored.
 pub(crate) fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Mistake> {
     let options = options.unwrap_or_default();
     let is_delta = options.json_encoding == i32::from(pb::JsonEncoding::Delta);
@@ -95,9 +95,9 @@ pub(crate) fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, 
     spec(options, "stream.")
 }
 
-/// The message that says the same.
+/// The message with the same choices.
 pub(crate) fn options(spec: &StreamSpec) -> pb::StreamOptions {
-    // What was accepted has room in 32 bits.
+    // Accepted values fit in 32 bits.
     let narrow = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
     let (samples_u, samples_v) = match spec.samples {
         None => (0, 0),

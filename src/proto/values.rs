@@ -5,12 +5,12 @@ use crate::model::mistakes::Mistake;
 use crate::model::settings::Index;
 use piad_fit::data::Grid;
 
-/// What a method is for.
+/// The geometry that a method is for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MethodTarget {
-    /// How the data points are arranged.
+    /// The arrangement of the data points.
     pub grid: Grid,
-    /// Whether they are those of a surface.
+    /// True if they are those of a surface.
     pub surface: bool,
     /// The most indices of points.
     pub most: usize,
@@ -29,17 +29,17 @@ impl MethodTarget {
     }
 }
 
-/// Numbers of points, which are limited by what a request can carry.
+/// Numbers of points, which are limited by the size of a request.
 pub(crate) fn count(number: usize) -> u32 {
     u32::try_from(number).unwrap_or(u32::MAX)
 }
 
-/// A list that is given.
+/// A list, if it is not empty.
 pub(crate) fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
     (!list.is_empty()).then_some(list)
 }
 
-/// The value of an enumeration; values that are not known are mistakes of this field.
+/// The value of an enumeration; unknown values are errors of this field.
 pub(crate) fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
     E::try_from(value).map_err(|_| {
         let detail = format!("{value} is no value of this enumeration");
@@ -47,7 +47,7 @@ pub(crate) fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mista
     })
 }
 
-/// What a value of an enumeration stands for; nothing if it is not specified.
+/// The value of an enumeration; `None` if it is not specified.
 pub(crate) fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
     table: &[(T, E)],
     value: i32,
@@ -67,7 +67,7 @@ pub(crate) fn value<T: Copy + PartialEq, E: Copy + Default>(
     found.map_or(E::default(), |(_, value)| *value)
 }
 
-/// Lists have as many elements as there can be, before anything is made of them.
+/// Lists have at most the allowed number of elements, which is checked before they are processed.
 pub(crate) fn check_count(
     count: usize,
     most: usize,

@@ -29,7 +29,7 @@ const PAUSE: Duration = Duration::from_millis(100);
 /// The shortest time between two log lines about the same repeated event.
 const TELLING: Duration = Duration::from_secs(10);
 
-/// Times of connections beyond the limits, which are there for short health checks.
+/// Timeouts of connections beyond the limits, which are for short health checks.
 const BEYOND: Times = Times {
     head: Duration::from_secs(2),
     idle: Duration::from_millis(100),
@@ -66,7 +66,7 @@ impl Doors {
                 Err(reason) if is_of_the_connection(&reason) => {}
                 Err(reason) => {
                     if let Some(times) = failures.record(Instant::now()) {
-                        error!(times, "connections cannot be taken in: {reason}");
+                        error!(times, "cannot accept connections: {reason}");
                     }
                     sleep(PAUSE).await;
                 }
@@ -78,7 +78,7 @@ impl Doors {
         }
     }
 
-    /// Serves a connection; one of a trusted proxy may tell first whose it is.
+    /// Serves a connection; a trusted proxy may first send the address of its client.
     async fn take_in(self: Arc<Self>, mut incoming: Incoming) {
         let _open = self.counters.open_connection();
         let proxy = Peer::at(incoming.address);
@@ -173,7 +173,7 @@ async fn next(listeners: &mut [Listener]) -> io::Result<Incoming> {
     accepted
 }
 
-/// Whether the client has disconnected before it was accepted, which is no fault of the server.
+/// Returns true if the client has disconnected before it was accepted, which is not an error of the server.
 fn is_of_the_connection(reason: &io::Error) -> bool {
     use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
     matches!(
@@ -207,7 +207,7 @@ mod tests {
         let mut at = Vec::new();
         for _ in &clients {
             next(&mut listeners).await.unwrap();
-            // The one that has had its turn is the last one now.
+            // The last one served goes to the end.
             let last = listeners[1].to_string();
             at.push(addresses.iter().position(|it| it.to_string() == last));
         }

@@ -14,11 +14,11 @@ pub(super) struct Times {
     pub(super) head: Duration,
     /// Between requests.
     pub(super) idle: Duration,
-    /// For the client to take something of what is being written.
+    /// For the client to read something of what is being written.
     pub(super) write: Duration,
 }
 
-/// What has happened on a connection.
+/// The activity on a connection.
 #[derive(Debug)]
 pub(super) struct Activity(Mutex<ConnectionState>);
 
@@ -32,13 +32,13 @@ struct ConnectionState {
     head: Option<Instant>,
     /// When something was last written, and how many bytes in all.
     written: (Instant, u64),
-    /// The client takes nothing of what is being written.
+    /// True if the client reads nothing of what is being written.
     blocked: bool,
     /// There has been a request.
     served: bool,
-    /// A request was answered before all of its body had come.
+    /// True if a request was answered before all of its body had arrived.
     cut_short: bool,
-    /// It is HTTP/2, where bytes may be exchanged without a request.
+    /// True if it is HTTP/2, where bytes may be exchanged without a request.
     multiplexed: bool,
 }
 
@@ -75,13 +75,13 @@ impl Activity {
         }
     }
 
-    /// Notes that so many bytes were sent.
+    /// Notes that this many bytes were sent.
     pub(super) fn wrote(&self, bytes: usize) {
         let mut state = self.0.lock();
         state.written = (Instant::now(), state.written.1 + bytes as u64);
     }
 
-    /// Notes whether the client takes nothing of what is being written.
+    /// Notes whether the client reads nothing of what is being written.
     pub(super) fn set_blocked(&self, blocked: bool) {
         self.0.lock().blocked = blocked;
     }
@@ -102,14 +102,14 @@ impl Activity {
         self.0.lock().cut_short = true;
     }
 
-    /// Whether the rest of a request may still come.
+    /// Returns true if the rest of a request may still come.
     pub(super) fn is_cut_short(&self) -> bool {
         self.0.lock().cut_short
     }
 
     /// Completes when the connection has timed out.
     pub(super) async fn overdue(&self, times: Times) -> Overdue {
-        // No timeout that begins after one look can pass before the next one.
+        // No timeout that begins after one check can pass before the next one.
         let shortest = times.head.min(times.idle);
         loop {
             let now = Instant::now();
@@ -125,8 +125,8 @@ impl Activity {
         }
     }
 
-    /// Completes when there has been nothing on a connection with HTTP/1.1 for a time: all answers have
-    /// been taken, and nothing of a request has come.
+    /// Completes when there has been nothing on a connection with HTTP/1.1 for a time: all answers have been read, and
+    /// nothing of a request has arrived.
     pub(super) async fn quiet(&self, time: Duration) {
         loop {
             let now = Instant::now();

@@ -1,4 +1,4 @@
-//! A connection: whose it is, and how a request on it is answered.
+//! A connection: its origin, and the answers to its requests.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -16,13 +16,13 @@ use super::response_body::{ResponseBody, Served};
 use crate::api::http::overload::Crowded;
 use crate::job::peer::Peer;
 
-/// Where a connection comes from.
+/// The origin of a connection.
 #[derive(Clone, Copy)]
 pub(super) struct Caller {
     pub(super) peer: Peer,
-    /// It is a trusted proxy, whose requests tell whose they are.
+    /// True if it is a trusted proxy, whose requests name their clients.
     is_proxy: bool,
-    /// It is beyond the limits.
+    /// The limit that it exceeds, if any.
     pub(super) crowded: Option<Crowded>,
 }
 
@@ -44,7 +44,7 @@ impl Caller {
         }
     }
 
-    /// The peer whose connections are limited; none for a proxy.
+    /// The peer whose connections are limited; `None` for a proxy.
     pub(super) fn limited(self) -> Option<Peer> {
         (!self.is_proxy).then_some(self.peer)
     }

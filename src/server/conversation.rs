@@ -1,8 +1,7 @@
-//! HTTP on a connection, in the version that the client speaks.
+//! HTTP on a connection, in the version of the client.
 //!
-//! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So one
-//! on which nothing is asked for some time is taken back from hyper, which gets it again with the next
-//! request.
+//! Two buffers of 8 KiB and what else hyper has for HTTP/1.1 are most of the memory of a connection. So an idle
+//! connection is taken back from hyper, which gets it again with the next request.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -30,24 +29,24 @@ use super::write_timeout::TimedStream;
 use crate::job::peer::Peer;
 use crate::trim;
 
-/// How long nothing is asked on a connection before it is taken back.
+/// How long a connection may be idle before it is taken back.
 const QUIET: Duration = Duration::from_secs(5);
 
 /// How long a connection that is being shut down may be silent before it is cut off.
 const LINGER: Duration = Duration::from_secs(2);
 
-/// What each connection with HTTP/2 begins with (RFC 9113, 3.4).
+/// The preface of each HTTP/2 connection (RFC 9113, 3.4).
 const PREFACE: &[u8] = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
 
 /// The most requests at a time on an HTTP/2 connection.
 const STREAMS: u32 = 100;
 
-/// How much an HTTP/2 client may send of a request before the server takes it, and of all requests of a
-/// connection: what waits there is counted nowhere else.
+/// How much an HTTP/2 client may send of a request before the server reads it, and of all requests of a connection:
+/// these bytes are outside the memory accounting.
 const STREAM_WINDOW: u32 = 64 << 10;
 const CONNECTION_WINDOW: u32 = 256 << 10;
 
-/// Serves a connection until it ends, is told to stop, or does nothing for too long.
+/// Serves a connection until it ends, is stopped, or is idle for too long.
 pub(super) async fn serve(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
     let served = converse(stream, caller, doors, times);
     Peer::scope(Some(caller.peer), served).await;
@@ -71,7 +70,7 @@ async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Time
             _ = watch.end() => None,
         };
         match begins {
-            // Whoever does not take the end of the connection gets none.
+            // A client that does not read the end of the connection gets none.
             None => return drop(timeout(LINGER, io.shutdown()).await),
             Some(true) => {
                 let streams = Streams {
@@ -83,7 +82,7 @@ async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Time
                     .initial_stream_window_size(STREAM_WINDOW)
                     .initial_connection_window_size(CONNECTION_WINDOW)
                     .serve_connection(TokioIo::new(GatheredWrites::new(io)), service);
-                // In a box: connections with HTTP/1.1 would have room for it, too.
+                // Boxed: connections with HTTP/1.1 would have room for it, too.
                 watch.serve(Box::pin(connection).as_mut()).await;
                 return;
             }
@@ -106,7 +105,7 @@ async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Time
     }
 }
 
-/// What ends a connection besides itself.
+/// The events that end a connection.
 struct Watch {
     peer: Peer,
     activity: Arc<Activity>,
@@ -114,7 +113,7 @@ struct Watch {
     stopping: watch::Receiver<bool>,
 }
 
-/// How far a connection was served.
+/// The result of serving a connection.
 #[derive(PartialEq, Eq)]
 enum Served {
     ToItsEnd,
@@ -133,7 +132,7 @@ impl Watch {
         }
     }
 
-    /// Serves requests until the connection ends, or nothing is asked for some time.
+    /// Serves requests until the connection ends, or is idle for some time.
     async fn serve<C>(&mut self, mut connection: Pin<&mut C>) -> Served
     where
         C: GracefulConnection<Error = hyper::Error>,

@@ -1,4 +1,4 @@
-//! What it takes to accept and serve connections.
+//! Shared state to accept and serve connections.
 
 use std::sync::Arc;
 
@@ -13,19 +13,19 @@ use super::tls::Tls;
 use crate::job::counters::Counters;
 use crate::log_throttle::LogThrottle;
 
-/// What it takes to accept and serve connections.
+/// Shared state to accept and serve connections.
 pub(super) struct Doors {
-    /// Where requests go.
+    /// The handler of requests.
     pub(super) router: Router,
-    /// How long connections may do nothing.
+    /// The timeouts of connections.
     pub(super) times: Times,
     pub(super) connections: Connections,
-    /// Proxies that tell the addresses of their clients.
+    /// Proxies that report the addresses of their clients.
     pub(super) proxies: Vec<IpNet>,
-    /// What connections from the network are encrypted with.
+    /// TLS for connections from the network.
     pub(super) tls: Option<Arc<Tls>>,
     pub(super) counters: Counters,
-    /// Becomes true when no more are taken in.
+    /// Becomes true when no more connections are accepted.
     pub(super) stopping: watch::Receiver<bool>,
     /// Connections beyond the limits.
     pub(super) crowds: Mutex<LogThrottle>,

@@ -1,7 +1,7 @@
 //! Writes of HTTP/2 frames, several at a time.
 //!
-//! h2 writes each frame of data by itself, and flushes it: a call of the system and a packet for every
-//! 16 KiB. So a large write waits here for the next one, or for a flush that no write came before.
+//! h2 writes each data frame by itself, and flushes it: a system call and a packet for every 16 KiB. So a large write
+//! waits here for the next one, or for a flush that no write preceded.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -10,17 +10,17 @@ use std::task::{Context, Poll, ready};
 use bytes::{Buf, BytesMut};
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 
-/// Writes are passed on when there are so many bytes.
+/// Writes are passed on when there are this many bytes.
 const ENOUGH: usize = 64 * 1024;
 
-/// Writes of so many bytes are likely to be followed by others; smaller ones are passed on with their flush.
+/// Writes of this many bytes are likely to be followed by others; smaller ones are passed on with their flush.
 const LARGE: usize = 8 * 1024;
 
 /// A stream that gathers large writes.
 pub(super) struct GatheredWrites<S> {
     stream: S,
     gathered: BytesMut,
-    /// There was a large write after the last flush.
+    /// True if there was a large write after the last flush.
     is_followed: bool,
 }
 
@@ -95,7 +95,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for GatheredWrites<S> {
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         if std::mem::take(&mut self.is_followed) && self.gathered.len() < ENOUGH {
-            // If nothing is written after all, the task flushes when it is polled again.
+            // If nothing follows, the task flushes when it is polled again.
             context.waker().wake_by_ref();
             return Poll::Ready(Ok(()));
         }
@@ -116,7 +116,7 @@ mod tests {
 
     use super::*;
 
-    /// What was written, call by call.
+    /// The writes, call by call.
     #[derive(Default)]
     struct Calls(Vec<usize>);
 
@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// Writes so many bytes and flushes, as often as there are numbers; gives the writes that were passed on.
+    /// Writes and flushes these numbers of bytes; returns the writes that were passed on.
     fn passed_on(writes: &[usize]) -> Vec<usize> {
         let mut stream = GatheredWrites::new(Calls::default());
         let mut context = Context::from_waker(Waker::noop());

@@ -22,10 +22,10 @@ const BEYOND: usize = 32;
 /// File descriptors for everything but connections: files, listeners, the runtime.
 const OTHERS: usize = 32;
 
-/// The assumed number of file descriptors if the system does not tell.
+/// The assumed number of file descriptors if the system does not report it.
 const USUAL_DESCRIPTORS: usize = 1024;
 
-/// How many connections there may be.
+/// The most connections.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ConnectionLimits {
     /// In all.
@@ -52,7 +52,8 @@ impl ConnectionLimits {
     }
 }
 
-/// How many connections are accepted before those that make room for them have been closed.
+/// The number of connections that are accepted before those that make room for them have been
+/// closed.
 const ON_THEIR_WAY: usize = 8;
 
 /// The connections of a server.
@@ -67,7 +68,7 @@ pub(super) struct Connections {
     beyond: Mutex<VecDeque<oneshot::Sender<()>>>,
 }
 
-/// How a connection is let in.
+/// The admission of a connection.
 #[derive(Debug)]
 pub(super) enum Admission {
     /// Within the limits, until the slot is dropped.
@@ -92,7 +93,7 @@ impl Connections {
         Arc::clone(&self.room).acquire_owned().await.ok()
     }
 
-    /// Lets in a connection of a peer, or of a proxy with many peers behind it.
+    /// Admits a connection of a peer, or of a proxy with many peers behind it.
     pub(super) fn admit(&self, peer: Option<Peer>) -> Admission {
         let crowded = match self.slots.take(peer) {
             Ok(slot) => return Admission::Within(slot),
@@ -108,7 +109,7 @@ impl Connections {
         Admission::Beyond(crowded, ended)
     }
 
-    /// Lets in a request of a peer.
+    /// Admits a request of a peer.
     pub(super) fn admit_request(&self, peer: Peer) -> Result<Slot, Crowded> {
         self.requests
             .take(Some(peer))
@@ -118,7 +119,8 @@ impl Connections {
     }
 }
 
-/// How many file descriptors the process may have, after its soft limit was raised to the hard limit.
+/// The number of file descriptors of the process, after its soft limit was raised to the hard
+/// limit.
 #[cfg(unix)]
 fn descriptors() -> Option<usize> {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};

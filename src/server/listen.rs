@@ -16,7 +16,7 @@ impl Listen {
     ///
     /// # Errors
     ///
-    /// If nobody can listen there.
+    /// If the address cannot be bound.
     pub async fn bind(&self) -> io::Result<Vec<Listener>> {
         match self {
             Self::Tcp(host) => host.bind().await,
@@ -65,7 +65,7 @@ impl Host {
                 // A port that is taken on one of the addresses is an error.
                 Err(reason) if is_taken(&reason) => return Err(reason),
                 Err(reason) => {
-                    warn!("{self} is also {address}, where nobody can listen: {reason}");
+                    warn!("{self} is also {address}, which cannot be bound: {reason}");
                     missing = Some(reason);
                 }
             }

@@ -1,4 +1,4 @@
-//! What is listened on, and the connections that come there.
+//! Listeners, and their connections.
 
 use std::fmt;
 use std::io;
@@ -20,10 +20,10 @@ pub enum Listener {
     Unix(UnixSocket),
 }
 
-/// A connection, whatever carries it.
+/// A connection of any transport.
 pub(super) type Stream = Box<dyn Duplex>;
 
-/// What can be read and written.
+/// A stream to read and write.
 pub(super) trait Duplex: AsyncRead + AsyncWrite + Send + Unpin {}
 
 impl<S: AsyncRead + AsyncWrite + Send + Unpin> Duplex for S {}
@@ -33,7 +33,7 @@ pub(super) struct Incoming {
     pub(super) stream: Stream,
     /// The other end. Clients of a Unix domain socket are on this machine.
     pub(super) address: IpAddr,
-    /// Whether others could listen in: it takes part in TLS, if there is any.
+    /// True if it crosses the network: it uses TLS, if there is any.
     pub(super) is_network: bool,
 }
 
@@ -44,7 +44,7 @@ impl From<TcpListener> for Listener {
 }
 
 impl Listener {
-    /// Whether only programs of this machine reach it.
+    /// Returns true if only programs of this machine reach it.
     pub(super) fn is_local(&self) -> io::Result<bool> {
         match self {
             Self::Tcp(listener) => Ok(listener.local_addr()?.ip().to_canonical().is_loopback()),
@@ -53,7 +53,7 @@ impl Listener {
         }
     }
 
-    /// Whether connections with it take part in TLS.
+    /// Returns true if its connections use TLS.
     pub(super) fn is_network(&self) -> bool {
         matches!(self, Self::Tcp(_))
     }
@@ -114,7 +114,7 @@ mod unix_socket {
     }
 
     impl UnixSocket {
-        /// Listens there. The file that a killed server has left behind is replaced; nothing else is.
+        /// Listens there. The file of a killed server is replaced; other files are not.
         pub(in crate::server) fn bind(path: &Path) -> io::Result<Self> {
             let path = path.to_owned();
             let listener = match UnixListener::bind(&path) {
@@ -142,12 +142,12 @@ mod unix_socket {
 
     impl Drop for UnixSocket {
         fn drop(&mut self) {
-            // If somebody else has removed it, that is as well.
+            // Another process may have removed it already.
             let _ = fs::remove_file(&self.path);
         }
     }
 
-    /// Whether this is a socket at which nobody listens.
+    /// Returns true if this is a socket without a listener.
     fn is_left(path: &Path) -> bool {
         let is_socket = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_socket());
         is_socket

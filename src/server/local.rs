@@ -1,4 +1,4 @@
-//! A server without a port: its resources are asked by the program that it is a part of.
+//! A server without a port, for the program that it is a part of.
 
 use std::io;
 use std::sync::Arc;
@@ -15,13 +15,13 @@ use crate::job::service::Jobs;
 
 /// A server that only this program reaches. Its jobs end when it is dropped.
 pub(crate) struct Local {
-    /// What answers requests.
+    /// The handler of requests.
     pub router: Router,
     _stop: watch::Sender<bool>,
     _closed_at_the_end: CloseOnDrop,
 }
 
-/// Starts a server with these settings, of which those of connections have no meaning here.
+/// Starts a server with these settings; those of connections do not apply.
 pub(crate) async fn start(config: Config) -> io::Result<Local> {
     let resources = resources(&config, Arc::default())?;
     let closed_at_the_end = CloseOnDrop(Arc::clone(&resources));

@@ -1,11 +1,12 @@
-//! A running server: binds configuration, jobs and API together.
+//! A running server: connects configuration, jobs and API.
 //!
-//! - `local`: the same without a port, for programs that answer themselves;
-//! - [`listen`]: the addresses and sockets of the server; [`listener`]: what comes there; `tls`: how it is encrypted;
-//! - `accept`: takes in connections; `connection`: serves one;
-//! - `activity`: what happens on a connection, and how long it may stay; `write_timeout`: bytes that the client does not take;
-//! - `limits`: how many connections there may be; [`proxy`]: clients behind trusted proxies;
-//! - `request_body`: the bodies of its requests; `response_body`: those of its answers; `stream_timeout`: those of HTTP/2 that the client does not take;
+//! - `local`: the same without a port, for programs that send requests to themselves;
+//! - [`listen`]: the addresses and sockets of the server; [`listener`]: their connections; `tls`: their encryption;
+//! - `accept`: accepts connections; `connection`: serves one;
+//! - `activity`: the activity on a connection, and its timeouts; `write_timeout`: bytes that the client does not read;
+//! - `limits`: limits of the number of connections; [`proxy`]: clients behind trusted proxies;
+//! - `request_body`: the bodies of requests; `response_body`: those of answers; `stream_timeout`: those of HTTP/2 that
+//!   the client does not read;
 //! - [`probe`]: asks a server whether it is ready;
 
 mod accept;
@@ -55,8 +56,8 @@ use limits::{ConnectionLimits, Connections};
 use listener::Listener;
 use tls::Tls;
 
-/// How long a server waits for the one before it to let go of the data directory: its last reads may go on
-/// for a moment after it has stopped.
+/// How long a server waits for its predecessor to release the data directory, whose last reads may continue for a
+/// moment after it has stopped.
 const HANDOVER: Duration = Duration::from_secs(3);
 
 /// Serves on `listeners` until `shutdown` completes; then ends event streams, lets other requests
@@ -139,7 +140,7 @@ pub async fn serve(
     Ok(())
 }
 
-/// What the jobs of a server with these settings share.
+/// The shared resources of the jobs of a server with these settings.
 fn resources(config: &Config, quotas: Arc<Quotas>) -> io::Result<Arc<Resources>> {
     let workers = config.worker_count();
     scheduler::share_loops(workers);
@@ -150,22 +151,22 @@ fn resources(config: &Config, quotas: Arc<Quotas>) -> io::Result<Arc<Resources>>
     Ok(Arc::new(resources.below(config.base_path.as_str())))
 }
 
-/// Checks that strangers cannot use the server unless that is meant.
+/// Checks that the server is not open to the network unless that is intended.
 fn check_access(config: &Config, is_local: bool, has_tokens: bool) -> Result<(), &'static str> {
     let is_encrypted = config.tls_cert.is_some();
     match has_tokens {
         true if !is_local && !is_encrypted => {
-            warn!("tokens come over the network as they are: use TLS, here or in a proxy");
+            warn!("tokens are sent over the network unencrypted: use TLS, here or in a proxy");
             Ok(())
         }
         false if !is_local && config.tls_client_ca.is_none() && !config.insecure_no_auth => Err(
-            "everybody who reaches this address could use the server: give it tokens (piad token create, --tokens FILE) or client certificates (--tls-client-ca), or say --insecure-no-auth if that is meant",
+            "this address is open to the network without authentication: give the server tokens (piad token create, --tokens FILE) or client certificates (--tls-client-ca), or pass --insecure-no-auth if that is intended",
         ),
         _ => Ok(()),
     }
 }
 
-/// What a server with tokens checks requests by: its tickets are signed by the key in its store.
+/// The tokens that a server checks requests against: its tickets are signed by the key in its store.
 async fn access(tokens: Option<Arc<Tokens>>, store: &Store) -> io::Result<Option<Access>> {
     let Some(tokens) = tokens else {
         return Ok(None);
@@ -176,7 +177,7 @@ async fn access(tokens: Option<Arc<Tokens>>, store: &Store) -> io::Result<Option
     Ok(Some(Access { tokens, tickets }))
 }
 
-/// Whether only programs of this machine reach the server.
+/// Returns true if only programs of this machine reach the server.
 fn are_local(listeners: &[Listener]) -> io::Result<bool> {
     for listener in listeners {
         if !listener.is_local()? {

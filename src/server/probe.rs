@@ -78,8 +78,7 @@ async fn encrypted(stream: Stream) -> io::Result<Stream> {
     Ok(Box::new(connector.connect(name, stream).await?))
 }
 
-/// Takes any certificate: the server is asked one question, and told nothing. Its certificate is for the name by
-/// which others reach it.
+/// Accepts any certificate, as the probe sends no secrets. The server's certificate is for its public name.
 #[derive(Debug)]
 struct AnyCertificate(Arc<CryptoProvider>);
 

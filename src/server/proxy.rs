@@ -1,9 +1,9 @@
-//! Clients behind proxies that are trusted: their addresses, as the proxy tells them.
+//! Clients behind trusted proxies: their addresses, as the proxy reports them.
 //!
-//! A proxy tells the address of a connection in a header of the [PROXY protocol] before its first byte, in
-//! version 1 or 2, or that of each request in `Forwarded` (RFC 7239) or `X-Forwarded-For`; after such a header of the
-//! connection the others are those of the client, and are not believed. Nobody else is believed: a client that could
-//! choose its address would have no limits. Clients that a proxy does not name share limits of their own.
+//! A proxy reports the address of a connection in a header of the [PROXY protocol] before its first byte, in version 1
+//! or 2, or that of each request in `Forwarded` (RFC 7239) or `X-Forwarded-For`; after a PROXY header the others come
+//! from the client, and are ignored. Headers from any other peer are ignored: a client that could choose its address
+//! would have no limits. Clients that a proxy does not name share one set of limits.
 //!
 //! [PROXY protocol]: https://www.haproxy.org/download/3.0/doc/proxy-protocol.txt
 
@@ -23,13 +23,13 @@ const VERSION_2: &[u8] = b"\r\n\r\n\0\r\nQUIT\n";
 /// The longest header in version 1, with its end of line.
 const LONGEST_LINE: usize = 107;
 
-/// Whether the proxy at an address is trusted.
+/// Returns true if the proxy at an address is trusted.
 pub(super) fn is_trusted(networks: &[IpNet], address: IpAddr) -> bool {
     let address = address.to_canonical();
     networks.iter().any(|network| network.contains(&address))
 }
 
-/// From where a request comes that a trusted proxy passes on.
+/// The origin of a request from a trusted proxy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Origin {
     /// From the proxy itself: no header names a client.
@@ -52,7 +52,8 @@ impl Origin {
     }
 }
 
-/// The origin of a request that came from a trusted proxy: the last address on its way that is no trusted proxy itself.
+/// The origin of a request that came from a trusted proxy: the last address on its way that is not a trusted proxy
+/// itself.
 pub(super) fn origin(headers: &HeaderMap, networks: &[IpNet]) -> Origin {
     let last = |way: Vec<Option<IpAddr>>| {
         let mut hops = way.into_iter().rev();
@@ -77,7 +78,7 @@ pub(super) fn origin(headers: &HeaderMap, networks: &[IpNet]) -> Origin {
     }
 }
 
-/// The addresses in all headers of a name, the nearest one last; `None` for what is no address.
+/// The addresses in all headers of a name, the nearest one last; `None` for invalid ones.
 fn way(
     headers: &HeaderMap,
     name: &str,
@@ -105,10 +106,10 @@ fn without_port(text: &str) -> Option<IpAddr> {
     text.parse().or_else(|_| host.parse()).ok()
 }
 
-/// What a trusted proxy has sent first.
+/// The first bytes of a trusted proxy.
 #[derive(Debug)]
 pub(super) struct Beginning {
-    /// From where the connection comes, if there is a header that says so.
+    /// The origin of the connection, if there is a header.
     pub(super) origin: Option<Origin>,
     /// Bytes that were read and belong to the first request.
     pub(super) rest: Vec<u8>,
@@ -118,7 +119,7 @@ pub(super) struct Beginning {
 pub(super) async fn read(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Beginning> {
     let mut bytes = Vec::new();
     loop {
-        // Byte by byte: a header is short, and what follows it is not to be waited for.
+        // Byte by byte: a header is short, and the bytes after it may not come.
         let Ok(byte) = stream.read_u8().await else {
             return Ok(Beginning {
                 origin: None,
@@ -159,7 +160,7 @@ fn begins_after(origin: Origin) -> Beginning {
     }
 }
 
-/// `PROXY TCP4 192.0.2.1 192.0.2.2 4711 80`, or `PROXY UNKNOWN` for what the proxy itself asks.
+/// `PROXY TCP4 192.0.2.1 192.0.2.2 4711 80`, or `PROXY UNKNOWN` for requests of the proxy itself.
 fn version_1(line: &[u8]) -> io::Result<Beginning> {
     let text = std::str::from_utf8(line).map_err(|_| malformed())?;
     let mut words = text.split_whitespace().skip(1);
@@ -182,7 +183,7 @@ async fn version_2(stream: &mut (impl AsyncRead + Unpin)) -> io::Result<Beginnin
     let [command, family, high, low] = head;
     let mut addresses = vec![0; usize::from(u16::from_be_bytes([high, low]))];
     stream.read_exact(&mut addresses).await?;
-    // The highest bits are the version; LOCAL is what the proxy itself asks.
+    // The highest bits are the version; LOCAL is for requests of the proxy itself.
     let is_local = match command {
         0x20 => true,
         0x21 => false,
@@ -284,7 +285,7 @@ mod tests {
         for pairs in [
             &[("x-forwarded-for", "192.0.2.1, unknown")][..],
             &[("x-forwarded-for", "")],
-            &[("x-forwarded-for", "nobody, 10.1.1.1")],
+            &[("x-forwarded-for", "nowhere, 10.1.1.1")],
             &[("forwarded", "for=unknown")],
             &[("forwarded", "for=_hidden")],
             &[("forwarded", "for=\"")],
@@ -337,7 +338,7 @@ mod tests {
         assert_eq!(begins(&version_2(b"\x20\0\0\0GET")).await, itself);
         assert_eq!(begins(&version_2(b"\x21\0\0\0GET")).await, itself);
         for bytes in [
-            &b"PROXY TCP4 nobody\r\n"[..],
+            &b"PROXY TCP4 nowhere\r\n"[..],
             b"PROXY HTTP\r\n",
             &[b"PROXY TCP4 ", &[b'1'; 200][..]].concat(),
             &version_2(b"\x31\x11\0\0"),

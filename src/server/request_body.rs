@@ -1,6 +1,5 @@
-//! The body of a request. In HTTP/1 the part that a handler has not read stands before the next request
-//! on the connection: a short rest is read and discarded; otherwise the connection is closed after the
-//! answer, which says so.
+//! The body of a request. In HTTP/1 the part that a handler has not read precedes the next request on the connection: a
+//! short rest is read and discarded; otherwise the connection is closed after the answer, which announces it.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -19,13 +18,13 @@ const LITTLE: u64 = 64 * 1024;
 /// How long to wait for it.
 const SHORT: Duration = Duration::from_secs(1);
 
-/// The body of a request; what is not read of it is left in [`Unread`].
+/// The body of a request; the unread rest goes to [`Unread`].
 pub(super) struct RequestBody {
     body: Option<Incoming>,
     unread: Unread,
 }
 
-/// What a handler has left of a body.
+/// The rest of a body that a handler has not read.
 #[derive(Clone, Default)]
 pub(super) struct Unread(Arc<Mutex<Option<Incoming>>>);
 
@@ -41,8 +40,8 @@ impl RequestBody {
 }
 
 impl Unread {
-    /// Reads the rest if it is short and comes soon; returns whether the connection can be used again. A
-    /// client that `expects` 100 Continue may not have begun to send the body.
+    /// Reads the rest if it is short and comes soon; returns true if the connection can be used again. A client that
+    /// `expects` 100 Continue may not have begun to send the body.
     pub(super) async fn is_out_of_the_way(&self, expects: bool) -> bool {
         let Some(body) = self.0.lock().take() else {
             return true;

@@ -1,5 +1,4 @@
-//! The body of an answer; its request counts as open until all of it has been sent, and what it takes to
-//! make it is done for its peer.
+//! The body of an answer; its request counts as open until all of it has been sent, and is computed for its peer.
 
 use std::pin::Pin;
 use std::task::{Context, Poll, ready};
@@ -13,16 +12,16 @@ use super::stream_timeout;
 use crate::job::peer::Peer;
 use crate::job::slots::Slot;
 
-/// The most bytes that an HTTP/2 stream is given at once: those of a frame. A client is stalled that does not
-/// take so many within the time limit.
+/// The most bytes that an HTTP/2 stream is given at once: those of a frame. A client that does not read this many
+/// within the time limit is stalled.
 const PIECE: usize = 16 * 1024;
 
 /// The request of an answer.
 pub(super) struct Served {
-    /// Whose it is.
+    /// Its peer.
     pub(super) peer: Peer,
     pub(super) _open: OpenRequest,
-    /// Its place among the requests of the peer, if these are limited.
+    /// Its slot among the requests of the peer, if these are limited.
     pub(super) _slot: Option<Slot>,
 }
 

@@ -1,8 +1,8 @@
 //! Timeouts of HTTP/2 streams whose client leaves them no flow-control window.
 //!
-//! If a client keeps the window of the connection open but not that of a stream, the answer waits although
-//! nothing waits to be written to the socket. Each stream has a task of its own, which is dropped when it
-//! has had something to send for too long; the other streams of the connection go on.
+//! If a client keeps the window of the connection open but not that of a stream, the answer waits although nothing
+//! waits to be written to the socket. Each stream has a task of its own, which is dropped when it has had something to
+//! send for too long; the other streams of the connection continue.
 
 use std::cell::Cell;
 use std::pin::pin;
@@ -63,7 +63,7 @@ pub(super) async fn unless_stalled(limit: Duration, task: impl Future<Output = (
             }
         }
         if stalled && timer.as_mut().poll(context).is_ready() {
-            debug!("an answer is given up: the client has left it no room for {limit:?}");
+            debug!("an answer is abandoned: the client has granted it no window for {limit:?}");
             return Poll::Ready(());
         }
         Poll::Pending

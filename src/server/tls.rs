@@ -1,4 +1,4 @@
-//! TLS for connections from the network, with certificates that are loaded again when they change.
+//! TLS for connections from the network, with certificates that are reloaded when they change.
 
 use std::fmt::Display;
 use std::io;
@@ -21,10 +21,10 @@ use crate::reload::{Reload, Seen};
 /// The first byte of each TLS connection.
 const HANDSHAKE: u8 = 0x16;
 
-/// What is read of a request that came without TLS, so that the client gets the answer.
+/// The number of bytes read of a request without TLS, so that the client gets the answer.
 const IGNORED: u64 = 64 << 10;
 
-/// What connections are encrypted with.
+/// The TLS configuration.
 pub(super) struct Tls {
     files: TlsFiles,
     loaded: Mutex<Loaded>,
@@ -32,7 +32,7 @@ pub(super) struct Tls {
 
 struct Loaded {
     config: Arc<ServerConfig>,
-    /// How the files were then.
+    /// The state of the files then.
     seen: Seen,
 }
 
@@ -43,7 +43,7 @@ impl Tls {
         Ok(Self { files, loaded })
     }
 
-    /// Shakes hands with a client.
+    /// Performs the handshake with a client.
     pub(super) async fn accept(&self, mut stream: Stream) -> io::Result<Stream> {
         let mut first = [0];
         stream.read_exact(&mut first).await?;
@@ -68,14 +68,14 @@ impl Reload for Tls {
         }
         let loaded = Loaded::from(&self.files);
         let mut current = self.loaded.lock();
-        // What is wrong with files is told once.
+        // Errors of files are reported once.
         current.seen = seen;
         *current = loaded?;
         Ok(true)
     }
 }
 
-/// Tells a client that this is no place for plain HTTP.
+/// Answers plain HTTP on a TLS port with an error.
 async fn refuse_plain(mut stream: Stream, first: [u8; 1]) -> io::Error {
     if first[0].is_ascii_uppercase() {
         let body = "This server speaks HTTPS: its address begins with https://\n";

@@ -11,23 +11,22 @@ use tokio::time::{Duration, Sleep, sleep};
 
 use super::activity::Activity;
 
-/// A stream of bytes that records its activity. Writing fails when the other side has taken nothing for
-/// `limit`.
+/// A stream of bytes that records its activity. Writing fails when the other side has read nothing for `limit`.
 pub(super) struct TimedStream<S> {
     stream: S,
     activity: Arc<Activity>,
     limit: Duration,
-    /// What was received and is to be read again.
+    /// Received bytes to be read again.
     unread: Bytes,
-    /// The timeout while the other side takes nothing.
+    /// The timeout while the other side reads nothing.
     stalled: Option<Pin<Box<Sleep>>>,
-    /// After everything is written: how long what still comes is ignored.
+    /// After everything is written: how long further input is ignored.
     closing: Option<Pin<Box<Sleep>>>,
-    /// How many bytes have been ignored.
+    /// The number of bytes ignored.
     ignored: usize,
 }
 
-/// How long and how many bytes of input are ignored before the connection is cut off.
+/// The time, and the number of bytes of input, for which input is ignored before the connection is closed.
 const IGNORING: Duration = Duration::from_secs(2);
 const MOST_IGNORED: usize = 64 << 20;
 
@@ -44,13 +43,13 @@ impl<S> TimedStream<S> {
         }
     }
 
-    /// What is read next, before what is received.
+    /// The bytes to read next, before new input.
     pub(super) fn unread(&mut self, bytes: Bytes) {
         self.unread = bytes;
     }
 
-    /// Whether these are the first bytes of what comes, as soon as there is an answer to that; `None` if nothing
-    /// more comes. What is looked at is read again. A future that is dropped loses nothing.
+    /// Returns true if the input begins with these bytes, as soon as that is known; `None` if there is no more input.
+    /// The bytes are read again later. A future that is dropped loses nothing.
     pub(super) async fn begins_with(&mut self, bytes: &[u8]) -> Option<bool>
     where
         S: AsyncRead + Unpin,
@@ -99,7 +98,7 @@ impl<S> TimedStream<S> {
         let limit = self.limit;
         let stalled = self.stalled.get_or_insert_with(|| Box::pin(sleep(limit)));
         stalled.as_mut().poll(context).map(|()| {
-            let reason = format!("the client has taken nothing for {limit:?}");
+            let reason = format!("the client has read nothing for {limit:?}");
             Err(io::Error::new(io::ErrorKind::TimedOut, reason))
         })
     }

@@ -1,4 +1,4 @@
-//! Where the collector is: a flag, or the variables that OpenTelemetry has for it.
+//! The address of the collector: a flag, or the variables of OpenTelemetry.
 
 use std::env;
 
@@ -6,13 +6,13 @@ use axum::http::Uri;
 
 use crate::redact::redacted;
 
-/// The variables, the first of which that is set counts.
+/// The variables, of which the first that is set counts.
 const STANDARD: [&str; 2] = [
     "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT",
     "OTEL_EXPORTER_OTLP_ENDPOINT",
 ];
 
-/// What an address looks like.
+/// The expected form of an address.
 const SUCH_AS: &str =
     "the address of a collector of OTLP over gRPC is such as http://localhost:4317";
 
@@ -25,7 +25,7 @@ impl Endpoint {
     ///
     /// # Errors
     ///
-    /// If it is none; the error says where it is set, and what is wrong with it.
+    /// If it is invalid; the error names the setting and the reason.
     pub fn find(flag: Option<&str>) -> Result<Option<Self>, String> {
         let flag = flag.map(|url| ("--otlp-endpoint", url.to_owned()));
         let set = |name| Some((name, env::var(name).ok()?)).filter(|(_, url)| !url.is_empty());
@@ -56,7 +56,7 @@ impl Endpoint {
         if uri.authority().is_some_and(|it| it.as_str().contains('@')) {
             return Err("no user: OTEL_EXPORTER_OTLP_HEADERS says who the server is".to_owned());
         }
-        // A port that is none is not found.
+        // An invalid port is not detected by the parser.
         if uri
             .authority()
             .is_some_and(|it| it.port().is_none() && it.as_str() != it.host())
@@ -70,13 +70,13 @@ impl Endpoint {
         self.0.to_string()
     }
 
-    /// Whether the connection is encrypted.
+    /// Returns true if the connection is encrypted.
     pub(super) fn is_secure(&self) -> bool {
         self.0.scheme_str() == Some("https")
     }
 }
 
-/// Whether OpenTelemetry is switched off for programs that read its variables.
+/// Returns true if OpenTelemetry is switched off for programs that read its variables.
 fn is_disabled() -> bool {
     env::var("OTEL_SDK_DISABLED").is_ok_and(|value| value.eq_ignore_ascii_case("true"))
 }

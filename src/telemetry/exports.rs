@@ -1,4 +1,4 @@
-//! How many spans have been exported, and how many have not.
+//! The numbers of spans that have been exported, and that have not.
 
 use opentelemetry_sdk::Resource;
 use opentelemetry_sdk::error::OTelSdkResult;
@@ -9,15 +9,15 @@ use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Whether spans are exported.
+/// True if spans are exported.
 pub(super) static IS_ON: AtomicBool = AtomicBool::new(false);
 
-/// Spans that the collector has taken, and spans that it has not. Those that the queue has no room for, when many
-/// come or the collector is slow, are in neither.
+/// Spans that the collector has accepted, and spans that it has not. Those that do not fit in the queue, when many come
+/// or the collector is slow, are in neither.
 static EXPORTED: LazyLock<Counter> = LazyLock::new(Counter::default);
 static FAILED: LazyLock<Counter> = LazyLock::new(Counter::default);
 
-/// Whether spans are exported.
+/// Returns true if spans are exported.
 pub(crate) fn is_on() -> bool {
     IS_ON.load(Ordering::Relaxed)
 }
@@ -27,13 +27,13 @@ pub(crate) fn register(registry: &mut Registry) {
     if !is_on() {
         return;
     }
-    let help = "Spans of traces that the collector has taken";
+    let help = "Spans of traces that the collector has accepted";
     registry.register("piad_trace_spans_exported", help, EXPORTED.clone());
     let help = "Spans of traces that were sent to the collector without success, and are lost";
     registry.register("piad_trace_spans_failed", help, FAILED.clone());
 }
 
-/// Counts what an exporter does.
+/// Counts the results of an exporter.
 #[derive(Debug)]
 pub(super) struct Counted<E>(pub E);
 

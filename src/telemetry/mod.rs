@@ -1,7 +1,7 @@
 //! Traces of requests and jobs, for a collector that speaks OTLP (OpenTelemetry) over gRPC.
 //!
-//! - [`endpoint`]: where the collector is; `exports`: how many spans it has got;
-//! - `request`: the span of a request, and what clients are told about it; those of jobs are in `job::trace`.
+//! - [`endpoint`]: the address of the collector; `exports`: counts of exported spans;
+//! - `request`: the span of a request, and its ids for clients; those of jobs are in `job::trace`.
 //!
 //! Spans are those of `tracing` with the target `TARGET`, which the log never shows. Each is made with its
 //! parent, as work moves between tasks and threads. Without a collector they are disabled, which costs a
@@ -43,8 +43,8 @@ const LAST_EXPORT: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub struct Telemetry {
     provider: SdkTracerProvider,
-    /// The connection with the collector has a thread of its own: no request waits for it, and it does not wait
-    /// for a thread that serves requests, of which there may be one.
+    /// The connection to the collector has its own thread: no request waits for it, and it does not wait for a thread
+    /// that serves requests, of which there may be one.
     runtime: Runtime,
 }
 
@@ -78,8 +78,8 @@ impl Telemetry {
         Ok(Self { provider, runtime })
     }
 
-    /// Exports the spans with the [`TARGET`], and no others. They are looked at each time, as what is known about
-    /// others must not be taken for them.
+    /// Exports the spans with the [`TARGET`], and no others. They are checked each time, as cached interest of other
+    /// spans must not apply to them.
     fn layer<S>(&self) -> impl Layer<S> + use<S>
     where
         S: Subscriber + for<'a> LookupSpan<'a>,
@@ -94,10 +94,10 @@ impl Telemetry {
             .with_filter(dynamic_filter_fn(|span, _| span.target() == TARGET))
     }
 
-    /// Exports what is left, within two seconds and the grace period. Must be called outside of any runtime, as
-    /// it blocks the thread.
+    /// Exports the rest, within two seconds and the grace period. Must be called outside of any runtime, as it blocks
+    /// the thread.
     pub fn stop(self, grace: Duration) {
-        // Whether it has worked is seen at the collector; there is nobody left to tell.
+        // Success is visible at the collector; the log has ended.
         let _ = self.provider.shutdown_with_timeout(grace.min(LAST_EXPORT));
         self.runtime.shutdown_background();
     }
@@ -105,12 +105,12 @@ impl Telemetry {
 
 /// Starts the log with this filter, and the export of spans.
 ///
-/// The filter is that of the whole subscriber. If the log alone had it, it would miss an event now and then: what a
-/// library asks `enabled!` about is taken for the next event. The log shows no spans, as nothing enters them.
+/// The filter is that of the whole subscriber. If the log alone had it, it would miss an event now and then: the result
+/// of a library's `enabled!` is applied to the next event. The log shows no spans, as none is entered.
 ///
 /// # Errors
 ///
-/// If spans cannot be told from the rest.
+/// If spans cannot be set up.
 pub fn start_log(
     log: Box<dyn Layer<Registry> + Send + Sync>,
     filter: EnvFilter,
@@ -128,7 +128,7 @@ pub fn start_log(
     Ok(())
 }
 
-/// What the spans are about: this program, under the name that the environment gives it.
+/// The resource of the spans: this program, under the name that the environment gives it.
 fn resource() -> Resource {
     let resource = Resource::builder_empty()
         .with_attributes([

@@ -1,5 +1,5 @@
-//! The span of a request: its parent is what `traceparent` names (W3C Trace Context), and the client is told its
-//! ids. It is a task-local variable of the task that answers the request.
+//! The span of a request: its parent is what `traceparent` names (W3C Trace Context), and its ids are returned to the
+//! client. It is a task-local variable of the task that answers the request.
 
 use std::collections::HashMap;
 
@@ -35,7 +35,7 @@ pub(crate) struct RequestTrace {
     context: SpanContext,
 }
 
-/// What the metrics tell about one request among those of a bucket.
+/// A request among those of a bucket of the metrics.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub(crate) struct Exemplar {
     trace_id: String,
@@ -60,13 +60,13 @@ impl RequestTrace {
         if span.is_disabled() {
             return None;
         }
-        // It has just been made: its parent can still be said.
+        // It has just been created: its parent can still be set.
         let _ = span.set_parent(parent(headers));
         let context = span.context().span().span_context().clone();
         Some(Self { span, context })
     }
 
-    /// That of the request that the current task answers.
+    /// The span of the request that the current task answers.
     pub(crate) fn current() -> Option<Self> {
         CURRENT.try_with(Self::clone).ok()
     }
@@ -76,7 +76,7 @@ impl RequestTrace {
         CURRENT.scope(self, future)
     }
 
-    /// Notes how the request was answered, and tells the client.
+    /// Notes how the request was answered, and adds the trace ids to the answer.
     pub(crate) fn answer(&self, response: &mut Response) {
         let status = response.status();
         self.span
@@ -120,7 +120,7 @@ fn name(method: &str, route: Option<&str>) -> String {
     route.map_or_else(|| method.to_owned(), |route| format!("{method} {route}"))
 }
 
-/// The span that the headers name; none if they are not valid, or name several.
+/// The span that the headers name; `None` if they are invalid, or name several.
 fn parent(headers: &HeaderMap) -> Context {
     let joined = |name: HeaderName| {
         let values = headers.get_all(&name).iter();
@@ -131,7 +131,7 @@ fn parent(headers: &HeaderMap) -> Context {
     TraceContextPropagator::new().extract_with_context(&Context::new(), &headers)
 }
 
-/// Whether a status of gRPC is an error of the server: unknown, deadline exceeded, unimplemented, internal,
+/// Returns true if a status of gRPC is an error of the server: unknown, deadline exceeded, unimplemented, internal,
 /// unavailable, data loss.
 fn is_fault(code: i64) -> bool {
     matches!(code, 2 | 4 | 12 | 13 | 14 | 15)

@@ -193,7 +193,7 @@ async fn every_route_asks_for_its_token() {
             "{reason}"
         );
     }
-    assert!(told.contains("a request was turned away"));
+    assert!(told.contains("a request was denied"));
 }
 
 /// Every call with every kind of token, as bytes: what is denied is denied before a message is read.
@@ -537,7 +537,7 @@ async fn a_server_for_the_network_needs_tokens() {
     let long = "a-token-that-nobody-guesses-as-it-is-long";
     let said = start(&[], Some(long));
     assert!(
-        said.contains("listening on") && said.contains("tokens come over the network"),
+        said.contains("listening on") && said.contains("tokens are sent over the network"),
         "{said}"
     );
     assert!(!said.contains(long));

@@ -250,7 +250,7 @@ async fn what_is_no_batch_is_refused() {
         (
             r#"{"curve": {}}"#,
             422,
-            "unknown field \"curve\"; there are defaults, items",
+            "unknown field \"curve\"; expected one of defaults, items",
         ),
         (r#"{"items": {}}"#, 422, "/items: expected a list"),
         (

@@ -1,5 +1,4 @@
-//! Many jobs that were running in a crash: the one that brings the server down fails, and the others go
-//! on.
+//! Many jobs that were running in a crash: the one that brings the server down fails, and the others continue.
 
 use std::time::Duration;
 
@@ -79,7 +78,7 @@ async fn a_job_that_crashes_the_server_fails_and_the_others_go_on() {
         program = start(data.path());
     }
     assert_eq!(crashes, 3);
-    eventually("the others go on", async || {
+    eventually("the others continue", async || {
         in_state(&program, "running").await == JOBS - 1
     })
     .await;

@@ -111,7 +111,7 @@ async fn a_wrong_method_is_told_the_right_ones() {
         assert_eq!(status, 405);
         let detail = answer["detail"].as_str().unwrap();
         let (_, told) = detail
-            .split_once(" does not understand PATCH, but ")
+            .split_once(" does not support PATCH; allowed: ")
             .unwrap();
         assert_eq!(sorted(told), allowed, "{path}");
     }

@@ -320,7 +320,7 @@ async fn wrong_settings_are_refused() {
         (
             json!({"kind": "local", "indices": []}),
             "/method/indices",
-            "no index",
+            "indices is empty",
         ),
         (
             json!({"kind": "local", "indices": [3, 20]}),

@@ -217,7 +217,7 @@ async fn milestones_that_make_no_sense_are_refused() {
         (
             "milestones=0.1&changed=true",
             "changed",
-            "none may be left out",
+            "none can be skipped",
         ),
     ] {
         assert_query_refused(&server, &path, query, parameter, reason).await;

@@ -1,5 +1,5 @@
-//! `converged` with a tolerance that was asked for means within it; a least-squares minimum above it
-//! is `stalled`.
+//! `converged` with a tolerance that was requested means within it; a least-squares minimum above
+//! it is `stalled`.
 
 use prost::Message;
 use serde_json::{Value, json};
@@ -67,7 +67,7 @@ async fn without_a_tolerance_the_minimum_is_what_was_asked_for() {
         let found = server.fit(&job(least_squares("cg"), stop)).await;
         assert_eq!(ended(&found), ("converged", Some("minimum")));
         let detail = found["detail"].as_str().unwrap();
-        assert!(detail.contains("no tolerance was asked for"), "{detail}");
+        assert!(detail.contains("no tolerance was requested"), "{detail}");
         // Its input asks for the same, also of a message, and edits go on like this.
         let input = server.json(&format!("{}/input", base(&found))).await;
         assert_eq!(input["stop"].get("tolerance"), None);

@@ -146,7 +146,7 @@ async fn what_the_data_do_not_choose_is_named() {
     for (job, reason) in [
         (
             json!({"curve": exact, "method": plain(json!(150))}),
-            "nothing is to be smoothed",
+            "there is nothing to smooth",
         ),
         (
             json!({"surface": {"points": heights}, "method": plain(json!("auto"))}),
@@ -158,7 +158,7 @@ async fn what_the_data_do_not_choose_is_named() {
         ),
         (
             json!({"surface": {"points": heights}, "method": plain(json!(4))}),
-            "nothing is to be smoothed",
+            "there is nothing to smooth",
         ),
         (
             json!({"curve": curve, "method": constraints}),

@@ -210,7 +210,7 @@ async fn wrong_weights_are_refused() {
         (
             curve(json!([1, 1, 1, 1]), "both"),
             "/rational",
-            "is no use of weights",
+            "unknown use of weights",
         ),
         (
             surface(json!([1, 1]), "fixed"),

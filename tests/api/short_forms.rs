@@ -124,7 +124,7 @@ async fn what_is_wrong_with_a_short_form_is_told_where_it_stands() {
         (
             with(curve(), None, "method", json!("lspia")),
             "/method",
-            "\"lspia\" is no kind of method",
+            "unknown kind of method \"lspia\"",
         ),
         (
             with(curve(), Some("curve"), "basis", json!("nurbs")),

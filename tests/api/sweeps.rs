@@ -132,7 +132,7 @@ async fn sweeps_are_kept() {
 async fn wrong_sweeps_are_refused() {
     let server = Server::start().await;
     for (sweeps, reason) in [
-        (json!({"sweeps": "diagonals"}), "is no kind of sweeps"),
+        (json!({"sweeps": "diagonals"}), "unknown kind of sweeps"),
         (json!({"sweeps": true}), "rows"),
     ] {
         let job = job(false, &sweeps, Some(&[[1, 1]]));

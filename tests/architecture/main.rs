@@ -3,6 +3,8 @@
 //!
 //! What a file uses is read from its `use` declarations and from its other paths; a name that a module passes on
 //! (`pub use`) belongs to the file that defines it. Tests are left out, and so is what stands in macros.
+//!
+//! [`wording`] checks the words of comments and messages.
 
 #![allow(
     clippy::unwrap_used,
@@ -14,6 +16,7 @@
 
 mod modules;
 mod paths;
+mod wording;
 
 use std::path::Path;
 

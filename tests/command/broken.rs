@@ -101,7 +101,7 @@ fn a_stream_that_breaks_before_the_job_is_known_is_a_failure() {
     let told = folder.fit(&["curve.csv", "--server", &door.url]);
     assert_eq!(told.status, 1);
     assert!(
-        told.err.contains("the stream of events broke off"),
+        told.err.contains("the event stream was interrupted"),
         "{}",
         told.err
     );

@@ -73,7 +73,7 @@ const ODD: [(&[u8], i32, &str); 23] = [
     (
         b"0 0 0\n1 0 1\n2 0 3\n0 1 0\n1 1 2\n2 1 1\n",
         0,
-        "2 rows of 3: x and y form a lattice",
+        "2 rows of 3: x and y form a grid",
     ),
     (
         b"0 0 0\n0 1 1\n\n1 0 0\n",
@@ -83,7 +83,7 @@ const ODD: [(&[u8], i32, &str); 23] = [
     (
         b"x,y\n0,0\n1,2\n1,2\n3,1\n",
         0,
-        "The point in line 4 equals the one before, and is there once.",
+        "The point in line 4 equals the one before, and is kept once.",
     ),
     (
         b"x,y\n0,0\n1,2,5\n3,1\n",

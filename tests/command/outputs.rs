@@ -209,7 +209,7 @@ fn formats_that_cannot_hold_the_points_are_refused_before_the_fit() {
         ),
         (
             vec!["values.csv", "-o", "out.json", "--shape", "out.json"],
-            "out.json: it is asked for twice",
+            "out.json: it is given twice",
         ),
     ] {
         let told = folder.fit(&arguments);
@@ -255,7 +255,7 @@ fn a_minimum_above_the_tolerance_is_told_by_the_exit_status() {
     let points = "[[0, 0], [1, 2], [2, -1], [3, 2], [4, 0], [5, 3], [6, 1]]";
     let method = r#"{"kind": "least_squares", "control_points": 4}"#;
     for (stop, status, said) in [
-        ("", 0, "no tolerance was asked for"),
+        ("", 0, "no tolerance was requested"),
         (
             r#", "stop": {"tolerance": 1e-4}"#,
             1,

@@ -88,7 +88,7 @@ fn what_is_about_one_curve_is_refused_for_several() {
             &["curve.csv", "two.csv", "-o", "curve.csv"],
             "this is a file",
         ),
-        (&["curve.csv", "curve.csv", "-o", "out/"], "asked for twice"),
+        (&["curve.csv", "curve.csv", "-o", "out/"], "given twice"),
         (
             &["curve.csv", "-o", "a.step", "--svg", "path"],
             "--svg path: no output is SVG",

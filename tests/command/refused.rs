@@ -41,7 +41,7 @@ fn mistakes_in_flags_are_told_with_them() {
     for (arguments, expected) in [
         (
             vec!["--method", "fast"],
-            "--method: \"fast\" is no kind of method",
+            "--method: unknown kind of method \"fast\"",
         ),
         (vec!["--degree", "0"], "--degree: "),
         (vec!["--degree", "three"], "--degree: "),
@@ -63,16 +63,16 @@ fn mistakes_in_flags_are_told_with_them() {
         (vec!["--json", "missing.json"], "missing.json: No such file"),
         (
             vec!["-o", "out.foo"],
-            "out.foo: its ending is none of json, step",
+            "out.foo: its extension is none of json, step",
         ),
-        (vec!["-o", "out"], "out: its ending is none of"),
+        (vec!["-o", "out"], "out: its extension is none of"),
         (
             vec!["-o", "nowhere/out.step"],
             "nowhere/out.step: there is no directory nowhere",
         ),
         (
             vec!["-o", "out.step", "-o", "out.step"],
-            "out.step: it is asked for twice",
+            "out.step: it is given twice",
         ),
         (
             vec!["--format", "foo"],

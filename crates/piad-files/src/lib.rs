@@ -1,12 +1,12 @@
-//! Files of points in, files of geometry out.
+//! Readers of point files and writers of geometry files.
 //!
-//! - [`import`]: CSV, tables with blanks, point clouds, grids of heights, airfoils, JSON arrays, vertices of meshes,
-//!   tracks (GPX), maps (GeoJSON), drawings (DXF, SVG) and paths of tools (G-code) become points;
+//! - [`import`]: CSV, whitespace-separated tables, point clouds, height grids, airfoils, JSON arrays, mesh vertices,
+//!   tracks (GPX), maps (GeoJSON), drawings (DXF, SVG) and tool paths (G-code) become points;
 //!   [`json`]: points in JSON;
 //! - [`export`]: a fitted curve or surface becomes STEP, IGES, OBJ, glTF, STL, PLY, DXF, SVG, GeoJSON, GPX or CSV.
 //! - [`wgs84`]: longitudes and latitudes as metres in a plane, and back.
 //!
-//! Nothing here opens a file: bytes come in, and bytes go out.
+//! Nothing here opens a file: functions take and return bytes.
 //!
 //! # Example
 //!

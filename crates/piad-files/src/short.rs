@@ -1,8 +1,9 @@
-//! Texts of clients: without a mark before them, and short enough to be repeated in an answer.
+//! Quoting of client text: without a byte-order mark, and cut to a length that can be repeated in
+//! an answer.
 
 use std::borrow::Cow;
 
-/// The most characters that are repeated of a text of a client.
+/// The most characters of a client's text that are repeated.
 const LONGEST: usize = 100;
 
 /// A text without the byte-order mark that some programs write before UTF-8.
@@ -10,7 +11,7 @@ pub fn without_mark(text: &[u8]) -> &[u8] {
     text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
 }
 
-/// The text up to so many characters, with an ellipsis where it goes on.
+/// The first `most` characters of the text, with an ellipsis if it is longer.
 pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),
@@ -18,7 +19,7 @@ pub fn cut(text: &str, most: usize) -> Cow<'_, str> {
     }
 }
 
-/// The text between quotation marks, as it would be written in JSON, and cut.
+/// The text in quotation marks, escaped as in JSON, and cut.
 pub fn quoted(text: &str) -> String {
     format!("{:?}", cut(text, LONGEST))
 }

@@ -49,7 +49,7 @@ impl Plane {
         }
     }
 
-    /// Where it touches the ellipsoid.
+    /// The origin, where it touches the ellipsoid.
     pub fn place(&self) -> Origin {
         self.place
     }

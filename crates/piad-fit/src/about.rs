@@ -1,9 +1,9 @@
-//! What the methods and bases are called, and where they come from.
+//! Names and sources of methods and bases.
 //!
 //! The tables are [`METHODS`](super::method::METHODS) and [`BASES`](super::basis::BASES).
 
-/// An entry of a table of methods or bases, in the terms of the field. Names, schemas and
-/// descriptions elsewhere derive from it.
+/// An entry of a table of methods or bases, in the terms of the field. Names, schemas and OpenAPI
+/// descriptions derive from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct About {
     /// The name: lower case, with underscores between words.

@@ -1,4 +1,4 @@
-//! What piad and piad-files need beside the public interface. It may change at any time.
+//! Internal interface for piad and piad-files. It may change at any time.
 
 pub use crate::about::About;
 pub use crate::basis::choice::DirectionChoice;
@@ -21,8 +21,8 @@ pub use crate::termination::{Outcome, Reason};
 pub use crate::trim::trimmed;
 pub use crate::warning::Warning;
 
-/// The version of the arithmetic: programs with the same one compute the same bits. It grows with each change
-/// after which any level of any problem has other bits.
+/// The version of the arithmetic: programs with the same version compute the same bits. It increases with each change
+/// that changes the bits of any level.
 pub const KERNEL: u32 = 6;
 
 /// Lengths of curves.
@@ -30,7 +30,7 @@ pub mod arc_length {
     pub use crate::geometry::arc_length::ArcLength;
 }
 
-/// Fits that leave their data between neighbours.
+/// Fits that deviate from their data between neighbours.
 pub mod between {
     pub use crate::geometry::between::excesses;
 }
@@ -59,7 +59,7 @@ pub mod interrupt {
     pub use crate::interrupt::{Interrupted, Meter, check, until};
 }
 
-/// The limits of local fits.
+/// Limits of local fits.
 pub mod limit {
     pub use crate::iteration::limit::{
         LIMIT_COST, LocalLimit, MOST_ADJUSTED, NoLimit, local_limit,

@@ -1,4 +1,4 @@
-//! What is asked for, [`Fit`], and what can be iterated, [`Prepared`].
+//! A fit request, [`Fit`], and a checked one that can be iterated, [`Prepared`].
 
 use std::fmt;
 use std::iter::FusedIterator;
@@ -27,8 +27,8 @@ use crate::trim::trimmed;
 /// The degree of B-splines where none is given.
 const DEGREE: usize = 3;
 
-/// A fit as it is asked for: a cubic B-spline through the data by classical PIA, within a millionth of their size, where
-/// nothing else is said. Nothing is checked before [`prepare`](Self::prepare).
+/// A fit request. The defaults are a cubic B-spline through the data, by classical PIA, to within a millionth of their
+/// size. Nothing is checked before [`prepare`](Self::prepare).
 #[derive(Clone, Debug)]
 #[must_use = "a fit is computed once it is prepared"]
 pub struct Fit<S> {
@@ -36,7 +36,7 @@ pub struct Fit<S> {
     shape: PhantomData<fn() -> S>,
 }
 
-/// A direction of which nothing is said.
+/// A direction with default settings.
 fn usual(parameters: Parametrization) -> DirectionChoice {
     DirectionChoice::new(
         BasisChoice::BSpline {
@@ -47,7 +47,7 @@ fn usual(parameters: Parametrization) -> DirectionChoice {
     )
 }
 
-/// A request of which nothing is said but the points and their arrangement.
+/// A request with default settings.
 fn request(points: Points, grid: Grid, is_surface: bool) -> Request {
     let parameters = match is_surface {
         true => Parametrization::usual_of_surface(&points),
@@ -58,7 +58,7 @@ fn request(points: Points, grid: Grid, is_surface: bool) -> Request {
 }
 
 impl Fit<Curve> {
-    /// A curve through points, or near them, in their order.
+    /// A curve through or near points, in their order.
     pub fn curve(points: impl IntoPoints) -> Self {
         Self::of(points.into_points().map(|points| {
             let rows = points.len();
@@ -66,17 +66,17 @@ impl Fit<Curve> {
         }))
     }
 
-    /// The last point is followed by the first.
+    /// Closes the curve: the last point is followed by the first.
     pub fn closed(self) -> Self {
         self.with(|request| request.u.closed = true)
     }
 
-    /// The basis and its knots, instead of B-splines with [usual](Knots::Usual) ones.
+    /// The basis and its knots; default: B-splines with [usual](Knots::Usual) knots.
     pub fn basis(self, basis: BasisChoice) -> Self {
         self.with(|request| request.u.basis = basis)
     }
 
-    /// How the data points get their parameters, instead of chord length.
+    /// The parameters of the data points; default: chord length.
     pub fn parameters(self, parameters: Parametrization) -> Self {
         self.with(|request| request.u.parameters = parameters)
     }
@@ -86,12 +86,12 @@ impl Fit<Curve> {
         self.with(|request| request.u.corners = Some(corners))
     }
 
-    /// The points are in no order: they are put in that in which they are near each other.
+    /// The points are unordered: they are sorted along the curve.
     pub fn unordered(self) -> Self {
         self.with(|request| request.unordered = true)
     }
 
-    /// Points that equal the one before them are kept once, rather than refused.
+    /// Repeated successive points are kept once, rather than refused.
     pub fn merge_repeated(self) -> Self {
         self.with(|request| request.merge_repeated = true)
     }
@@ -103,7 +103,7 @@ impl Fit<Curve> {
             .fewest_control_points()
     }
 
-    /// How an open curve ends that has its knots at the data.
+    /// End conditions of an open curve that has its knots at the data.
     pub fn ends(self, ends: Ends) -> Self {
         self.with(|request| request.u.ends = Some(ends))
     }
@@ -115,7 +115,7 @@ impl Fit<Curve> {
 }
 
 impl Fit<Surface> {
-    /// A surface through a grid of points, or near them: rows along u, columns along v.
+    /// A surface through or near a grid of points: rows along u, columns along v.
     pub fn surface(rows: impl IntoGrid) -> Self {
         Self::of(
             rows.into_grid()
@@ -123,7 +123,7 @@ impl Fit<Surface> {
         )
     }
 
-    /// A surface near points without an order, with as few control points as the tolerance needs.
+    /// A surface near unordered points, with as few control points as the tolerance needs.
     pub fn scattered(points: impl IntoPoints, parameters: Scattered) -> Self {
         let request = points.into_points().map(|points| {
             let rows = points.len();
@@ -134,7 +134,7 @@ impl Fit<Surface> {
         Self::of(request).fewest_control_points()
     }
 
-    /// In which directions the surface is closed.
+    /// The closed directions of the surface.
     pub fn closed(self, u: bool, v: bool) -> Self {
         self.with(|request| {
             request.u.closed = u;
@@ -142,7 +142,7 @@ impl Fit<Surface> {
         })
     }
 
-    /// The bases of u and of v with their knots, instead of B-splines with [usual](Knots::Usual) ones.
+    /// The bases of u and of v with their knots; default: B-splines with [usual](Knots::Usual) knots.
     pub fn bases(self, u: BasisChoice, v: BasisChoice) -> Self {
         self.with(|request| {
             request.u.basis = u;
@@ -150,7 +150,7 @@ impl Fit<Surface> {
         })
     }
 
-    /// How rows and columns get their parameters, instead of mean chord length.
+    /// The parameters of rows and columns; default: mean chord length.
     pub fn parameters(self, u: Parametrization, v: Parametrization) -> Self {
         self.with(|request| {
             request.u.parameters = u;
@@ -168,12 +168,12 @@ impl Fit<Surface> {
 }
 
 impl Fit<Surface> {
-    /// The surface is trimmed to the outline of its data, which is as far from them as they are from each other.
+    /// Trims the surface to the outline of its data, at a distance equal to their spacing.
     pub fn trimmed(self) -> Self {
         self.with(|request| request.trim = Some(Trim::default()))
     }
 
-    /// The same with an outline that is at most so far from the data, in the unit of the points.
+    /// Trims the surface to an outline that is at most this far from the data, in the unit of the points.
     pub fn trimmed_within(self, distance: f64) -> Self {
         let distance = Some(distance);
         self.with(|request| request.trim = Some(Trim { distance }))
@@ -203,7 +203,7 @@ impl<S: Shape> Fit<S> {
         self
     }
 
-    /// The degree of B-splines, instead of 3.
+    /// The degree of B-splines; default: 3.
     pub fn degree(self, degree: usize) -> Self {
         let basis = || BasisChoice::BSpline {
             degree,
@@ -215,7 +215,7 @@ impl<S: Shape> Fit<S> {
         })
     }
 
-    /// The method, instead of classical PIA.
+    /// The method; default: classical PIA.
     pub fn method(self, method: Method) -> Self {
         self.with(|request| request.method = method)
     }
@@ -226,7 +226,7 @@ impl<S: Shape> Fit<S> {
         self.method(Method::LeastSquares(settings))
     }
 
-    /// Least squares that leaves out points which are far from where their neighbours lead.
+    /// Least squares without outliers: points that are far from where their neighbours predict them.
     pub fn robust(self) -> Self {
         self.with(|request| {
             if let Method::LeastSquares(settings) = &mut request.method {
@@ -240,21 +240,21 @@ impl<S: Shape> Fit<S> {
         self.with(|request| request.weights = Weights::Homogeneous(weights))
     }
 
-    /// The largest distance from a data point that is allowed, in the unit of the data.
+    /// The largest allowed distance from a data point, in the unit of the data.
     pub fn tolerance(self, tolerance: f64) -> Self {
         self.with(|request| request.tolerance = Some(Tolerance::Absolute(tolerance)))
     }
 
-    /// The most iterations, instead of 1000.
+    /// The most iterations; default: 1000.
     pub fn max_iterations(self, count: usize) -> Self {
         self.with(|request| request.max_iterations = count)
     }
 
-    /// Checks all of it, and makes the collocation matrix and the transform of the method.
+    /// Validates the request, and computes the collocation matrix and the transform of the method.
     ///
     /// # Errors
     ///
-    /// What is wrong, where, and why.
+    /// The first validation error, with its location and reason.
     pub fn prepare(self) -> Result<Prepared<S>, Invalid> {
         let problem = trimmed(Problem::new(self.request?)?)?;
         Ok(Prepared {
@@ -277,7 +277,7 @@ impl<S: Shape> Prepared<S> {
         &self.system.problem().u().parameters
     }
 
-    /// The levels of the fit, from level 0 to the last one. Each is computed when it is asked for.
+    /// The levels of the fit, from level 0 to the last one. Each is computed on demand.
     pub fn levels(&self) -> Levels<S> {
         Levels {
             iteration: None,
@@ -286,11 +286,11 @@ impl<S: Shape> Prepared<S> {
         }
     }
 
-    /// The last level, if it is within the tolerance; of least squares without one also the minimum.
+    /// The last level, if it is within the tolerance; of least squares without a tolerance also the minimum.
     ///
     /// # Errors
     ///
-    /// The nearest level, where the fit ends before.
+    /// The nearest level, if the fit ends before it is within the tolerance.
     pub fn solve(&self) -> Result<S, NotConverged<S>> {
         let mut iteration = Iteration::start(Arc::clone(&self.system));
         let mut nearest: Level<S> = Level::of(&iteration);
@@ -356,9 +356,9 @@ pub struct Level<S> {
     pub iteration: usize,
     /// The distances from the data, in their unit.
     pub error: FitError,
-    /// The fit ends here.
+    /// True if the fit ends at this level.
     pub is_last: bool,
-    /// It ends within its tolerance; of least squares without one also at the minimum.
+    /// True if it ends within its tolerance; of least squares without a tolerance also at the minimum.
     pub has_converged: bool,
     problem: Arc<Problem>,
     control_points: Arc<Points>,
@@ -385,13 +385,13 @@ impl<S: Shape> Level<S> {
 }
 
 impl<S> Level<S> {
-    /// The problem that is fitted, as piad-files needs it.
+    /// The fitted problem, for piad-files.
     #[doc(hidden)]
     pub fn problem(&self) -> &Arc<Problem> {
         &self.problem
     }
 
-    /// The control points that move, likewise; in homogeneous coordinates if the fit is.
+    /// The free control points, for piad-files; in homogeneous coordinates if the fit is.
     #[doc(hidden)]
     pub fn control_points(&self) -> &Arc<Points> {
         &self.control_points
@@ -412,14 +412,14 @@ impl Level<Surface> {
     }
 }
 
-/// A fit has ended before it was within its tolerance.
+/// A fit has ended outside its tolerance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotConverged<S> {
     /// The nearest curve or surface.
     pub best: S,
     /// Its distances from the data, in their unit.
     pub error: FitError,
-    /// Where it is within the tolerance at the data alone: by how much it leaves them between neighbours.
+    /// If it is within the tolerance only at the data: the largest deviation between neighbours.
     pub between: Option<f64>,
     /// The number of iterations that were computed.
     pub iterations: usize,

@@ -1,25 +1,25 @@
-//! Ends a computation for which nobody waits any more.
+//! Ends an abandoned computation.
 //!
-//! Setting up a fit can take seconds, deep inside of loops that have nothing to do with it. Such loops
-//! [`check`] now and then whether the thread's computation is still wanted. If it is not, the stack is
-//! unwound up to whoever has begun it, without any message: it is no mistake.
+//! Setting up a fit can take seconds, deep inside loops that do not know about requests. Such loops [`check`] now and
+//! then whether the thread's computation is still wanted. If it is not, the stack is unwound to where the computation
+//! began, without a message, as this is not an error.
 
 use std::cell::RefCell;
 use std::panic::resume_unwind;
 use std::sync::Arc;
 
-/// Whether the computation is not wanted any more.
+/// Returns true if the computation is abandoned.
 pub(crate) type IsOver = Arc<dyn Fn() -> bool + Send + Sync>;
 
 thread_local! {
     static CURRENT: RefCell<Option<IsOver>> = const { RefCell::new(None) };
 }
 
-/// What unwinds the stack.
+/// The panic payload that unwinds the stack.
 #[derive(Debug)]
 pub struct Interrupted;
 
-/// Takes the rule away, also if the stack is unwound.
+/// Removes the rule, also if the stack is unwound.
 struct Scope(Option<IsOver>);
 
 impl Drop for Scope {
@@ -28,22 +28,21 @@ impl Drop for Scope {
     }
 }
 
-/// Computes something on this thread that is given up as soon as `is_over`. Then the stack is unwound with
+/// Runs a computation on this thread that is stopped as soon as `is_over`. Then the stack is unwound with
 /// [`Interrupted`].
 pub fn until<T>(is_over: IsOver, compute: impl FnOnce() -> T) -> T {
     let _scope = Scope(CURRENT.replace(Some(is_over)));
     compute()
 }
 
-/// The rule of this thread, for threads that work for it: they stop, and this one [`check`]s.
+/// The rule of this thread, for threads that work for it: they stop, and this thread [`check`]s.
 pub(super) fn rule() -> Option<IsOver> {
     CURRENT.with_borrow(Clone::clone)
 }
 
-/// Gives up if the computation is not wanted any more. It takes nanoseconds, but is not for the innermost
-/// loops.
+/// Unwinds the stack if the computation is abandoned. It takes nanoseconds, but is not for the innermost loops.
 pub fn check() {
-    // Not borrowed while it is asked: it may compute something else on this thread meanwhile.
+    // Not borrowed during the call: the rule may run another computation on this thread.
     if rule().is_some_and(|is_over| is_over()) {
         resume_unwind(Box::new(Interrupted));
     }

@@ -1,4 +1,4 @@
-//! What is wrong with a fitting problem, and in which part of it.
+//! Validation errors of a fitting problem, with their locations.
 
 use thiserror::Error;
 
@@ -9,18 +9,18 @@ pub struct Invalid {
     /// The part of the problem that is wrong.
     pub place: Place,
     detail: String,
-    /// Mistakes of which none follows from this one or from another.
+    /// Independent further errors.
     others: Vec<Self>,
 }
 
-/// There is another number of things than of the points that have one each.
+/// The number of things differs from that of the points that have one each.
 #[doc(hidden)]
 pub fn one_for_each(given: usize, things: &str, points: usize) -> String {
     format!("{given} {things} for {points} points: one for each is needed")
 }
 
 impl Invalid {
-    /// A mistake in a part of the problem.
+    /// A validation error in a part of the problem.
     pub(super) fn at(place: Place, detail: impl Into<String>) -> Self {
         Self {
             place,
@@ -29,7 +29,7 @@ impl Invalid {
         }
     }
 
-    /// Several mistakes as one; none of none.
+    /// Combines several errors into one; `None` if there are none.
     pub(super) fn of_all(all: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut all = all.into_iter();
         let first = all.next()?;
@@ -37,7 +37,7 @@ impl Invalid {
         Some(Self { others, ..first })
     }
 
-    /// Each of several mistakes by itself.
+    /// The combined errors, one by one.
     pub fn each(mut self) -> Vec<Self> {
         let mut all = std::mem::take(&mut self.others);
         all.insert(0, self);
@@ -100,15 +100,15 @@ impl Invalid {
         Self::at(Place::Parameter(axis, index), detail)
     }
 
-    /// Parameters overflow, or fall together by rounding when they are scaled.
+    /// Parameters overflow, or coincide by rounding when they are scaled.
     pub(super) fn parameter_range(axis: Axis) -> Self {
         Self::at(
             Place::Parameters(axis),
-            "the parameters span more than the range of 64-bit numbers, or too little to be told apart",
+            "the parameters span more than the range of 64-bit numbers, or too little to be distinct",
         )
     }
 
-    /// A least-squares fit has no more control points than the degree.
+    /// A least-squares fit has too few control points for the degree.
     pub(super) fn too_few_control_points(axis: Axis, free: usize, degree: usize) -> Self {
         let needed = degree + 1;
         let detail =
@@ -116,7 +116,7 @@ impl Invalid {
         Self::at(Place::ControlPoints(axis), detail)
     }
 
-    /// The basis or the knots are given of a fit that chooses its knots.
+    /// The basis or the knots are given for a fit that chooses its knots.
     pub(super) fn automatic_knots(axis: Axis) -> Self {
         Self::at(
             Place::Basis(axis),
@@ -177,9 +177,9 @@ impl Axis {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Side {
-    /// That of the first parameter.
+    /// The first parameter.
     Start,
-    /// That of the last one.
+    /// The last parameter.
     End,
 }
 
@@ -193,11 +193,10 @@ impl Side {
     }
 }
 
-/// The part of a problem that an error is about. The languages in which problems are written say where
-/// each of them stands.
+/// The location of an error. Each encoding of problems maps it to a path or line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
-    /// All of it.
+    /// The whole problem.
     Whole,
     /// All data points.
     Points,
@@ -223,7 +222,7 @@ pub enum Place {
     Parameter(Axis, usize),
     /// The number of control points of a least-squares fit in a direction.
     ControlPoints(Axis),
-    /// Whether a direction is closed.
+    /// The `closed` setting of a direction.
     Closed(Axis),
     /// The corners of a direction.
     Corners(Axis),
@@ -231,21 +230,21 @@ pub enum Place {
     Corner(Axis, usize),
     /// The order of the points of a curve.
     Order,
-    /// What becomes of repeated points of a curve.
+    /// The treatment of repeated points of a curve.
     RepeatedPoints,
-    /// The choice of a polyline, whose edges are data, too.
+    /// The `polyline` setting, whose edges are data, too.
     Polyline,
-    /// The choice to trim a surface.
+    /// The `trim` setting of a surface.
     Trim,
-    /// How far data may be from the outline of a trimmed surface.
+    /// The largest distance of data from the outline of a trimmed surface.
     TrimDistance,
-    /// How a direction ends.
+    /// The end conditions of a direction.
     Ends(Axis),
-    /// How a direction ends on one side.
+    /// The end condition of one side of a direction.
     End(Axis, Side),
-    /// The vectors of an end of one order, counted from zero.
+    /// The vectors of one order at an end, counted from zero.
     EndOrder(Axis, Side, usize),
-    /// One of the vectors: order, counted from zero, and data point of the boundary.
+    /// One such vector: order, counted from zero, and data point of the boundary.
     EndVector(Axis, Side, usize, usize),
     /// All weights.
     Weights,
@@ -269,7 +268,7 @@ pub enum Place {
     Index(usize),
     /// The threshold of the data point with this index.
     Threshold(usize),
-    /// How much the data point with this index counts.
+    /// The weight of the data point with this index in the sum of squares.
     DataWeight(usize),
     /// One of the constraints.
     Constraint(usize),
@@ -279,38 +278,38 @@ pub enum Place {
     RelativeTolerance,
 }
 
-/// A setting of a method that can be wrong.
+/// A setting of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Setting {
     /// The relaxation ω of weighted, local and adaptive PIA.
     Omega,
     /// The threshold of adaptive PIA.
     Threshold,
-    /// How near convexity-preserving PIA comes to the longest step.
+    /// The fraction of the longest step in convexity-preserving PIA.
     StepTolerance,
     /// The step μ of least-squares PIA.
     Mu,
     /// The indices of local PIA.
     Indices,
-    /// The lines that local PIA goes by.
+    /// The selected lines of local PIA.
     Sweeps,
-    /// How much each data point counts in least-squares PIA.
+    /// The weights of the sum of squares in least-squares PIA.
     DataWeights,
-    /// Whether least-squares PIA interpolates end points.
+    /// The choice to interpolate end points in least-squares PIA.
     EndPoints,
-    /// What least-squares PIA obeys.
+    /// The constraints of least-squares PIA.
     Constraints,
-    /// How smooth least-squares PIA is to be.
+    /// The fairness of least-squares PIA.
     Fairness,
-    /// The order of the derivative for it.
+    /// The order of the derivative in the fairness.
     FairnessOrder,
-    /// How stiff least-squares surfaces are where they have no data.
+    /// The stiffness of least-squares surfaces where they have no data.
     GapStiffness,
-    /// The choice to leave wrong points out of least-squares PIA.
+    /// The choice to leave outliers out of least-squares PIA.
     Robust,
     /// The update of least-squares PIA.
     Variant,
-    /// Whether parameters move while least-squares PIA chooses its knots.
+    /// Parameter correction while least-squares PIA chooses its knots.
     CorrectParameters,
 }
 

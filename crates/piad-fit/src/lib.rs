@@ -25,7 +25,7 @@
 //!
 //! [`programs`] has ten more.
 //!
-//! # The one loop
+//! # The iteration
 //!
 //! Data `P` (points of R^d, d = 1, 2, 3), parameters `t_0 < … < t_n`, a basis `B_0 … B_n` and its
 //! collocation matrix `B[i][j] = B_j(t_i)`. *Level* 0 is the curve of the initial control points
@@ -55,32 +55,33 @@
 //!   points. *Block*: up to 1024 points whose norms are summed up together.
 //! - *Plain loop* and *sweep*: two ways to compute the same levels.
 //!
-//! # What can be relied on
+//! # Guarantees
 //!
 //! - Levels are pure functions of the problem: the same numbers to the last bit, whatever the path,
 //!   the number of threads, the instruction set, or how many levels are computed at once.
 //! - Data of any magnitude and any position are fitted alike; numbers that leave the range of `f64`
 //!   end an iteration with an outcome, never with a panic.
-//! - Everything that can be wrong with a problem is found before the first level, with its place.
-//! - Memory and time are known from the sizes, before anything is computed.
+//! - All validation errors are found before the first level, with their location.
+//! - Memory and time follow from the sizes, before anything is computed.
 //!
-//! # Map, in the order in which a fit is made
+//! # Modules, in the order in which a fit is made
 //!
-//! - [`Fit`]: what is requested; [`Prepared`]: what can be iterated; [`Curve`], [`Surface`]: what comes out;
+//! - [`Fit`]: the request; [`Prepared`]: what can be iterated; [`Curve`], [`Surface`]: the results;
 //! - [`data`]: points, grids of points, missing ones, weights;
-//! - [`parameters`]: where on the curve each data point lies;
+//! - [`parameters`]: parameters of the data points;
 //! - [`basis`]: Bernstein, Said–Ball, Wang–Ball and B-spline; knots and end conditions;
 //! - `linear`: banded, dense and sparse matrices and their factorizations;
 //! - `matrix`: the collocation matrix B as an operator, its eigenvalues and the rates that follow;
 //! - `ends`: control points that the end conditions determine;
-//! - `setup`: what is fitted, whatever the method; [`geometry`]: evaluation, NURBS form, samples, distances;
+//! - `setup`: what is fitted, independent of the method; [`geometry`]: evaluation, NURBS form, samples, distances;
 //! - [`method`]: a file for each method: its settings, level 0, transform U, stop rule and forecast;
 //! - `knot_selection`: as few control points as a tolerance needs;
-//! - `problem`: validation, sizes and admission; [`invalid`]: what is wrong with a request; `warning`: what is doubtful;
+//! - `problem`: validation, sizes and admission; [`invalid`]: validation errors; `warning`: accepted but doubtful
+//!   input;
 //! - `iteration`: the loop, sweeps over memory, termination and predictions;
 //! - `trim`: the outline of the data of a surface.
 //!
-//! Folders use those above them in this list, and not those below.
+//! Modules use those above them in this list, and not those below.
 //!
 //! Sources: Lin, Bao, Wang, *Totally positive bases and progressive iteration approximation*,
 //! Comput. Math. Appl. 50 (2005) — **LBW05**; Lin, Wang, Dong, *Constructing iterative non-uniform

@@ -127,7 +127,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What has not converged
+//! # A fit that has not converged
 //!
 //! ```
 //! use piad_fit::Fit;

@@ -1,5 +1,4 @@
-//! Properties that hold for every fit: affine invariance, interpolation in the limit, independence
-//! of the order of magnitude.
+//! Properties of every fit: affine invariance, interpolation in the limit, independence of the order of magnitude.
 
 use std::sync::Arc;
 
@@ -17,7 +16,7 @@ use crate::iteration::system::System;
 use crate::problem::request::{Request, Tolerance};
 use crate::termination::Outcome;
 
-/// A basis of one direction that PIA converges quickly with.
+/// A basis of one direction with which PIA converges quickly.
 fn basis() -> impl Strategy<Value = BasisChoice> {
     let knots = prop_oneof![Just(Knots::Data), Just(Knots::Averaged)];
     prop_oneof![
@@ -175,7 +174,7 @@ proptest! {
         prop_assert_eq!(found, geometry.rows() * geometry.columns().unwrap_or(1));
     }
 
-    /// Data in other units: everything is in other units.
+    /// Scaling the data scales everything.
     #[test]
     fn every_order_of_magnitude_is_alike(request in problem(), exponent in -290..290) {
         let scale = 10f64.powi(exponent);
@@ -196,7 +195,7 @@ proptest! {
     }
 }
 
-/// With well-conditioned bases global PIA always gets there: rate 2/3 for cubics (LBW05, Thm 2.1).
+/// With well-conditioned bases global PIA always converges: rate 2/3 for cubics (LBW05, Thm 2.1).
 #[test]
 fn cubic_splines_converge_within_the_expected_iterations() {
     for n in [10, 100, 1000] {

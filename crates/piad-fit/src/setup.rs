@@ -1,4 +1,4 @@
-//! What is fitted, whatever the method: data, parameters, bases, and when to stop.
+//! What is fitted, independent of the method: data, parameters, bases, and when to stop.
 
 use std::sync::Arc;
 
@@ -13,8 +13,7 @@ use crate::matrix::sparse::Sparse;
 use crate::matrix::tensor::Tensor;
 use crate::parameters::Domain;
 
-/// How many eliminations are counted for the preparation of a fit: λ_min takes some, and the method
-/// one more.
+/// The number of eliminations counted for the preparation of a fit: λ_min takes some, and the method one more.
 const ELIMINATIONS: usize = 8;
 
 /// A validated fitting problem but for its method, which is a [`Method`](super::method::Method).
@@ -38,9 +37,9 @@ pub struct Setup {
     pub(super) extents: Vec<Extent>,
     /// Which points are missing or left out, for least-squares fits.
     pub(super) missing: Option<Missing>,
-    /// How far both directions go if the points of the surface are scattered.
+    /// The extents of both directions if the points of the surface are scattered.
     pub(super) scattered: Option<[Domain; 2]>,
-    /// The numbers of points of the sections that the points of the surface are, if they are some.
+    /// The numbers of points of the sections, if the surface has sections.
     pub(super) sections: Option<Arc<Vec<usize>>>,
     /// True if the edges between the points of the curve are data, too.
     pub(super) polyline: bool,
@@ -48,9 +47,9 @@ pub struct Setup {
     pub(super) u: Direction,
     /// The second direction of a surface.
     pub(super) v: Option<Direction>,
-    /// Local fits: the control points that may move; all of them without it.
+    /// Local fits: the control points that may move; `None` means all.
     pub(super) selected: Option<Arc<[usize]>>,
-    /// The free control points of level 0, if they were given.
+    /// The given free control points of level 0.
     pub(super) start: Option<Arc<Points>>,
     /// λ_min of the collocation matrix, if it is known from another fit.
     pub(super) lambda_min: Option<f64>,
@@ -60,7 +59,7 @@ pub struct Setup {
     pub(super) max_iterations: usize,
     /// The diagonal of the bounding box of the data, in data units.
     pub(super) diagonal: f64,
-    /// Whether eigenvalues of the collocation matrix may nearly coincide.
+    /// True if eigenvalues of the collocation matrix may nearly coincide.
     pub(super) clustered: bool,
 }
 
@@ -100,30 +99,31 @@ impl Setup {
         &self.extents
     }
 
-    /// Whether the last coordinate of data and control points is a weight.
+    /// Returns true if the last coordinate of data and control points is a weight.
     pub fn is_homogeneous(&self) -> bool {
         self.lifted.is_some()
     }
 
-    /// The points of which there are no data.
+    /// The missing points.
     pub fn missing(&self) -> Option<&Missing> {
         self.missing.as_ref()
     }
 
-    /// Whether the points of the surface are scattered: then the grid has one column, and directions
-    /// have a parameter for each point, in any order.
+    /// Returns true if the points of the surface are scattered: then the grid has one column, and directions have a
+    /// parameter for each point, in any order.
     pub fn is_scattered(&self) -> bool {
         self.scattered.is_some()
     }
 
-    /// The most control points of a surface through sections: twice as many along each as the longest one has points.
+    /// The most control points of a surface through sections: twice the number of points of the longest section, in
+    /// each direction.
     pub(super) fn most_of_sections(&self) -> Option<usize> {
         let counts = self.sections.as_ref()?;
         let most = counts.iter().max().copied().unwrap_or_default();
         Some(counts.len().saturating_mul(2 * most))
     }
 
-    /// Which ends of v are poles, where all control points are one.
+    /// The ends of v that are poles, where all control points coincide.
     pub(crate) fn poles(&self) -> [bool; 2] {
         self.scattered.map_or([false; 2], |[_, v]| v.poles())
     }
@@ -156,7 +156,7 @@ impl Setup {
         self.v.as_ref()
     }
 
-    /// The data of a curve that are not left out, or all rows of a grid.
+    /// The data of a curve without outliers, or all rows of a grid.
     pub(super) fn rows(&self) -> Vec<usize> {
         let missing = self.missing().filter(|_| self.v.is_none());
         let is_there = |row: &usize| missing.is_none_or(|missing| !missing.contains(*row));
@@ -188,12 +188,12 @@ impl Setup {
         std::iter::once(&self.u).chain(&self.v)
     }
 
-    /// Local fits: the indices of the control points that move; all of them if there are none.
+    /// Local fits: the indices of the control points that move; `None` means all.
     pub fn selected(&self) -> Option<&[usize]> {
         self.selected.as_deref()
     }
 
-    /// The free control points of level 0, if they do not follow from the data.
+    /// The given free control points of level 0.
     pub fn start(&self) -> Option<&Arc<Points>> {
         self.start.as_ref()
     }
@@ -224,9 +224,8 @@ impl Setup {
         points::magnitude(&self.extents) * points::ROUNDING * dimension.sqrt()
     }
 
-    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
-    /// are nearly parallel: those of polynomial bases, and of open B-splines of even degree unless
-    /// their knots are averaged.
+    /// Returns true if eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors are nearly
+    /// parallel: those of polynomial bases, and of open B-splines of even degree unless their knots are averaged.
     pub(super) fn is_clustered(&self) -> bool {
         self.clustered
     }
@@ -243,8 +242,8 @@ impl Setup {
         self.data().dimension() * self.grid().count() * width
     }
 
-    /// About how many multiplications prepare the first iteration: evaluating the basis, and the
-    /// eliminations that the spectrum and the method need.
+    /// The approximate number of multiplications before the first iteration: evaluating the basis, and the eliminations
+    /// that the spectrum and the method need.
     pub(super) fn preparation_cost(&self) -> usize {
         let each = self.directions().map(|direction| {
             let width = direction.basis.support_width();

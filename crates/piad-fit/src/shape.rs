@@ -9,15 +9,15 @@ use crate::geometry::nurbs::sampling::Jet;
 use crate::geometry::nurbs::{KnotVector, Nurbs};
 use crate::geometry::outline::Outline;
 
-/// What is fitted: a [`Curve`] or a [`Surface`].
+/// The fitted shape: a [`Curve`] or a [`Surface`].
 pub trait Shape: Sized + sealed::Sealed {
-    /// That of some level of a problem.
+    /// The shape of a level of a problem.
     #[doc(hidden)]
     fn of(problem: &Problem, control_points: &Points, error: FitError) -> Self;
 }
 
 mod sealed {
-    /// Nothing else is fitted.
+    /// Seals the trait.
     pub trait Sealed {}
 
     impl Sealed for super::Curve {}
@@ -48,7 +48,7 @@ fn inside(direction: &KnotVector, t: f64) -> f64 {
     }
 }
 
-/// As many of three coordinates as points have.
+/// The first coordinates of three, for the dimension of the points.
 fn cut(place: [f64; 3], dimension: usize) -> Vec<f64> {
     place.into_iter().take(dimension).collect()
 }
@@ -60,12 +60,12 @@ impl Curve {
     }
 
     /// The point at a parameter, with as many coordinates as the data. Parameters outside of the
-    /// [domain](Self::domain) are those of its ends; a closed curve goes round.
+    /// [domain](Self::domain) are clamped to it; on a closed curve they wrap around.
     pub fn eval(&self, t: f64) -> Vec<f64> {
         self.coordinates(t, |jet| jet.point)
     }
 
-    /// The derivative by the parameter (PT97 (4.8)); at a knot that from the right.
+    /// The derivative with respect to the parameter (PT97 (4.8)); at a knot that from the right.
     pub fn derivative(&self, t: f64) -> Vec<f64> {
         self.coordinates(t, |jet| jet.du)
     }
@@ -101,12 +101,12 @@ impl Surface {
     }
 
     /// The point at (u, v), with as many coordinates as the data. Parameters outside of the
-    /// [domain](Self::domain) are those of its boundary.
+    /// [domain](Self::domain) are clamped to it.
     pub fn eval(&self, u: f64, v: f64) -> Vec<f64> {
         cut(self.jet(u, v).point, self.nurbs.points.dimension())
     }
 
-    /// The derivatives by u and by v (PT97 (4.20)).
+    /// The derivatives with respect to u and v (PT97 (4.20)).
     pub fn derivatives(&self, u: f64, v: f64) -> [Vec<f64>; 2] {
         let jet = self.jet(u, v);
         [jet.du, jet.dv].map(|derivative| cut(derivative, self.nurbs.points.dimension()))
@@ -124,7 +124,7 @@ impl Surface {
         self.error
     }
 
-    /// The outline of the data in its parameters, if it is trimmed.
+    /// The outline of the data in the parameters of the surface, if it is trimmed.
     pub fn outline(&self) -> Option<&Outline> {
         self.outline.as_deref()
     }

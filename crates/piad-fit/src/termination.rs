@@ -1,39 +1,39 @@
 //! How an iteration ends.
 //!
-//! Converged fits have succeeded, and so have least-squares fits at their minimum if no tolerance was
-//! asked for. Exhausted and stalled ones have a curve that is further from the data than was asked
-//! for, and can be gone on with by another method. After an overflow there is no curve.
+//! Converged fits have succeeded, and so have least-squares fits at their minimum if no tolerance was requested.
+//! Exhausted and stalled fits have a curve that is further from the data than requested; another method can continue
+//! from it. After an overflow there is no curve.
 
 /// Why an iteration ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// The largest distance is within the tolerance.
     Converged,
-    /// A least-squares fit is at its minimum, and no tolerance was asked for.
+    /// A least-squares fit is at its minimum, and no tolerance was requested.
     Minimum,
     /// The last allowed level is reached, and the tolerance is not.
     Exhausted,
-    /// The method cannot go on.
+    /// The method cannot continue.
     Stalled(Reason),
-    /// The distances are not finite numbers any more.
+    /// The distances are no longer finite.
     Overflow,
 }
 
-/// Why a fit goes no further although its tolerance is not reached.
+/// Why a fit stalls outside its tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Reason {
-    /// Least squares: no step makes the sum of squares smaller.
+    /// Least squares: no step reduces the sum of squares.
     Minimum,
-    /// Convex: any step would turn the control polygon the other way.
+    /// Convex: any step would reverse a turn of the control polygon.
     Convexity,
     /// Extended: the error is zero but for rounding, as the power of `I − U B` has vanished.
     Nilpotent,
-    /// Direct: what is left is rounding.
+    /// Direct: only rounding is left.
     Rounding,
     /// Least squares and Chebyshev: the residual grows, because the steps are too long.
     Diverging,
-    /// With control points `auto`: within the tolerance at the data, and far away from them between neighbours.
+    /// With control points `auto`: within the tolerance at the data, but far from them between neighbours.
     Between,
 }
 

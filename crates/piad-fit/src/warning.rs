@@ -1,8 +1,7 @@
-//! What is accepted but doubtful: a fit that can be computed, and that may not be what was meant.
+//! Warnings: fits that can be computed but may not be intended.
 //!
-//! Some of it is known from the problem alone (degrees that few points do not determine, even
-//! degrees with knots at the data). Some is known once the collocation matrix has been looked at
-//! (eigenvalues, trial runs); that is asked of the method,
+//! Some warnings follow from the problem alone (degrees that few points do not determine, even degrees with knots at
+//! the data). Others follow from the collocation matrix (eigenvalues, trial runs); methods give those,
 //! [`Method::warnings`](super::method::Method::warnings).
 
 use super::basis::knots::Knots;
@@ -19,7 +18,7 @@ use crate::geometry::between::Excursion;
 use crate::geometry::fold::Fold;
 use crate::matrix::forecast::Forecast;
 
-/// What is doubtful about a fit.
+/// A warning about a fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Warning {
@@ -41,25 +40,25 @@ pub enum Warning {
         /// The degree of the B-spline.
         degree: usize,
     },
-    /// A few points determine the bounding box, of which the tolerance is a part.
+    /// A few points determine the bounding box to which the tolerance is relative.
     Outliers {
         /// The diagonal of the bounding box.
         diagonal: f64,
-        /// The same of the inner nine tenths of the points.
+        /// The diagonal of the box of the inner nine tenths of the points.
         inner: f64,
         /// The tolerance in data units.
         tolerance: f64,
     },
-    /// Least squares: a few points of a curve are far from where their neighbours lead.
+    /// Least squares: a few points of a curve are far from where their neighbours predict them.
     Spikes {
-        /// How many.
+        /// The number of them.
         count: usize,
         /// The first of them.
         index: usize,
     },
     /// A curve that chooses its knots rounds points at which the data turn as corners do.
     RoundedCorners {
-        /// How many.
+        /// The number of corners.
         count: usize,
         /// The first of them.
         index: usize,
@@ -70,36 +69,36 @@ pub enum Warning {
     NoData {
         /// The value.
         value: f64,
-        /// How many points have it.
+        /// The number of points that have it.
         count: usize,
     },
-    /// The fit has left neighbouring points by more than they are apart.
+    /// Between neighbouring points the fit deviates by more than their distance.
     Between(Excursion),
     /// Points of a surface with nearly the same parameters are far from each other.
     Folded(Fold),
-    /// Extended: distances between are so much larger than the data that rounding leaves more than
+    /// Extended PIA: the distances between data points are so much larger than the data that rounding leaves more than
     /// the tolerance.
     Rounding {
-        /// About how much is left, in data units.
+        /// The approximate remaining error, in data units.
         left: f64,
-        /// The number of iterations after which the method has come to its end.
+        /// The number of iterations after which the method makes no more progress.
         iterations: usize,
     },
-    /// Chebyshev: with steps for [λ_min, 1] distances would rise far, so that the steps are for a
-    /// shorter interval.
+    /// Chebyshev: with steps for [λ_min, 1] distances would grow too much, so that the steps are for a shorter
+    /// interval.
     ShorterInterval {
         /// The least eigenvalue.
         least: f64,
         /// Where the interval begins instead.
         begin: f64,
     },
-    /// Chebyshev: all parts of the error shrink alike, and that slowly.
+    /// Chebyshev: all parts of the error shrink at the same, slow rate.
     SlowSteps {
         /// The number of iterations after which a hundredth of the error is left.
         iterations: usize,
     },
-    /// The slowest part of the error will hardly have changed after the last iteration, and the
-    /// tolerance may be out of reach.
+    /// The slowest part of the error will have hardly changed after the last iteration, so that the tolerance may be
+    /// out of reach.
     IllConditioned {
         /// The least eigenvalue.
         least: f64,
@@ -109,10 +108,10 @@ pub enum Warning {
     /// Least squares: control points without data in the support of their basis function stay where
     /// they start.
     WithoutData {
-        /// How many.
+        /// The number of such control points.
         count: usize,
     },
-    /// Least squares: the data run against the vector of a tangent, so that the derivative there is zero.
+    /// Least squares: the data run against the direction of a tangent, so that the derivative there is zero.
     ReversedTangent {
         /// The constraint.
         index: usize,
@@ -122,17 +121,17 @@ pub enum Warning {
 /// A bounding box is wide if its diagonal is more than this multiple of that of the inner nine tenths.
 const WIDE: f64 = 100.0;
 
-/// At least this part of the slowest part of the error is left, if the iterations hardly change it.
+/// If at least this part of the slowest part of the error is left, the iterations hardly change it.
 const UNCHANGED: f64 = 0.99;
 
-/// What to do about points that are wrong.
+/// Advice about outliers.
 const ROBUST: &str = "\"robust\": true leaves such points out";
 
-/// What keeps corners.
+/// Advice about corners.
 const CORNERS: &str = "\"corners\": \"auto\" keeps them sharp";
 
 impl Warning {
-    /// What is doubtful about a direction as it is asked for, with a control point for each data point.
+    /// Warnings about a requested direction with a control point for each data point.
     pub(super) fn of_direction(
         choice: &DirectionChoice,
         direction: &Direction,
@@ -159,7 +158,7 @@ impl Warning {
         copies.into_iter().chain(even).collect()
     }
 
-    /// Whether the tolerance is a part of a bounding box that a few points determine.
+    /// A warning if a few points determine the bounding box to which the tolerance is relative.
     pub(super) fn of_points(points: &Points, (diagonal, tolerance): (f64, f64)) -> Option<Self> {
         let inner = points.inner_diagonal();
         (inner > 0.0 && diagonal > WIDE * inner).then_some(Self::Outliers {
@@ -169,19 +168,19 @@ impl Warning {
         })
     }
 
-    /// Whether the points of a curve have an order.
+    /// A warning if the points of a curve have no order.
     pub(super) fn of_curve(points: &Points) -> Option<Self> {
         is_unordered(points).then_some(Self::Unordered)
     }
 
-    /// The points of a curve, if they are few, that are far from where their neighbours lead.
+    /// A warning about the points of a curve, if they are few, that are far from where their neighbours predict them.
     pub(super) fn of_spikes(points: &Points, closed: bool) -> Option<Self> {
         let spikes = outliers::spikes(points, closed);
         let (count, index) = (spikes.len(), *spikes.first()?);
         Some(Self::Spikes { count, index })
     }
 
-    /// The corners of the points of a curve that is not asked to keep them.
+    /// A warning about corners of points of a curve without a setting for them.
     pub(super) fn of_corners(points: &Points, closed: bool) -> Option<Self> {
         let angle = corners::USUAL_ANGLE.to_radians();
         let corners = corners::find(points, closed, angle);
@@ -189,13 +188,13 @@ impl Warning {
         Some(Self::RoundedCorners { count, index })
     }
 
-    /// Whether the values of a grid have one that stands for missing data.
+    /// A warning if a value of a grid stands for missing data.
     pub(super) fn of_grid(points: &Points, missing: &[usize]) -> Option<Self> {
         no_data(points, missing).map(|(value, count)| Self::NoData { value, count })
     }
 
-    /// Whether the slowest part of the error will hardly have changed at level `iterations`, the
-    /// last one, although the fit does not end before, at level `predicted`.
+    /// A warning if the slowest part of the error will have hardly changed at level `iterations`, the last one, and the
+    /// fit does not end before, at level `predicted`.
     pub(super) fn of_rate(
         forecast: &Forecast,
         predicted: Option<usize>,
@@ -250,7 +249,7 @@ impl Warning {
         }
     }
 
-    /// The part of the problem that is doubtful.
+    /// The part of the problem that the warning is about.
     pub fn place(&self) -> Place {
         match *self {
             Self::FewPoints { axis, .. } | Self::EvenDegree { axis, .. } => Place::Degree(axis),
@@ -280,21 +279,23 @@ impl Warning {
                 )
             }
             Self::EvenDegree { degree, .. } => format!(
-                "degree {degree} is even: with knots at the data a point that is moved is felt along the whole curve; \
-                 use an odd degree or averaged knots"
+                "degree {degree} is even: with knots at the data one moved point affects the whole \
+                 curve; use an odd degree or averaged knots"
             ),
             Self::Rounding { left, iterations } => format!(
                 "rounding is expected to leave a distance of about {left:.0e} when the extended method has come to its \
                  end after {iterations} iterations, as distances in between are much larger than the data; use direct"
             ),
             Self::ShorterInterval { least, begin } => format!(
-                "the least eigenvalue of the collocation matrix, {least:.2e}, says little of this matrix: with Chebyshev \
-                 steps for [{least:.2e}, 1] distances would rise far above those of the data; the steps are for \
-                 [{begin:.2e}, 1], which takes more iterations; direct gives the limit"
+                "the least eigenvalue of the collocation matrix, {least:.2e}, is unreliable for \
+                 this matrix: with Chebyshev steps for [{least:.2e}, 1] distances would rise far \
+                 above those of the data; the steps are for [{begin:.2e}, 1], which takes more \
+                 iterations; direct gives the limit"
             ),
             Self::SlowSteps { iterations } => format!(
-                "chebyshev makes all parts of the error shrink alike, here to a hundredth in {iterations} iterations; \
-                 global is nearer to the data in the first ones, and direct gives the limit"
+                "chebyshev makes all parts of the error shrink at the same rate, here to a \
+                 hundredth in {iterations} iterations; global is nearer to the data in the first \
+                 ones, and direct gives the limit"
             ),
             Self::IllConditioned { least, iterations } => format!(
                 "the least eigenvalue of the collocation matrix is {least:.2e}: the part of the error that belongs to it \
@@ -323,8 +324,8 @@ impl Warning {
                  give null for missing points, which least squares leaves out"
             ),
             Self::Between(excursion) => format!(
-                "{excursion}: its errors at the data say nothing of that; give more points there, use another \
-                 parametrization or averaged knots, or least squares with fairness"
+                "{excursion}: its errors at the data do not show that; give more points there, use \
+                 another parametrization or averaged knots, or least squares with fairness"
             ),
             Self::Folded(Fold {
                 points: [first, second],
@@ -335,11 +336,11 @@ impl Warning {
                  {{\"project\": \"xy\"}}, take foot points on another surface, or give parameters"
             ),
             Self::Spikes { count: 1, index } => format!(
-                "point {index} is far from where its neighbours lead, and the fit is drawn towards it: {ROBUST}"
+                "point {index} is far from where its neighbours predict it, and the fit is drawn towards it: {ROBUST}"
             ),
             Self::Spikes { count, index } => format!(
-                "{count} points, of which the first is point {index}, are far from where their neighbours lead, and the fit \
-                 is drawn towards them: {ROBUST}"
+                "{count} points, of which the first is point {index}, are far from where their \
+                 neighbours predict them, and the fit is drawn towards them: {ROBUST}"
             ),
             Self::RoundedCorners { count: 1, index } => format!(
                 "the points have a corner at point {index}, and the curve rounds it: {CORNERS}"

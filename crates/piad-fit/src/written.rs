@@ -1,4 +1,4 @@
-//! Settings as JSON: their names, and that they are the same when they are read again.
+//! Settings as JSON: their names, and round trips.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use super::method::{
 use super::parameters::{CoordinatePlane, Parametrization, Scattered};
 use super::problem::request::{Tolerance, Weights};
 
-/// Checks how a setting is written, and that it can be read.
+/// Checks the JSON of a setting and its round trip.
 fn check<T: Serialize + DeserializeOwned + PartialEq + Debug>(setting: T, expected: Value) {
     let written = serde_json::to_value(&setting).unwrap();
     assert_eq!(written, expected);

@@ -1,4 +1,4 @@
-//! The lines of a batch, as they are framed.
+//! The lines of a batch with their framing.
 
 use std::sync::Arc;
 
@@ -19,11 +19,11 @@ use crate::model::stream::form::Form;
 /// Contents up to this size are copied together.
 const SMALL: usize = 16 * 1024;
 
-/// What is sent of a batch.
+/// A part of the answer to a batch.
 pub(super) enum Output {
     /// Lines of items.
     Lines(Content),
-    /// The end: what came of all items, or why there is no more.
+    /// The end: the totals of all items, or why it ended early.
     End(Result<BatchTotals, Problem>),
 }
 
@@ -34,12 +34,12 @@ pub(super) struct Lines {
     contents: Vec<Content>,
     /// The lines after the last of these.
     text: BytesMut,
-    /// How many of the items have converged, and how many have not.
+    /// The number of items that have converged, and of those that have not.
     pub(super) converged: usize,
     pub(super) failed: usize,
     /// Its bytes in the cache.
     charge: Option<Charge>,
-    /// Why there are no more.
+    /// Why it ended early.
     pub(super) fatal: Option<Problem>,
 }
 
@@ -112,7 +112,7 @@ impl Lines {
     }
 }
 
-/// What a stream begins with.
+/// The first bytes of a stream.
 pub(super) fn beginning(framing: Framing) -> Bytes {
     match framing {
         // Some proxies pass on the head only with the first bytes of the body.
@@ -121,7 +121,7 @@ pub(super) fn beginning(framing: Framing) -> Bytes {
     }
 }
 
-/// What is sent while there is nothing to say.
+/// The bytes sent while there is nothing to say.
 pub(super) fn quiet(framing: Framing) -> Bytes {
     match framing {
         Framing::Sse => Bytes::from_static(b": still here\n\n"),
@@ -129,7 +129,7 @@ pub(super) fn quiet(framing: Framing) -> Bytes {
     }
 }
 
-/// The last line; what has ended a batch early is told by the status of a call.
+/// The last line; the status of a call reports why a batch ended early.
 pub(super) fn last(settings: &Settings, end: &Result<BatchTotals, Problem>) -> Bytes {
     let (name, data) = match (end, settings.framing) {
         (Ok(totals), Framing::Protobuf) => {
@@ -154,12 +154,12 @@ pub(super) fn last(settings: &Settings, end: &Result<BatchTotals, Problem>) -> B
     text.freeze()
 }
 
-/// The item that a line is about.
+/// The item of a line.
 pub(super) struct LineHead<'a> {
     /// Its place among the items.
     pub(super) index: usize,
     pub(super) name: Option<&'a str>,
-    /// What was understood of its points.
+    /// Notices about its points.
     pub(super) notices: &'a [String],
 }
 
@@ -193,7 +193,7 @@ pub(super) fn fitted(
     view::fitted(end, form)
 }
 
-/// The line of an item that is no fit that can be computed.
+/// The line of an item that is invalid.
 pub(super) fn failed(settings: &Settings, head: &LineHead<'_>, problem: &Problem) -> Content {
     if settings.framing == Framing::Protobuf {
         let end = proto::batch::ItemEnd {

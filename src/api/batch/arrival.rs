@@ -1,5 +1,5 @@
-//! The bytes of a body as they arrive. They are read ahead of what is made of them, as far as there is memory for it:
-//! many clients read nothing of an answer until they have sent all of a body.
+//! The bytes of a body as they arrive. They are read ahead of the computation, as far as there is memory: many clients
+//! read nothing of an answer until they have sent all of a body.
 
 use std::sync::Arc;
 
@@ -22,7 +22,7 @@ pub(super) const PART: usize = 64 * 1024;
 /// A body is read ahead by this part of the memory for large bodies.
 const AHEAD: usize = 8;
 
-/// Some bytes of a body; none at its end.
+/// Some bytes of a body; `None` at its end.
 #[derive(Default)]
 pub(super) struct Arrived {
     pub(super) bytes: Bytes,

@@ -1,8 +1,8 @@
-//! What the items of a batch have in common, and how an item changes it.
+//! Defaults of the items of a batch, and their merging with an item.
 //!
-//! The fields of an item come in the place of those of the defaults; objects are merged field by field (RFC 7396), but
-//! for those with another `kind`, such as another method, which come as a whole. `null` takes a default away. A
-//! curve has the defaults of curves alone, and a surface those of surfaces.
+//! The fields of an item replace those of the defaults; objects are merged field by field (RFC 7396), except those with
+//! another `kind`, such as another method, which are replaced as a whole. `null` removes a default. A curve has only
+//! the defaults of curves, and a surface those of surfaces.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use serde_json::value::RawValue;
 use crate::api::json::request;
 use crate::api::problem::{Kind, Location, Problem};
 
-/// The fields that items have unless they say something else.
+/// The default fields of items.
 pub(super) enum Defaults {
     /// As JSON.
     Json(Fields),
@@ -48,7 +48,7 @@ impl Defaults {
         }
     }
 
-    /// An item with what it does not say itself. What is no object stays as it is.
+    /// An item with the defaults filled in. A value that is not an object is unchanged.
     pub(super) fn merge(&self, item: &Bytes) -> Bytes {
         match self {
             Self::Message(defaults) => [&defaults[..], &item[..]].concat().into(),
@@ -63,7 +63,7 @@ impl Defaults {
         }
     }
 
-    /// Returns true if a JSON pointer into an item that was merged leads to a part of the defaults.
+    /// Returns true if a JSON pointer into a merged item leads to a part of the defaults.
     pub(super) fn has(&self, pointer: &str, item: &[u8]) -> bool {
         let Self::Json(defaults) = self else {
             return false;
@@ -73,7 +73,7 @@ impl Defaults {
         defaults.depth(names()) > of_item
     }
 
-    /// About how many bytes it adds to an item.
+    /// The approximate number of bytes it adds to an item.
     pub(super) fn size(&self) -> usize {
         match self {
             Self::Json(fields) => fields.size(),
@@ -87,7 +87,7 @@ fn unreadable() -> Problem {
     Problem::at_pointer(Kind::InvalidFit, "/defaults".to_owned(), detail)
 }
 
-/// The fields of an object as they are written.
+/// The fields of an object, unparsed.
 struct Raw<'a>(Vec<(String, &'a RawValue)>);
 
 impl<'de> Deserialize<'de> for Raw<'de> {
@@ -185,7 +185,7 @@ impl Fields {
         merged.end();
     }
 
-    /// Returns true if both have a kind, and another one.
+    /// Returns true if both have a kind, and these differ.
     fn differs_in_kind(&self, object: &Raw<'_>) -> bool {
         match (self.get("kind"), object.get("kind")) {
             (Some(Field::Value(own)), Some(other)) => **own != *other.get(),
@@ -193,12 +193,12 @@ impl Fields {
         }
     }
 
-    /// How many of these names lead from field to field.
+    /// The number of these names that lead from field to field.
     fn depth<'a>(&self, mut names: impl Iterator<Item = &'a str>) -> usize {
         match names.next().and_then(|name| self.get(name)) {
             None => 0,
             Some(Field::Object(fields)) => 1 + fields.depth(names),
-            // What is in a list is where the list is.
+            // Elements of a list are where the list is.
             Some(Field::Value(_)) => 1 + names.count(),
         }
     }
@@ -212,7 +212,7 @@ impl Fields {
     }
 }
 
-/// How many of these names lead from field to field of an object.
+/// The number of these names that lead from field to field of an object.
 fn depth<'a>(object: &Raw<'_>, mut names: impl Iterator<Item = &'a str>) -> usize {
     match names.next().and_then(|name| object.get(name)) {
         None => 0,
@@ -238,7 +238,7 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// Where the value of a field is to be written.
+    /// Returns the text to which the value of a field is written.
     fn field(&mut self, name: &str) -> &mut String {
         if std::mem::replace(&mut self.has_fields, true) {
             self.out.push(',');

@@ -1,5 +1,5 @@
-//! A batch as one JSON object: its defaults, then its items. Only the object and the list are read here; whether what
-//! stands in them is JSON is found out where it is read.
+//! A batch as one JSON object: its defaults, then its items. Only the object and the list are parsed here; their values
+//! are parsed later.
 
 use bytes::{Buf, BytesMut};
 
@@ -7,22 +7,22 @@ use super::pieces::Piece;
 use crate::api::problem::{Kind, Problem};
 use piad_files::short::quoted;
 
-/// What may stand in front of UTF-8.
+/// The byte-order mark of UTF-8.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// How far an object was read.
+/// The state of the parser.
 #[derive(Default)]
 pub(super) struct Document {
     next: Next,
     /// The value that is being read.
     value: Value,
-    /// How many items have been found.
+    /// The number of items found.
     items: usize,
     has_defaults: bool,
     has_items: bool,
 }
 
-/// What is expected next.
+/// The next expected token.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Next {
     /// The object.
@@ -102,7 +102,7 @@ impl Document {
         }
     }
 
-    /// Refuses a body that has ended too soon; these bytes of it are left.
+    /// The error for a body that has ended too soon; these bytes of it are left.
     pub(super) fn finish(&self, bytes: &[u8]) -> Result<(), Problem> {
         let detail = match self.next {
             Next::End => return Ok(()),
@@ -169,13 +169,16 @@ impl Document {
         let name: String = serde_json::from_slice(&text).map_err(|_| wrong())?;
         let (field, given) = match name.as_str() {
             "defaults" if self.has_items => {
-                let detail = "it stands before the items, which are read as they come";
+                let detail = "it must come before the items, which are read as they arrive";
                 return Err(at("/defaults", detail));
             }
             "defaults" => (Field::Defaults, &mut self.has_defaults),
             "items" => (Field::Items, &mut self.has_items),
             other => {
-                let detail = format!("unknown field {}; there are defaults, items", quoted(other));
+                let detail = format!(
+                    "unknown field {}; expected one of defaults, items",
+                    quoted(other)
+                );
                 return Err(at(&format!("/{other}"), &detail));
             }
         };
@@ -195,15 +198,15 @@ fn at(pointer: &str, detail: &str) -> Problem {
     Problem::at_pointer(Kind::InvalidFit, pointer.to_owned(), detail)
 }
 
-/// How far a value was read of which only the end is looked for.
+/// The state of a search for the end of a value.
 #[derive(Default)]
 struct Value {
-    /// How many of its bytes were read.
+    /// The number of its bytes that were read.
     read: usize,
-    /// How many lists and objects are open.
+    /// The number of open lists and objects.
     depth: usize,
     in_string: bool,
-    /// The next character of a string is taken as it is.
+    /// True if the next character of a string is escaped.
     is_escaped: bool,
 }
 
@@ -226,7 +229,7 @@ impl Value {
                 b'{' | b'[' => self.depth += 1,
                 b'}' | b']' if self.depth == 1 => return Some(self.read + 1),
                 b'}' | b']' if self.depth > 1 => self.depth -= 1,
-                // What is neither a string, a list nor an object ends before what follows it.
+                // Numbers and literals end before the character that follows.
                 b'}' | b']' | b',' if self.depth == 0 => return Some(self.read),
                 blank if is_blank(blank) && self.depth == 0 => return Some(self.read),
                 _ => {}
@@ -236,7 +239,7 @@ impl Value {
         None
     }
 
-    /// Reads the rest of a string, or what there is of it.
+    /// Reads the rest of a string, as far as it is there.
     fn read_string(&mut self, bytes: &[u8]) {
         while let Some(&byte) = bytes.get(self.read) {
             self.read += 1;

@@ -35,13 +35,15 @@ const GROUPS_PER_THREAD: usize = 2;
 const MOST_ITEMS: usize = 64;
 const ENOUGH_BYTES: usize = 64 * 1024;
 
-/// How long a group should take, so that its hand-over does not count and the threads have equal shares.
+/// How long a group should take: long enough to amortize its hand-over, and short enough for equal shares of the
+/// threads.
 const GROUP_TIME: Duration = Duration::from_millis(1);
 
-/// An item that has not arrived as a whole takes memory of its own from this size on.
+/// From this size on, an item that has not arrived completely takes memory of its own.
 const LARGE: usize = 2 * SMALL;
 
-/// How long the rest of a body is read and discarded after an error, so that clients that are sending it get to know.
+/// How long the rest of a body is read and discarded after an error, so that clients still sending it receive the
+/// answer.
 const DISCARDING: Duration = Duration::from_secs(2);
 
 /// A batch that is being read.
@@ -50,7 +52,7 @@ pub(in crate::api) struct Batch {
     begun: Instant,
     arrival: Arrival,
     splitter: Splitter,
-    /// The memory of an item that has not arrived as a whole, its bytes, and since when it is large.
+    /// The memory of an item that has not arrived completely, its bytes, and since when it is large.
     large: Option<Permit>,
     large_bytes: usize,
     large_since: Option<Instant>,
@@ -59,7 +61,7 @@ pub(in crate::api) struct Batch {
     pending_bytes: usize,
     /// The number of items so far.
     items: usize,
-    /// How many items the next group has.
+    /// The number of items of the next group.
     group_size: usize,
     /// Groups whose lines have not been sent, in order.
     groups: VecDeque<Running>,
@@ -70,7 +72,7 @@ pub(in crate::api) struct Batch {
     _place: BatchPlace,
 }
 
-/// Ends what is computed for a batch when nobody drives it any more.
+/// Cancels the computation of a batch when it is dropped.
 struct CancelledAtEnd(Arc<Settings>);
 
 impl Drop for CancelledAtEnd {
@@ -80,8 +82,8 @@ impl Drop for CancelledAtEnd {
 }
 
 impl Batch {
-    /// Begins to read a batch for the current peer. When this returns, there is an item, or the body has ended; what is
-    /// wrong before the first item is an error.
+    /// Begins to read a batch for the current peer. When this returns, there is an item, or the body has ended; an
+    /// error before the first item is returned.
     pub(in crate::api) async fn begin(
         settings: Arc<Settings>,
         body: Body,
@@ -125,12 +127,12 @@ impl Batch {
         }
     }
 
-    /// What is requested for it.
+    /// Its settings.
     pub(super) fn settings(&self) -> &Arc<Settings> {
         &self.settings
     }
 
-    /// Computes it, and sends what comes of it.
+    /// Computes it, and sends the results.
     pub(super) fn run(self) -> mpsc::Receiver<Output> {
         let (output, answer) = mpsc::channel(1);
         let cancelled = CancelledAtEnd(Arc::clone(&self.settings));
@@ -197,7 +199,7 @@ impl Batch {
         self.pending.len() >= self.group_size || self.pending_bytes >= ENOUGH_BYTES
     }
 
-    /// Cuts items out of what has arrived until there are enough for a group, or nothing is at hand.
+    /// Cuts items out of the received bytes until there are enough for a group, or no more bytes are available.
     async fn cut(&mut self) {
         while self.wants_more() {
             match self.splitter.next() {
@@ -212,7 +214,7 @@ impl Batch {
         }
     }
 
-    /// Takes bytes that have arrived.
+    /// Adds bytes that have arrived.
     async fn take(&mut self, arrived: Result<Arrived, Problem>) {
         match arrived {
             Err(problem) => self.end = Some(Err(problem)),
@@ -234,7 +236,7 @@ impl Batch {
         }
     }
 
-    /// Takes memory for an item that is large and has not arrived as a whole.
+    /// Takes memory for an item that is large and has not arrived completely.
     async fn make_room(&mut self) -> Result<(), Problem> {
         let waiting = self.splitter.waiting();
         if waiting <= LARGE {
@@ -287,7 +289,7 @@ impl Batch {
         scheduler.compute(WorkLane::Wire, read).await?
     }
 
-    /// Sends lines; the batch ends with those that say so.
+    /// Sends lines; the batch ends with its last line.
     async fn send(
         &mut self,
         mut lines: Lines,
@@ -303,8 +305,7 @@ impl Batch {
         fatal.map_or(Ok(()), Err)
     }
 
-    /// Drops the first group, whose lines have all been sent, and learns from it how many items the next ones should
-    /// have.
+    /// Drops the first group, whose lines have all been sent, and adapts the size of the next ones to its pace.
     async fn end_group(&mut self) {
         let Some(group) = self.groups.pop_front() else {
             return;
@@ -319,7 +320,7 @@ impl Batch {
         self.group_size = due.clamp(1, MOST_ITEMS).min(2 * self.group_size);
     }
 
-    /// Reads what is left of the body.
+    /// Reads the rest of the body.
     async fn discard(&mut self) {
         while self
             .arrival
@@ -330,7 +331,7 @@ impl Batch {
     }
 }
 
-/// The next lines of a group; never without one.
+/// The next lines of a group; pending forever without one.
 async fn next(group: Option<&mut Running>) -> Option<Lines> {
     match group {
         Some(group) => group.next().await,

@@ -1,4 +1,4 @@
-//! The JSON of a fitted curve or surface, as the B-spline that it is.
+//! The B-spline of a fitted curve or surface, from its JSON.
 
 use serde::Deserialize;
 
@@ -61,7 +61,7 @@ impl<T> Each<T> {
 }
 
 impl Geometry {
-    /// How many control points there are, in each direction.
+    /// The number of control points, in each direction.
     pub(crate) fn counts(&self) -> String {
         match &self.control_points {
             Net::Curve(points) => points.len().to_string(),

@@ -1,5 +1,5 @@
-//! Some items of a batch, one after another on a thread of the compute pool: to hand over each of them alone would
-//! take longer than a small fit.
+//! Some items of a batch, computed one after another on a thread of the compute pool: handing over each of them alone
+//! would take longer than a small fit.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -33,7 +33,7 @@ pub(super) const SMALL_FIT: usize = 1024 * 1024;
 /// The lines of a group are sent when they have this many bytes.
 const ENOUGH: usize = 128 * 1024;
 
-/// Some items, and what has come of them.
+/// Some items, and their results.
 pub(super) struct Group {
     settings: Arc<Settings>,
     items: vec::IntoIter<Item>,
@@ -49,17 +49,17 @@ pub(super) struct Group {
     pub(super) reading: Option<Reading>,
     /// The memory for fits, and its size.
     memory: Option<(Permit, usize)>,
-    /// How long it has computed.
+    /// The time it has computed.
     busy: Duration,
 }
 
-/// How far the current item has come.
+/// The stage of the current item.
 enum Stage {
-    /// It is to be read.
+    /// To be read.
     Unread,
-    /// It is to be checked.
+    /// To be validated.
     Read(Box<JobRequest>, ItemWords, Base),
-    /// It is to be fitted, and shown in this form.
+    /// To be fitted, and returned in this form.
     Fitting(Fitting),
     /// Its line is to be written.
     Ended(Fitting, Box<EndedFit>),
@@ -67,26 +67,26 @@ enum Stage {
 
 struct Fitting {
     name: Option<String>,
-    /// What was understood of the file of its points, and what the fit has chosen.
+    /// Notices about the file of its points, and choices of the fit.
     notices: Vec<String>,
     form: Form,
     fit: DirectFit,
 }
 
-/// What a group waits for.
+/// A resource that a group waits for.
 pub(super) enum Want {
     /// The surface to which an item refers.
     Base(FootPoints),
-    /// So much memory for a fit with steps of this cost.
+    /// This much memory for a fit with steps of this cost.
     Memory { step_cost: usize, bytes: usize },
-    /// To have its lines sent.
+    /// Sending of its lines.
     Send,
 }
 
-/// What it takes to read items.
+/// Memory to read items.
 pub(super) struct Reading {
     pub(super) _memory: Option<Permit>,
-    /// A large item is read, which jobs on probation do not run beside.
+    /// A large item is read; jobs on probation do not run meanwhile.
     pub(super) _large_body: Option<LargeBody>,
 }
 
@@ -114,7 +114,7 @@ impl Group {
         self.lane
     }
 
-    /// What it waits for; nothing at its end.
+    /// What it waits for; `None` at its end.
     pub(super) fn take_want(&mut self) -> Option<Want> {
         self.want.take()
     }
@@ -126,7 +126,7 @@ impl Group {
         lines.counted(&self.settings.app.jobs.resources().memory.cache)
     }
 
-    /// The number of bytes that are to be read, and the memory that it takes beside them.
+    /// The number of bytes to be read, and the additional memory for them.
     pub(super) fn unread(&self) -> (usize, usize) {
         let of_defaults = self.settings.defaults().map_or(0, Defaults::size);
         let items = self.items.as_slice().iter();
@@ -141,7 +141,7 @@ impl Group {
         sizes.fold((0, 0), add)
     }
 
-    /// How long it has computed.
+    /// The time it has computed.
     pub(super) fn busy(&self) -> Duration {
         self.busy
     }
@@ -160,7 +160,7 @@ impl Group {
         }
     }
 
-    /// Goes on with the next item after a panic, which is a defect of the program.
+    /// Continues with the next item after a panic, which is a bug.
     pub(super) fn break_off(&mut self) {
         self.fail(Problem::from(Failure::Defect));
     }
@@ -183,7 +183,7 @@ impl Group {
         }
     }
 
-    /// Takes the current item one step further; returns false if that has to wait.
+    /// Advances the current item by one stage; returns false if that has to wait.
     fn step(&mut self, deadline: Instant) -> bool {
         match std::mem::replace(&mut self.stage, Stage::Unread) {
             Stage::Unread => self.read(),
@@ -249,7 +249,7 @@ impl Group {
         self.stage = match ended {
             None => Stage::Fitting(fitting),
             Some(ended) => {
-                // Small ones share what is left.
+                // Small ones share the rest.
                 self.memory.take_if(|(_, bytes)| *bytes > SMALL_FIT);
                 Stage::Ended(fitting, Box::new(ended))
             }

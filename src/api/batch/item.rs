@@ -1,4 +1,4 @@
-//! An item of a batch: a job, read and checked like a job of its own, whose mistakes are at their places in the batch.
+//! An item of a batch: a job, read and checked like any job, with errors located in the batch.
 
 use bytes::Bytes;
 use serde::Deserialize;
@@ -27,11 +27,11 @@ pub(super) struct Item {
 /// An item that was read.
 pub(super) struct ReadItem {
     pub(super) request: JobRequest,
-    /// Where its parts stand.
+    /// The locations of its parts.
     pub(super) words: ItemWords,
 }
 
-/// Where the parts of an item stand.
+/// The locations of the parts of an item.
 pub(super) enum ItemWords {
     Json(Places),
     Message(MessageLayout),
@@ -75,12 +75,12 @@ impl Settings {
         }
     }
 
-    /// Returns true if a batch cannot go on after this problem with an item: its body is no JSON.
+    /// Returns true if a batch cannot continue after this problem with an item: its body is no JSON.
     pub(super) fn is_fatal(&self, problem: &Problem) -> bool {
         self.body == BodyForm::Document && problem.kind() == Kind::NotJson
     }
 
-    /// A problem with an item, at its place in the batch: in the item, or in the defaults.
+    /// A problem with an item, located in the batch: in the item, or in the defaults.
     pub(super) fn located(&self, problem: Problem, item: &Item) -> Problem {
         let in_defaults = |pointer: &str| {
             let defaults = self.defaults();
@@ -99,7 +99,7 @@ impl Settings {
         })
     }
 
-    /// The name of an item that could not be read, if it has one that can.
+    /// The name of an item that could not be read, if that can be read.
     pub(super) fn name_of(&self, item: &Item) -> Option<String> {
         #[derive(Deserialize)]
         struct Named {

@@ -1,4 +1,4 @@
-//! A batch in lines: each is a JSON object, the first one of which may have the defaults.
+//! A batch in lines: each is a JSON object, the first of which may have the defaults.
 
 use bytes::{Buf, Bytes, BytesMut};
 use serde::Deserialize;
@@ -7,10 +7,10 @@ use serde_json::value::RawValue;
 use super::pieces::Piece;
 use piad_files::short::without_mark;
 
-/// How far a body in lines was read.
+/// The state of the parser.
 #[derive(Default)]
 pub(super) struct Lines {
-    /// How many of the bytes that wait are known to have no end of a line.
+    /// The number of waiting bytes known to hold no line end.
     searched: usize,
     /// A line that is not blank has been read.
     begun: bool,

@@ -1,4 +1,4 @@
-//! A batch in messages of gRPC: each `FitBatchRequest` stands behind a byte and its length.
+//! A batch in gRPC messages: each `FitBatchRequest` follows a byte and its length.
 
 use bytes::{Buf, Bytes, BytesMut};
 use prost::encoding::{WireType, decode_key, decode_varint, skip_field};
@@ -13,7 +13,7 @@ pub(super) const PREFIX: usize = 5;
 const OPTIONS: u32 = 1;
 const ITEM: u32 = 2;
 
-/// How far the messages were read.
+/// The state of the parser.
 #[derive(Default)]
 pub(super) struct Messages {
     /// The first message was read, which alone may have options.
@@ -47,7 +47,7 @@ impl Messages {
         self.piece(message).map(Some)
     }
 
-    /// Refuses a stream that has ended within a message.
+    /// The error for a stream that has ended within a message.
     pub(super) fn finish(bytes: &[u8]) -> Result<(), Problem> {
         match bytes.is_empty() {
             true => Ok(()),

@@ -1,16 +1,18 @@
-//! Batches: many fits in one request, and what has come of each of them in one answer. Nothing is kept.
+//! Batches: many fits in one request, with the results of each in one answer. Nothing is stored.
 //!
-//! A body is read while it arrives, its items are fitted on the compute pool, and their lines are sent in the order of
-//! the items, all at the same time. None of them gets far ahead of the others: a client that reads slowly is read
+//! The body is read as it arrives, its items are fitted on the compute pool, and their lines are sent in the order of
+//! the items, all at the same time. No stage gets far ahead of the others: reading slows down with a client that reads
 //! slowly.
 //!
-//! - [`driver`]: takes a batch from its body to its answer;
-//! - [`arrival`]: the bytes of the body; [`pieces`]: what [`splitter`] cuts them into, by [`document`], [`lines`]
-//!   or [`messages`];
-//! - [`defaults`]: what items have in common;
-//! - [`item`]: a job of a batch, read and checked; [`group`]: some of them, one after another on a thread of the pool;
+//! - [`driver`]: runs a batch from its body to its answer;
+//! - [`arrival`]: the bytes of the body; [`pieces`]: its parts, cut by [`splitter`] with [`document`], [`lines`] or
+//!   [`messages`];
+//! - [`defaults`]: default fields of items;
+//! - [`item`]: a job of a batch, read and validated; [`group`]: some of them, one after another on a thread of the
+//!   pool;
 //!   [`task`]: the memory that a group takes, and what it waits for;
-//! - [`answer`]: lines, as they are framed; [`sending`]: the bytes of an answer; [`part_file`]: all of it as one file, of each [`geometry`]; [`settings`]: what holds for all of a batch.
+//! - [`answer`]: lines with their framing; [`sending`]: the bytes of an answer; [`part_file`]: all results as one file,
+//!   of each [`geometry`]; [`settings`]: settings of a batch.
 
 pub(in crate::api) mod answer;
 mod arrival;

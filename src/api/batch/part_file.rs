@@ -11,14 +11,14 @@ use piad_files::export::{Format, Header, Options, Part, write_parts};
 /// A line of the answer to a batch: an item, or the end.
 #[derive(Debug, Deserialize)]
 pub(crate) struct BatchLine<'a> {
-    /// The place of an item among the others; none at the end.
+    /// The index of an item; `None` at the end.
     pub index: Option<usize>,
     /// Its name, if it has one.
     pub name: Option<String>,
-    /// How its fit has ended.
+    /// The final state of its fit.
     #[serde(default)]
     pub state: String,
-    /// What was understood of its points.
+    /// Notices about its points.
     #[serde(default)]
     pub notices: Vec<String>,
     /// The distances from the data.
@@ -27,13 +27,13 @@ pub(crate) struct BatchLine<'a> {
     curve: Option<&'a RawValue>,
     #[serde(borrow)]
     surface: Option<&'a RawValue>,
-    /// Why it has not converged, or why there are no more lines.
+    /// Why it has not converged, or why the batch ended early.
     pub problem: Option<Why>,
-    /// At the end: how many items there were.
+    /// At the end: the number of items.
     pub totals: Option<IgnoredAny>,
 }
 
-/// Distances from the data; none where they are infinite.
+/// Distances from the data; `None` where they are infinite.
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct Distances {
     /// The largest one.
@@ -58,7 +58,7 @@ impl BatchLine<'_> {
             .unwrap_or_else(|| format!("part {number}"))
     }
 
-    /// What was fitted, if there is a result.
+    /// The fitted geometry, if there is a result.
     pub(crate) fn geometry(&self) -> serde_json::Result<Option<Geometry>> {
         let raw = self.curve.or(self.surface);
         raw.map(|raw| serde_json::from_str(raw.get())).transpose()

@@ -17,7 +17,7 @@ use crate::job::scheduler::Broken;
 /// An answer that is being sent.
 pub(in crate::api) struct Sending {
     outgoing: Outgoing,
-    /// What comes of the batch; nothing after its end.
+    /// The results of the batch; `None` after its end.
     answer: Option<mpsc::Receiver<Output>>,
     heartbeat: Duration,
     settings: Arc<Settings>,
@@ -26,13 +26,13 @@ pub(in crate::api) struct Sending {
 }
 
 impl Sending {
-    /// The answer to a batch, which is computed from now on.
+    /// The answer to a batch, whose computation begins.
     pub(in crate::api) fn begin(batch: Batch) -> Self {
         let settings = Arc::clone(batch.settings());
         let app = &settings.app;
         let mut outgoing = Outgoing::new(Arc::clone(app.jobs.resources()));
         outgoing.text().put(answer::beginning(settings.framing));
-        let broken = "the batch broke off";
+        let broken = "the batch was interrupted";
         Self {
             outgoing,
             answer: Some(batch.run()),
@@ -55,7 +55,7 @@ impl Sending {
         self.end
     }
 
-    /// Waits for something to send, or says that there is nothing yet; nothing after the end.
+    /// Waits for something to send, or returns that there is nothing yet; `None` after the end.
     async fn gather(&mut self) -> Option<()> {
         let framing = self.settings.framing;
         let output = match timeout(self.heartbeat, self.answer.as_mut()?.recv()).await {

@@ -1,4 +1,4 @@
-//! What holds for all of a batch.
+//! Settings of a batch.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -22,18 +22,18 @@ use crate::proto::stream;
 use crate::telemetry::request::RequestTrace;
 use piad_fit::engine as fit;
 
-/// How the curves and surfaces of a batch are shown; an item of which the choices make no sense fails.
+/// The form of the curves and surfaces of a batch; an item with invalid choices fails.
 #[derive(Clone, Debug)]
 pub(in crate::api) struct Forms {
     curve: Chosen,
     surface: Chosen,
 }
 
-/// What was chosen, and the form that follows.
+/// The choices, and the form that follows from them.
 type Chosen = Result<(StreamSpec, Form), Problem>;
 
 impl Forms {
-    /// Those of messages. What makes sense for neither curves nor surfaces is an error.
+    /// The form of messages. Choices that suit neither curves nor surfaces are an error.
     pub(in crate::api) fn of_message(options: &pb::BatchOptions) -> Result<Self, Problem> {
         let (view, samples_u, samples_v) = (options.view, options.samples_u, options.samples_v);
         let asked = pb::StreamOptions {
@@ -51,7 +51,7 @@ impl Forms {
         Self::any(of(false), of(true))
     }
 
-    /// These, if one of them makes sense.
+    /// These, if they suit curves or surfaces.
     pub(in crate::api) fn any(curve: Chosen, surface: Chosen) -> Result<Self, Problem> {
         match (curve, surface) {
             (Err(problem), Err(_)) => Err(problem),
@@ -59,7 +59,7 @@ impl Forms {
         }
     }
 
-    /// The form of a curve or of a surface, which must have room for the data of this problem.
+    /// The form of a curve or of a surface, checked for the range of the data of this problem.
     pub(super) fn of(&self, problem: &fit::Problem) -> Result<Form, Problem> {
         let form = match problem.v() {
             None => &self.curve,
@@ -73,15 +73,15 @@ impl Forms {
     }
 }
 
-/// What a body says of all items.
+/// Settings in the body of a batch.
 struct Common {
     defaults: Option<Defaults>,
-    /// How they are shown, if it says that.
+    /// The form of results, if it is set.
     forms: Option<Forms>,
 }
 
 impl Common {
-    /// What `BatchOptions` say.
+    /// Settings from `BatchOptions`.
     fn of_message(bytes: Bytes, most_points: usize) -> Result<Self, Problem> {
         let options: pb::BatchOptions = proto::request::decode(bytes, most_points)?;
         let defaults = options.defaults.as_ref();
@@ -94,29 +94,29 @@ impl Common {
     }
 }
 
-/// What is requested for all items of a batch.
+/// The settings of all items of a batch.
 pub(in crate::api) struct Settings {
     pub(super) app: App,
-    /// How the body is cut into items.
+    /// The format of the body.
     pub(super) body: BodyForm,
-    /// What items are written in.
+    /// The encoding of items.
     pub(super) language: Language,
-    /// How lines are framed.
+    /// The framing of lines.
     pub(super) framing: Framing,
     pub(super) limits: Limits,
     forms: Forms,
     common: OnceLock<Common>,
-    /// What was understood of each part, if the items are the parts of a file.
+    /// Notices about each part, if the items are the parts of a file.
     notices: OnceLock<Vec<Arc<[String]>>>,
     /// The id of the request, which problems have.
     request_id: Option<String>,
     trace_id: Option<String>,
-    /// Nobody waits for the batch any more.
+    /// The batch was abandoned.
     pub(super) cancelled: Arc<AtomicBool>,
 }
 
 impl Settings {
-    /// A batch whose answer is framed like this.
+    /// A batch whose answer has this framing.
     pub(in crate::api) fn new(
         app: &App,
         body: BodyForm,
@@ -142,7 +142,7 @@ impl Settings {
         })
     }
 
-    /// Reads what the items have in common.
+    /// Reads the defaults of the items.
     pub(super) fn set_common(&self, bytes: &Bytes) -> Result<(), Problem> {
         let most_points = self.app.config.max_points;
         let common = match self.language {
@@ -157,12 +157,12 @@ impl Settings {
         Ok(())
     }
 
-    /// Takes what was understood of each part of the file whose parts are the items.
+    /// Takes the notices about each part of the file whose parts are the items.
     pub(in crate::api) fn set_notices(&self, notices: Vec<Arc<[String]>>) {
         let _ = self.notices.set(notices);
     }
 
-    /// What was understood of the part that this item is.
+    /// Notices about the part that this item is.
     pub(super) fn notices_of(&self, index: usize) -> &[String] {
         let notices = self.notices.get();
         notices
@@ -170,12 +170,12 @@ impl Settings {
             .map_or(&[], |notices| notices)
     }
 
-    /// What the items have in common, if that was given.
+    /// The defaults of the items, if given.
     pub(super) fn defaults(&self) -> Option<&Defaults> {
         self.common.get()?.defaults.as_ref()
     }
 
-    /// How items are shown.
+    /// The form of results.
     pub(super) fn forms(&self) -> &Forms {
         let common = self.common.get();
         let forms = common.and_then(|common| common.forms.as_ref());
@@ -189,7 +189,7 @@ impl Settings {
         body
     }
 
-    /// Returns true if nobody waits for the batch any more.
+    /// Returns true if the batch was abandoned.
     pub(super) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Acquire)
     }

@@ -68,7 +68,7 @@ impl Splitter {
         Ok(piece)
     }
 
-    /// The last piece of a body that has ended, if there is one left; a body that ends too soon is an error.
+    /// The last piece of a body that has ended, if there is one left; a truncated body is an error.
     pub(super) fn finish(&mut self) -> Result<Option<Piece>, Problem> {
         match &mut self.rule {
             Rule::Document(document) => document.finish(&self.bytes).map(|()| None),
@@ -172,15 +172,15 @@ mod tests {
             ),
             (
                 r#"{"curve": {}}"#,
-                "/curve: unknown field \"curve\"; there are defaults, items",
+                "/curve: unknown field \"curve\"; expected one of defaults, items",
             ),
             (r#"{"items" []}"#, "expected :"),
             (r#"{"items": [}"#, "/items/0: expected an item"),
             ("{7: 1}", "expected the name of a field"),
         ] {
             for part in 1..=body.len().max(1) {
-                let told = pieces(BodyForm::Document, body.as_bytes(), part).unwrap_err();
-                assert!(told.contains(reason), "{body} by {part}: {told}");
+                let detail = pieces(BodyForm::Document, body.as_bytes(), part).unwrap_err();
+                assert!(detail.contains(reason), "{body} by {part}: {detail}");
             }
         }
     }
@@ -189,8 +189,11 @@ mod tests {
     fn pieces_have_a_limit() {
         let long = format!(r#"{{"items": [{{"a": "{}"}}]}}"#, "x".repeat(LIMIT));
         for part in [10, 10_000] {
-            let told = pieces(BodyForm::Document, long.as_bytes(), part).unwrap_err();
-            assert!(told.contains("an item is larger than 1000 bytes"), "{told}");
+            let detail = pieces(BodyForm::Document, long.as_bytes(), part).unwrap_err();
+            assert!(
+                detail.contains("an item is larger than 1000 bytes"),
+                "{detail}"
+            );
         }
         let many = format!(r#"{{"items": [{}1]}}"#, "1, ".repeat(500));
         let found = pieces(BodyForm::Document, many.as_bytes(), 10).unwrap();
@@ -198,7 +201,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever is in the items, they come out as they are.
+        /// Any items come out unchanged.
         #[test]
         fn items_stay_as_they_are(
             texts in prop::collection::vec("\\PC{0,12}", 0..5),

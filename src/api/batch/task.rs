@@ -1,7 +1,7 @@
-//! A group of items from its turn to its end: what it waits for, and the memory that it takes.
+//! A task that computes a group of items: its waits, and its memory.
 //!
-//! Whoever holds memory computes, and waits neither for another item nor for a client: a group gives its memory back
-//! before it waits for its lines to be sent. So items that wait for memory get it, in whatever order.
+//! A group that holds memory computes, and waits neither for another item nor for a client: it gives its memory back
+//! before it waits for its lines to be sent. So items that wait for memory get it, in any order.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -25,7 +25,7 @@ use crate::job::peer::{self, Peer};
 pub(super) struct Running {
     lines: mpsc::Receiver<Lines>,
     task: JoinHandle<Duration>,
-    /// How many items it has.
+    /// The number of its items.
     items: usize,
 }
 
@@ -48,12 +48,12 @@ impl Running {
         }
     }
 
-    /// The next of its lines; none at its end. A future that is dropped loses nothing.
+    /// The next of its lines; `None` at its end. A future that is dropped loses nothing.
     pub(super) async fn next(&mut self) -> Option<Lines> {
         self.lines.recv().await
     }
 
-    /// After its end: how long an item has taken on average; `None` if it broke off.
+    /// After its end: how long an item has taken on average; `None` if the batch was cut short.
     pub(super) async fn pace(mut self) -> Option<Duration> {
         let busy = (&mut self.task).await.ok()?;
         Some(busy / u32::try_from(self.items).unwrap_or(u32::MAX).max(1))
@@ -73,7 +73,7 @@ struct Task {
 }
 
 impl Task {
-    /// Computes the items, of which this is to be read; returns how long that took.
+    /// Computes the items after reading these bytes; returns how long that took.
     async fn run(self, unread: (usize, usize)) -> Duration {
         let Settings { app, .. } = &*self.settings;
         let reading = take_for_reading(app, unread).await;
@@ -115,7 +115,7 @@ impl Task {
         busy
     }
 
-    /// Sends the lines so far. All memory is given back if that takes a while.
+    /// Sends the lines so far. All memory is released if that takes a while.
     async fn send(&self) {
         let lines = self.group.lock().take_lines();
         let Err(TrySendError::Full(lines)) = self.sender.try_send(lines) else {
@@ -133,7 +133,7 @@ impl Task {
     }
 }
 
-/// Waits for what it takes to read this many bytes of items, with so much memory beside them.
+/// Waits for the memory to read this many bytes of items, with `more` memory beside them.
 async fn take_for_reading(app: &App, (bytes, more): (usize, usize)) -> Reading {
     let memory = &app.jobs.resources().memory;
     let is_large = bytes > 2 * SMALL;

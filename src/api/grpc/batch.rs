@@ -1,5 +1,5 @@
-//! `FitBatch`: the call whose messages are read and written here as they arrive, and not by the gRPC library, which
-//! would keep whole messages that nobody counts.
+//! `FitBatch`: a call whose messages are read and written here as they arrive. The gRPC library would buffer whole
+//! messages outside the memory accounting.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ const GRPC: HeaderValue = HeaderValue::from_static("application/grpc");
 const ENCODING: &str = "grpc-encoding";
 const STATUS: HeaderName = HeaderName::from_static("grpc-status");
 
-/// How far an answer has come.
+/// The state of an answer.
 enum Answer {
     /// Nothing has been read.
     Begin(Arc<Settings>, Body),
@@ -38,7 +38,7 @@ enum Answer {
     Ended,
 }
 
-/// Answers the call. The head comes at once: some clients wait for it before they send anything.
+/// Answers the call. The head is sent at once: some clients wait for it before they send anything.
 pub(super) async fn fit_batch(State(app): State<App>, request: Request) -> Response {
     let headers = request.headers();
     if headers.get(ENCODING).is_some_and(|it| it != "identity") {
@@ -76,7 +76,7 @@ async fn next(answer: Answer) -> Option<(Result<Frame<Bytes>, Broken>, Answer)> 
     }
 }
 
-/// The status of a call that has ended like this.
+/// The status of a call with this end.
 fn trailers(end: Result<(), Problem>) -> Frame<Bytes> {
     let status = end.map_or_else(Status::from, |()| Status::ok(""));
     let mut headers = HeaderMap::new();

@@ -1,4 +1,4 @@
-//! Messages that cannot be decoded are a mistake of the client. The gRPC library reports them as
+//! Messages that cannot be decoded are an error of the client. The gRPC library reports them as
 //! internal errors; here they become INVALID_ARGUMENT.
 
 use axum::response::Response;
@@ -6,7 +6,7 @@ use tonic::{Code, Status};
 
 use crate::api::problem::{Kind, Problem};
 
-/// How the library's messages begin when it cannot decode what has come.
+/// The beginning of the library's messages for undecodable input.
 const MALFORMED: [&str; 4] = [
     "failed to decode Protobuf message",
     "Unexpected EOF decoding stream",

@@ -82,12 +82,12 @@ async fn take_in(State(app): State<App>, request: Request, next: Next) -> Respon
         here.block_on(async {
             tokio::select! {
                 answer = answer => answer,
-                // The client does not wait any more, nor does what is computed for it.
+                // The request is abandoned, and so is its computation.
                 _ = gone => Status::cancelled("the client has gone").into_http(),
             }
         })
     });
-    let broken = |_| Status::internal("the call ran into a defect of the server").into_http();
+    let broken = |_| Status::internal("internal error in the call").into_http();
     let answer = aside.await.unwrap_or_else(broken);
     drop(waiting);
     answer
@@ -135,7 +135,7 @@ where
     Router::new().route(&format!("/{}/{{*call}}", S::NAME), any_service(service))
 }
 
-/// A response that ends when the server stops, with a status that says so.
+/// A response that ends when the server stops, with a status that reports this.
 fn until(stopping: watch::Receiver<bool>, response: Response) -> Response {
     // A response that consists of its head must not get a body, not even an empty one: clients take that
     // for a broken connection.

@@ -1,4 +1,4 @@
-//! What each call needs.
+//! The authorization of each call.
 
 use crate::access::scope::Scope::{JobsRead, JobsWrite};
 use crate::api::needs::Needs;
@@ -6,7 +6,7 @@ use crate::api::needs::Needs;
 /// The path before the name of a call.
 const SERVICE: &str = "/piad.v1.FittingService/";
 
-/// What a call needs by its path. Health and reflection tell nobody's secrets.
+/// The scopes that a call needs, by its path. Health and reflection reveal no secrets.
 pub(in crate::api) fn needs(path: &str) -> Needs {
     let Some(call) = path.strip_prefix(SERVICE) else {
         return Needs::Nothing;
@@ -26,7 +26,7 @@ mod tests {
     use super::*;
     use crate::proto::DESCRIPTORS;
 
-    /// A new call is thought about here.
+    /// A new call must be classified here.
     #[test]
     fn every_call_has_its_scope() {
         let described = FileDescriptorSet::decode(DESCRIPTORS).unwrap();

@@ -47,7 +47,7 @@ impl Service {
         Self(app)
     }
 
-    /// Makes a job, or finds the one that was made for the same key.
+    /// Creates a job, or finds the one that was created for the same key.
     async fn make(
         &self,
         input: Option<pb::JobInput>,
@@ -135,7 +135,7 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
     loop {
         let (ends, event) = match feed.next().await {
             None => {
-                let problem = Problem::new(Kind::Internal, "the stream broke off");
+                let problem = Problem::new(Kind::Internal, "the stream was interrupted");
                 return Some((Err(problem.into()), None));
             }
             Some(Event::Stopping) => {
@@ -151,7 +151,7 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
     }
 }
 
-/// The form in which a single level is asked for.
+/// The form of a single requested level.
 fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Problem> {
     let options = pb::StreamOptions {
         view,
@@ -199,7 +199,7 @@ impl FittingService for Service {
         let options = StreamOptions::new(&spec, defaults, true, outline.surface);
         let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
         let mut options = options.map_err(wrong)?;
-        // A job that was made before has a stream of its own; only that one may cancel it.
+        // A job that was created before has its own stream; only that one may cancel it.
         options.cancels &= !replayed;
         let held = job.held().await?;
         Ok(Response::new(self.events(
@@ -231,7 +231,7 @@ impl FittingService for Service {
         let before = match message.page_token.as_str() {
             "" => None,
             token => Some(Uuid::try_parse(token).map_err(|_| {
-                let detail = "it is not one that this server gave";
+                let detail = "it is not from this server";
                 Problem::at_field("page_token", detail)
             })?),
         };

@@ -1,4 +1,4 @@
-//! Answers: small ones as they are, large ones piece by piece.
+//! Answers: small ones at once, large ones piece by piece.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub(super) fn whole(body: impl IntoResponse, content_type: &'static str) -> Resp
     no_store(([(header::CONTENT_TYPE, content_type)], body).into_response())
 }
 
-/// Answers of this API change all the time, so nobody may store them.
+/// Answers of this API change all the time, so they must not be stored.
 pub(super) fn no_store(mut response: Response) -> Response {
     let value = HeaderValue::from_static("no-store");
     response.headers_mut().insert(header::CACHE_CONTROL, value);

@@ -1,7 +1,7 @@
-//! Files for browsers that are part of the program: the page, and the reference of the API.
+//! Files for browsers that are part of the program: the viewer, and the API reference.
 //!
-//! Browsers keep them, and ask each time whether theirs are still good: the next version of the program
-//! has others under the same names. That question costs one answer without a body (304).
+//! Browsers cache them, and revalidate them on each use: the next version of the program has others under the same
+//! names. That costs one answer without a body (304).
 
 use std::io::{self, Read as _};
 use std::sync::OnceLock;
@@ -17,18 +17,18 @@ use piad_files::short::quoted;
 
 /// A file, as `build.rs` lists it.
 pub(crate) struct Asset {
-    /// What it is called.
+    /// Its name.
     pub name: &'static str,
-    /// Differs where its bytes differ.
+    /// A hash of its bytes.
     hash: &'static str,
-    /// Its bytes, compressed: the program would be two megabytes larger with the others.
+    /// Its bytes, compressed, which keeps the program two megabytes smaller.
     gzip: &'static [u8],
-    /// Its bytes, once somebody has asked for them who does not unpack.
+    /// Its uncompressed bytes, once a client has needed them.
     plain: OnceLock<Bytes>,
 }
 
 impl Asset {
-    /// A file that nobody has asked for yet.
+    /// A file that has not been requested yet.
     pub(crate) const fn new(name: &'static str, hash: &'static str, gzip: &'static [u8]) -> Self {
         let plain = OnceLock::new();
         Self {
@@ -67,16 +67,15 @@ impl Asset {
     }
 }
 
-/// Files that make something up.
+/// The files of a page.
 pub(crate) struct Site {
-    /// What they make up.
+    /// The name of the page.
     pub name: &'static str,
     /// All of them.
     pub files: &'static [Asset],
-    /// The one that browsers open. Its addresses are relative to where it stands, so that it stands
-    /// nowhere else.
+    /// The file that browsers open. Its addresses are relative.
     pub root: &'static str,
-    /// What browsers let it do: the Content-Security-Policy.
+    /// Its Content-Security-Policy.
     pub policy: &'static str,
 }
 
@@ -147,7 +146,7 @@ fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> io::Resul
     Ok(response)
 }
 
-/// Whether the client has the representation with this tag (`If-None-Match`, RFC 9110, 13.1.2).
+/// Returns true if the client has the representation with this tag (`If-None-Match`, RFC 9110, 13.1.2).
 fn is_known(headers: &HeaderMap, tag: &str) -> bool {
     let given = headers.get_all(header::IF_NONE_MATCH).iter();
     let mut tags = given.flat_map(|value| value.to_str().unwrap_or("").split(','));

@@ -1,4 +1,4 @@
-//! Lets requests in that have a token for what they ask, or a ticket. Nothing is read of others but their heads.
+//! Authorizes requests by token or ticket. Of unauthorized requests only the head is read.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -25,23 +25,23 @@ use crate::log_throttle::LogThrottle;
 const EVENTS: &str = "/v1/jobs/{id}/events";
 const TICKET: &str = "ticket=";
 
-/// Where its path has the id of the job.
+/// The position of the job's id in its path.
 const ID: usize = 3;
 
-/// What is checked, and against what.
+/// The tokens to check.
 #[derive(Clone)]
 pub(super) struct Guard {
     pub(super) access: Access,
     pub(super) methods: Arc<Methods>,
     pub(super) counters: Counters,
-    /// Requests of nobody knows whom.
+    /// Requests without a known tenant.
     pub(super) strangers: Arc<Mutex<LogThrottle>>,
 }
 
-/// How often the log tells of strangers at most: whoever asks without end must not fill it.
+/// The shortest time between log lines about unauthenticated requests, so that these do not flood the log.
 pub(super) const TELLING: Duration = Duration::from_secs(1);
 
-/// Answers a request for the tenant of its token, or says why not.
+/// Answers a request for the tenant of its token, or denies it.
 pub(super) async fn authorize(
     State(guard): State<Guard>,
     mut request: Request,
@@ -71,7 +71,7 @@ pub(super) async fn authorize(
             let peer = Peer::Tenant(token.tenant);
             request.extensions_mut().insert(token);
             let mut response = Peer::scope(Some(peer), next.run(request)).await;
-            // What is still to be sent is for the tenant, too.
+            // The body is sent for the tenant, too.
             response.extensions_mut().insert(peer);
             response
         }
@@ -88,14 +88,14 @@ impl Guard {
             Method::HEAD | Method::GET => "get",
             Method::POST => "post",
             Method::DELETE => "delete",
-            // The resource does not understand it, and says so.
+            // The resource does not support the method, and reports that.
             _ => return Needs::Nothing,
         };
         let found = methods.iter().find(|(it, _)| *it == verb);
         found.map_or(Needs::Nothing, |(_, needs)| *needs)
     }
 
-    /// Turns a request away, which is counted and logged. Neither tells a token.
+    /// Denies a request, counts it and logs it. Neither reveals a token.
     fn deny(&self, denial: &Denial, route: &str, request: &Request) -> Response {
         let (reason, method) = (denial.name(), request.method());
         self.counters.count_denial(reason);
@@ -106,7 +106,7 @@ impl Guard {
             None => self.strangers.lock().record(Instant::now()),
         };
         if let Some(count) = count {
-            info!(reason, %method, route, peer, token, count, "a request was turned away");
+            info!(reason, %method, route, peer, token, count, "a request was denied");
         }
         let problem = problem(denial);
         let challenge = match denial {
@@ -131,12 +131,10 @@ fn problem(denial: &Denial) -> Problem {
         Denial::Missing => "a token is needed: Authorization: Bearer piad_…".to_owned(),
         Denial::Malformed(why) => format!("Authorization: {why}"),
         Denial::Unknown => "the token is not valid".to_owned(),
-        Denial::Expired { .. } => "the time of the token is over".to_owned(),
-        Denial::Ticket => {
-            "the ticket is not valid for this stream, or its minute is over".to_owned()
-        }
+        Denial::Expired { .. } => "the token has expired".to_owned(),
+        Denial::Ticket => "the ticket is not valid for this stream, or has expired".to_owned(),
         Denial::Scope { needed, .. } => {
-            let detail = format!("the token has not the scope {needed}");
+            let detail = format!("the token lacks the scope {needed}");
             return Problem::new(Kind::Forbidden, detail);
         }
     };
@@ -166,7 +164,7 @@ fn ticket(uri: &Uri) -> Option<&str> {
         .find_map(|it| it.strip_prefix(TICKET))
 }
 
-/// An address without its ticket, of which whatever answers knows nothing.
+/// An address without its ticket, which is hidden from handlers.
 pub(super) fn without_ticket(uri: &Uri) -> Uri {
     let Some(query) = uri.query().filter(|_| ticket(uri).is_some()) else {
         return uri.clone();

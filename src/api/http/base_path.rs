@@ -1,4 +1,4 @@
-//! The path below which clients see the server.
+//! The path prefix under which clients see the server.
 
 use axum::Router;
 use axum::extract::Request;
@@ -8,8 +8,8 @@ use tower::ServiceExt;
 
 use crate::config::BasePath;
 
-/// The resources below a path. They are there without it as well: for proxies that take it off, for those
-/// who ask whether the server is ready, and for gRPC, whose paths have no prefix.
+/// The resources under a path prefix. They are available without it as well: for proxies that strip it, for health
+/// probes, and for gRPC, whose paths have no prefix.
 pub(super) fn below(router: Router, base_path: &BasePath) -> Router {
     let base = base_path.as_str().to_owned();
     if base.is_empty() {
@@ -33,7 +33,7 @@ pub(super) fn below(router: Router, base_path: &BasePath) -> Router {
     })
 }
 
-/// The address without the path, if it begins with it.
+/// The address without the prefix, if it begins with it.
 fn stripped(uri: &Uri, base: &str) -> Option<Uri> {
     let whole = uri.path_and_query()?.as_str();
     let rest = whole.strip_prefix(base)?;

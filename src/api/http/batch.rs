@@ -1,4 +1,4 @@
-//! `POST /v1/batch`: many fits in one request, a line for each in one answer, and nothing is kept.
+//! `POST /v1/batch`: many fits in one request, a line for each in one answer, and nothing is stored.
 
 use axum::body::Body;
 use axum::extract::{Request, State};
@@ -73,16 +73,16 @@ pub(super) async fn batch(State(app): State<App>, request: Request) -> Result<Re
     }
 }
 
-/// What is answered.
+/// The kind of answer.
 #[derive(Clone, Copy)]
 enum Wanted {
-    /// Lines that are framed like this.
+    /// Lines with this framing.
     Lines(Framing),
     /// A file with all curves and surfaces.
     File(Format),
 }
 
-/// What the Accept header likes best; lines of JSON without one.
+/// What the Accept header prefers; lines of JSON by default.
 fn wanted(headers: &HeaderMap) -> Result<Wanted, Problem> {
     let lines = [
         (NDJSON, Wanted::Lines(Framing::Ndjson)),
@@ -123,7 +123,7 @@ async fn one_file(
     ))
 }
 
-/// Adds what a line has.
+/// Adds the contents of a line.
 fn add(file: &mut PartFile, line: &[u8]) -> Result<(), Problem> {
     let unreadable = |reason: serde_json::Error| Problem::new(Kind::Internal, reason.to_string());
     let line: BatchLine<'_> = serde_json::from_slice(line).map_err(unreadable)?;
@@ -144,7 +144,7 @@ fn add(file: &mut PartFile, line: &[u8]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// How curves and surfaces are shown. What makes sense for neither is refused before anything is read.
+/// The form of curves and surfaces. Choices that suit neither are refused before anything is read.
 fn forms(query: &IterationQuery) -> Result<Forms, Problem> {
     let of = |surface| {
         let spec = query.clone().spec(surface)?;

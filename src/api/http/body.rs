@@ -12,7 +12,8 @@ use crate::api::problem::{Kind, Problem};
 use crate::api::proto::bounds::{self, Bounded};
 use piad_files::short::quoted;
 
-/// The media types of files of points. What is in a file says what it is; these say that it is one.
+/// The media types of files of points. The format is detected by the content; these only say that
+/// it is a file.
 const FILES: [&str; 10] = [
     "text/csv",
     "text/plain",
@@ -66,7 +67,7 @@ async fn take_in(
     body_limits::take_in(app, &parts.headers, body, coding, more).await
 }
 
-/// How the items of a batch follow each other by its media type.
+/// The format of a batch by its media type.
 pub(super) fn of_batch(headers: &HeaderMap) -> Result<BodyForm, Problem> {
     let given = content_type(headers);
     let (essence, utf8) = media_type(given);
@@ -85,15 +86,15 @@ pub(super) fn of_batch(headers: &HeaderMap) -> Result<BodyForm, Problem> {
     Err(Problem::new(Kind::UnsupportedMediaType, detail))
 }
 
-/// Whether a body is a file of points by its media type.
+/// Returns true if a body is a file of points by its media type.
 pub(super) fn is_points(headers: &HeaderMap) -> bool {
     let (essence, utf8) = media_type(content_type(headers));
     let is = |name: &str| essence.eq_ignore_ascii_case(name);
     utf8 && FILES.into_iter().any(is)
 }
 
-/// Whether a page of another origin has sent a text, which browsers let every page do without asking:
-/// so such a request makes no job.
+/// Returns true if a page of another origin has sent a text, which browsers allow every page
+/// without a preflight request: such a request creates no job.
 pub(super) fn is_unasked(headers: &HeaderMap) -> bool {
     let (essence, _) = media_type(content_type(headers));
     let text = |name| {
@@ -127,7 +128,7 @@ fn media_type(given: &str) -> (&str, bool) {
     (essence, utf8)
 }
 
-/// The language of a body by its media type.
+/// The encoding of a body by its media type.
 fn language(request: &Request) -> Result<Language, Problem> {
     let given = content_type(request.headers());
     // JSON is UTF-8: any other charset is refused.

@@ -1,9 +1,9 @@
-//! Receives the bodies of requests: within the limits of size, from a share of the memory (small ones from
-//! another than large ones), and with limits on pauses and rate. Compressed ones are unpacked as they come, and
-//! the limits are those of what is in them.
+//! Receives the bodies of requests: within limits of size, from a share of the memory (separate for small and large
+//! ones), and with limits on pauses and rate. Compressed ones are unpacked as they arrive, and limits hold for the
+//! unpacked bytes.
 //!
-//! A body takes memory for its bytes as it arrives, and for what is read from it once it is there: large ones
-//! from another share, whose memory is held by no client that is slow.
+//! A body takes memory for its bytes as it arrives, and for the parsed request once it is complete: large ones from
+//! another share, whose memory is held by no slow client.
 
 use std::mem::take;
 use std::time::{Duration, Instant};
@@ -24,17 +24,17 @@ use crate::job::peer::Peer;
 use crate::job::probation::LargeBody;
 use crate::job::scheduler::WorkLane;
 
-/// Bodies up to this size have a share of the memory for themselves.
+/// Bodies up to this size have a share of the memory of their own.
 pub(in crate::api) const SMALL: usize = 64 * 1024;
 
 /// A body takes memory as it arrives, and for the bytes that it is moved from as it grows.
 pub(in crate::api) const ARRIVING: usize = 2;
 
-/// What is read from a body takes memory until a job is made of it: of two bytes become a number of eight and a
-/// parameter, or a number, its line and both once more in a part of the file. `benches/http/bodies.py` measures it.
+/// The memory of parsing a body until a job is made of it: two bytes become a number of eight bytes and a parameter, or
+/// a number, its line and both once more in a part of the file. `benches/http/bodies.py` measures it.
 pub(in crate::api) const READING: usize = 14;
 
-/// How many bytes are unpacked at a time, once there are some.
+/// The number of bytes that are unpacked at a time, once there are some.
 const STEP: usize = 1024 * 1024;
 
 /// How long a body may wait for memory.
@@ -42,7 +42,7 @@ const WAIT: Duration = Duration::from_secs(10);
 
 /// A body, and the memory that it takes.
 pub(crate) struct ReceivedBody {
-    /// What was sent.
+    /// The bytes received.
     pub bytes: Bytes,
     /// Held until the body has been read.
     pub room: Room,
@@ -51,17 +51,17 @@ pub(crate) struct ReceivedBody {
 /// The memory of a body.
 #[derive(Default)]
 pub(crate) struct Room {
-    /// While it is small, and for what is read from a small one.
+    /// While it is small, and for parsing a small one.
     small: Option<Permit>,
     large: Option<Permit>,
-    /// For what is read from a large one.
+    /// For parsing a large one.
     reading: Option<Permit>,
-    /// A large one is read, which jobs on probation do not run beside.
+    /// A large one is read; jobs on probation do not run meanwhile.
     large_body: Option<LargeBody>,
 }
 
-/// Collects a body, and unpacks it if it is compressed. What is read from it takes some memory for each byte, and
-/// `more` for what is in it.
+/// Collects a body, and unpacks it if it is compressed. Parsing it takes some memory for each byte, and `more` for its
+/// contents.
 pub(crate) async fn take_in(
     app: &App,
     headers: &HeaderMap,
@@ -101,10 +101,10 @@ pub(crate) async fn take_in(
 struct Intake<'a> {
     app: &'a App,
     limit: usize,
-    /// How many bytes there will be by the Content-Length; the largest number if nobody knows.
+    /// The number of bytes by the Content-Length; the largest number if it is unknown.
     announced: usize,
     begun: Instant,
-    /// The number of bytes that have come.
+    /// The number of bytes received.
     received: usize,
     bytes: Vec<u8>,
     room: Room,
@@ -113,7 +113,7 @@ struct Intake<'a> {
 impl Intake<'_> {
     async fn collect(&mut self, mut body: Body) -> Result<Bytes, Problem> {
         while let Some(data) = self.receive(&mut body).await? {
-            // A large body that comes as a whole, as that of `piad fit` does, is not copied.
+            // A large body that arrives at once, as that of `piad fit` does, is not copied.
             if self.bytes.is_empty() && data.len() > SMALL && body.is_end_stream() {
                 self.take_large(ARRIVING * data.len()).await?;
                 return Ok(data);
@@ -133,7 +133,7 @@ impl Intake<'_> {
         while let Some(mut data) = self.receive(&mut body).await? {
             let mut more = !data.is_empty();
             while more {
-                // One byte too many tells that there are too many.
+                // One extra byte shows that there are too many.
                 let left = self.limit.saturating_add(1) - self.bytes.len();
                 let most = left.min(if self.bytes.is_empty() { SMALL } else { STEP });
                 self.grow(most).await?;
@@ -163,7 +163,7 @@ impl Intake<'_> {
         }
     }
 
-    /// The next bytes of the body as they come; none at its end.
+    /// The next bytes of the body as they arrive; `None` at its end.
     async fn receive(&mut self, body: &mut Body) -> Result<Option<Bytes>, Problem> {
         let Some(data) = receive(body, self.app.config.body_timeout).await? else {
             return Ok(None);
@@ -176,7 +176,7 @@ impl Intake<'_> {
         Ok(Some(data))
     }
 
-    /// Makes room for so many more bytes. The capacity at least doubles, so that little is copied.
+    /// Makes room for this many more bytes. The capacity at least doubles, so that little is copied.
     async fn grow(&mut self, more: usize) -> Result<(), Problem> {
         let needed = self.bytes.len() + more;
         let capacity = self.bytes.capacity();
@@ -207,14 +207,13 @@ impl Intake<'_> {
         take_memory(share, &mut self.room.small, bytes).await
     }
 
-    /// Takes memory for a large body. One that is larger than the whole share waits until it gets all of
-    /// it.
+    /// Takes memory for a large body. One larger than the whole share waits until it gets all of it.
     async fn take_large(&mut self, bytes: usize) -> Result<(), Problem> {
         let share = &self.app.jobs.resources().memory.bodies;
         take_memory(share, &mut self.room.large, bytes).await
     }
 
-    /// Takes memory for what is read from a body of this length.
+    /// Takes memory for parsing a body of this length.
     async fn take_for_reading(&mut self, length: usize, bytes: usize) -> Result<(), Problem> {
         if length <= SMALL {
             return self.take_small(bytes).await;
@@ -234,7 +233,7 @@ impl Intake<'_> {
     }
 }
 
-/// The next bytes of a body as they come, with a limit on pauses; none at its end.
+/// The next bytes of a body as they arrive, with a limit on pauses; `None` at its end.
 pub(in crate::api) async fn receive(
     body: &mut Body,
     pause: Duration,
@@ -255,7 +254,7 @@ pub(in crate::api) async fn receive(
     Ok(Some(frame.into_data().unwrap_or_default()))
 }
 
-/// Refuses bodies that come so slowly that they keep memory from others: so many bytes since then.
+/// Refuses bodies that arrive so slowly that they keep memory from others: this many bytes since then.
 pub(in crate::api) fn check_rate(
     config: &Config,
     since: Instant,
@@ -266,7 +265,7 @@ pub(in crate::api) fn check_rate(
     let least = rate.as_u64() as f64 * passed.as_secs_f64();
     if passed > pause && (received as f64) < least {
         let detail = format!(
-            "only {received} bytes of the body came in {} seconds; bodies that take that long come at {rate} per second or more",
+            "only {received} bytes of the body came in {} seconds; bodies that take this long must arrive at {rate} per second or more",
             passed.as_secs()
         );
         return Err(Problem::new(Kind::BodyTimeout, detail));
@@ -280,7 +279,7 @@ pub(in crate::api) fn damaged(coding: Coding, reason: &str) -> Problem {
     Problem::new(Kind::InvalidRequest, detail)
 }
 
-/// Waits for memory, not for long.
+/// Waits a limited time for memory.
 pub(in crate::api) async fn take_memory(
     share: &Share,
     room: &mut Option<Permit>,
@@ -292,9 +291,9 @@ pub(in crate::api) async fn take_memory(
             None => *room = share.take(Peer::current(), bytes).await,
         }
     };
-    timeout(WAIT, taken).await.map_err(|_| {
-        busy("the server is taking in as many requests of this size as it has memory for")
-    })
+    timeout(WAIT, taken)
+        .await
+        .map_err(|_| busy("the memory for requests of this size is in use"))
 }
 
 fn too_large(limit: usize) -> Problem {

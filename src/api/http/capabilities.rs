@@ -1,4 +1,4 @@
-//! What the server can do, and its limits.
+//! Capabilities and limits of the server.
 
 use axum::Json;
 use axum::extract::State;
@@ -24,31 +24,31 @@ use piad_fit::data::MAX_DIMENSION;
 /// A list of names that is fixed in the program.
 type Names = &'static [&'static str];
 
-/// What the server can do, and its limits.
+/// The capabilities of the server, and its limits.
 #[derive(Serialize, JsonSchema)]
 #[schemars(example = example())]
 pub(crate) struct Capabilities {
     /// The version of the server.
     version: &'static str,
-    /// What is fitted.
+    /// The kinds of geometry.
     geometry: Names,
-    /// How many coordinates points have.
+    /// The numbers of coordinates of points.
     dimensions: Vec<usize>,
     /// The bases.
     bases: Vec<BasisCapability>,
-    /// How data points get their parameters.
+    /// The rules for the parameters of data points.
     parameters: Names,
-    /// How weights are used.
+    /// The uses of weights.
     rational: Names,
     /// The methods.
     methods: Vec<MethodCapability>,
-    /// What is shown of an iteration.
+    /// The views of an iteration.
     views: Vec<&'static str>,
-    /// How arrays of numbers are written in JSON.
+    /// The encodings of arrays of numbers in JSON.
     encodings: Vec<&'static str>,
-    /// How many digits coordinates have.
+    /// The precisions of coordinates.
     digits: Vec<&'static str>,
-    /// What slow clients get.
+    /// The choices for slow clients.
     paces: Vec<&'static str>,
     /// The parameters of event streams.
     stream: Vec<&'static str>,
@@ -70,10 +70,10 @@ struct BasisCapability {
     kind: &'static str,
     /// The degrees.
     degree: DegreeRange,
-    /// How knots are chosen, with a control point for each data point.
+    /// The rules for knots, with a control point for each data point.
     #[serde(skip_serializing_if = "<[&str]>::is_empty")]
     knots: Names,
-    /// Whether it can be periodic.
+    /// True if it can be periodic.
     closed: bool,
 }
 
@@ -114,12 +114,12 @@ struct MethodCapability {
     kind: &'static str,
     /// Its settings.
     settings: Vec<String>,
-    /// How knots of open B-splines are chosen, where it has rules of its own.
+    /// The rules for knots of open B-splines, where it has its own.
     #[serde(skip_serializing_if = "<[&str]>::is_empty")]
     knots: Names,
-    /// Whether it fits surfaces.
+    /// True if it fits surfaces.
     surface: bool,
-    /// Whether it fits in homogeneous coordinates.
+    /// True if it fits in homogeneous coordinates.
     homogeneous: bool,
 }
 

@@ -1,8 +1,8 @@
-//! Content codings: how the bytes of a body are compressed (RFC 9110, 8.4).
+//! Content codings: compression of bodies (RFC 9110, 8.4).
 //!
-//! gzip is what everybody has. zstd is several times as fast at about the same size; browsers and curl
-//! have it, too. zlib-rs, which does the one, is written in Rust; the other is done by the reference
-//! implementation in C, as no encoder in Rust is as good, and as the allocator needs a C compiler anyway.
+//! gzip is supported by all clients. zstd is several times as fast at about the same size; browsers and curl support
+//! it. zlib-rs for gzip is written in Rust; zstd uses the reference implementation in C, as no encoder in Rust is as
+//! good, and the allocator needs a C compiler anyway.
 
 use axum::http::{HeaderMap, header};
 
@@ -20,7 +20,7 @@ pub(crate) enum Coding {
 pub(crate) const UNDERSTOOD: &str = "gzip, zstd";
 
 impl Coding {
-    /// What it is called in headers.
+    /// Its name in headers.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Gzip => "gzip",
@@ -47,7 +47,7 @@ pub(crate) fn of_body(headers: &HeaderMap) -> Result<Option<Coding>, Problem> {
         for name in given.split(',').map(str::trim).filter(plain) {
             let refuse = |why: &str| {
                 let detail = format!(
-                    "the body is encoded as {}{why}; {UNDERSTOOD} and no coding at all are understood",
+                    "the body is encoded as {}{why}; {UNDERSTOOD} and no coding at all are supported",
                     quoted(name)
                 );
                 Problem::new(Kind::UnsupportedEncoding, detail)
@@ -61,7 +61,7 @@ pub(crate) fn of_body(headers: &HeaderMap) -> Result<Option<Coding>, Problem> {
     Ok(found)
 }
 
-/// Whether a client likes an answer in this coding as much as one without (RFC 9110, 12.5.3).
+/// Returns true if a client prefers no other coding to this one (RFC 9110, 12.5.3).
 pub(crate) fn accepts(headers: &HeaderMap, coding: Coding) -> bool {
     let named = |name: &str| Coding::of_name(name) == Some(coding);
     let plain = quality(headers, |name| name.eq_ignore_ascii_case("identity")).unwrap_or(0.0);
@@ -80,7 +80,7 @@ fn quality(headers: &HeaderMap, is_it: impl Fn(&str) -> bool) -> Option<f64> {
             let (name, value) = part.split_once('=')?;
             name.trim().eq_ignore_ascii_case("q").then(|| value.trim())
         });
-        // What is no number is refused rather than sent.
+        // A quality that is not a number counts as zero.
         let quality = quality.map_or(1.0, |value| value.parse().unwrap_or(0.0));
         is_it(name).then_some(quality)
     })

@@ -1,4 +1,4 @@
-//! Answers are compressed for clients that ask for it (`Accept-Encoding`), with gzip or zstd.
+//! Compresses answers for clients that accept it (`Accept-Encoding`), with gzip or zstd.
 //!
 //! Numbers as text become less than half as long. Event streams stay as they are: their events would wait
 //! for each other in the compressor.
@@ -12,19 +12,19 @@ use tower_http::compression::predicate::Predicate;
 /// Shorter answers fit into a packet as they are.
 const LEAST: u64 = 1024;
 
-/// Digits of numbers take much longer at higher levels and become hardly shorter. At the lowest one gzip
-/// makes binary numbers longer.
+/// Higher levels take much longer on decimal digits and save little. At the lowest one gzip makes binary numbers
+/// longer.
 const LEVEL: CompressionLevel = CompressionLevel::Precise(2);
 
-/// Compresses what is worthwhile.
+/// Compresses answers that are worth it.
 pub(super) fn layer() -> CompressionLayer<Worthwhile> {
     CompressionLayer::new()
         .quality(LEVEL)
         .compress_when(Worthwhile)
 }
 
-/// Whether an answer is long enough, and neither compressed yet, nor an event stream or one of gRPC,
-/// which compresses by itself.
+/// Selects answers that are long enough, not compressed yet, and neither an event stream nor gRPC, which compresses by
+/// itself.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Worthwhile;
 
@@ -41,7 +41,7 @@ impl Predicate for Worthwhile {
         let media_type = text(header::CONTENT_TYPE);
         !short
             && !bodiless.contains(&response.status())
-            // Files with a tag have their compressed forms.
+            // Files with a tag have compressed forms of their own.
             && !headers.contains_key(header::ETAG)
             && !text(header::CACHE_CONTROL).contains("no-transform")
             && !media_type.is_empty()

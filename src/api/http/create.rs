@@ -71,7 +71,7 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
     posted.create(&app, order).await
 }
 
-/// The job that a body asks for; with fields, the body has its points.
+/// The job of a body; with fields, the body has its points.
 pub(super) async fn order(
     app: &App,
     language: Language,
@@ -122,7 +122,7 @@ async fn post_edit(
     choice: Choice,
 ) -> Result<Response, Problem> {
     let mut posted = Posted::read::<pb::Edit>(&app, request, choice, None).await?;
-    // Before the parent is looked for, which may have been deleted.
+    // Before the parent is looked up, which may have been deleted.
     if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known, None).await;
     }
@@ -212,7 +212,7 @@ impl Posted {
         (self.language, bytes, std::mem::take(&mut self.body.room))
     }
 
-    /// How the stream of an ephemeral edit is written; nothing for an edit that makes a job.
+    /// The form of the stream of an ephemeral edit; `None` for an edit that creates a job.
     fn ephemeral(
         &self,
         edit: &EditRequest,
@@ -236,7 +236,7 @@ impl Posted {
         let stream = match self.answer {
             Answer::Events(framing) => {
                 order.check_stream(&spec, framing)?;
-                // Before the job is made: it is not asked for without its stream.
+                // Before the job is made: an ephemeral edit needs its stream.
                 Some(app.open_stream()?)
             }
             Answer::Job(_) => None,
@@ -245,7 +245,7 @@ impl Posted {
         self.answer(app, accepted, stream).await
     }
 
-    /// The events of an ephemeral edit, which is nowhere else.
+    /// The events of an ephemeral edit, which has no other resource.
     async fn stream(
         self,
         app: &App,
@@ -279,9 +279,9 @@ impl Posted {
                 let spec = self.query.spec(surface)?;
                 let mut options =
                     StreamOptions::new(&spec, defaults, framing.is_protobuf(), surface)?;
-                // A job that was made before has a stream of its own; only that one may cancel it.
+                // A job that was created before has its own stream; only that one may cancel it.
                 options.cancels &= !replayed;
-                // For new jobs this was checked before they were made.
+                // For new jobs this was checked before they were created.
                 if replayed && options.form.encoding == Encoding::Base64F32 {
                     let problem = job.problem().await?;
                     options::check_range(&spec, defaults, &problem)?;
@@ -293,7 +293,7 @@ impl Posted {
             }
             Answer::Job(language) => {
                 if let Some(wait) = self.wait {
-                    // Whichever comes first, the job is shown as it stands then.
+                    // Whichever comes first, the job is shown in its state then.
                     tokio::select! {
                         _ = job.ended() => {}
                         () = tokio::time::sleep(wait) => {}
@@ -326,7 +326,7 @@ fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
     Ok(Some(key.to_owned()))
 }
 
-/// Refuses parameters of streams where no stream was asked for, and a resume point of a new stream.
+/// Refuses parameters of streams where no stream was requested, and a resume point of a new stream.
 fn check_query(answer: Answer, query: &StreamQuery) -> Result<(), Problem> {
     let refused = match answer {
         Answer::Job(_) => query.given(),

@@ -39,7 +39,7 @@ use crate::model::stream::options::{self, StreamOptions};
 
 const LAST_EVENT_ID: &str = "last-event-id";
 const RESUMED_AFTER: HeaderName = HeaderName::from_static("piad-resumed-after");
-/// What is told in a `job` event of a stream that begins again.
+/// A field of the `job` event of a stream that restarts.
 const RESTARTED: &str = r#""resumed":"restarted""#;
 
 /// `GET /v1/jobs/{id}/events`
@@ -76,7 +76,7 @@ pub(super) async fn get(
     Ok(response)
 }
 
-/// The header wins over the query parameter, which is for clients that cannot set headers.
+/// The header overrides the query parameter, which is for clients that cannot set headers.
 fn last_event_id(
     job: &Job,
     headers: &HeaderMap,
@@ -114,7 +114,7 @@ pub(crate) fn stream(framing: Framing, feed: Feed) -> Response {
     unstored(framing, Body::from_stream(body))
 }
 
-/// A body that is framed like this, and that nobody stores or changes on its way.
+/// A body with this framing, which must not be stored or changed on its way.
 pub(super) fn unstored(framing: Framing, body: Body) -> Response {
     let mut response = Response::new(body);
     let headers = response.headers_mut();
@@ -240,12 +240,12 @@ fn reached(milestone: Option<f64>) -> Option<Cow<'static, str>> {
     milestone.map(|it| format!("\"milestone\":{}", json!(it)).into())
 }
 
-/// The field of a stream that begins again.
+/// The field of a stream that restarts.
 fn restarted(again: bool) -> Option<Cow<'static, str>> {
     again.then_some(RESTARTED.into())
 }
 
-/// Pushes the shared data of an event, with a field that only this stream has as the first one.
+/// Pushes the shared data of an event, with a field of this stream alone as the first one.
 fn push_json(mut data: Content, field: Option<Cow<str>>, outgoing: &mut Outgoing) {
     if let Some(field) = field.filter(|_| data.head.starts_with(b"{")) {
         put(outgoing.text(), format_args!("{{{field},"));

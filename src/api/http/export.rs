@@ -1,4 +1,4 @@
-//! Iterations and results as files: which format a client wants, and what it gets.
+//! Iterations and results as files: negotiation of the format, and the answer.
 
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ const PART: usize = 20_000_000;
 /// Writing a number to a file takes about as long as this many multiplications.
 const OPERATIONS_PER_NUMBER: usize = 100;
 
-/// How a level is answered.
+/// The kind of answer for a level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Representation {
     Json,
@@ -47,7 +47,7 @@ pub(super) enum Representation {
     File(Format),
 }
 
-/// The representation that the Accept header likes best; JSON without one.
+/// The representation that the Accept header prefers; JSON by default.
 pub(super) fn representation(headers: &HeaderMap) -> Result<Representation, Problem> {
     let files = Format::ALL.map(|format| (format.media_type(), Representation::File(format)));
     let levels = [

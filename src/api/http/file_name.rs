@@ -17,18 +17,18 @@ const ATTR_CHAR: &AsciiSet = &NON_ALPHANUMERIC
     .remove(b'_')
     .remove(b'~');
 
-/// What an answer has of a job.
+/// The kind of contents in an answer about a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     /// The job as it was accepted.
     Input,
     /// The curve or surface of an iteration.
     Iteration(usize),
-    /// That of the last one.
+    /// The result.
     Result,
 }
 
-/// The answer with a name for the file that it is kept in.
+/// The answer with a name for the saved file.
 pub(super) fn named(
     mut response: Response,
     outline: &Outline,
@@ -79,7 +79,7 @@ fn stem(name: &str, extension: &str) -> Option<String> {
     };
     let stem: String = name.chars().map(safe).take_while(fits).collect();
     let stem = trimmed(&stem);
-    // A job that is called wing.step does not become wing.step.step.
+    // A job named wing.step does not become wing.step.step.
     let stem = match stem.rsplit_once('.') {
         Some((before, end)) if end.eq_ignore_ascii_case(extension) => trimmed(before),
         _ => stem,
@@ -92,7 +92,7 @@ fn trimmed(name: &str) -> &str {
     name.trim_matches(|c: char| c == '.' || c.is_whitespace())
 }
 
-/// Whether a character is a path separator, is reserved on some system, or is an invisible control or
+/// Returns true if a character is a path separator, is reserved on some system, or is an invisible control or
 /// formatting character, such as those that change the direction of writing.
 fn is_unsafe(c: char) -> bool {
     let reserved = matches!(c, '/' | '\\' | ':' | '*' | '?' | '"' | '<' | '>' | '|');
@@ -143,7 +143,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever a job is called, its file has one plain name, and the header is one line.
+        /// For any name of a job, its file has one plain name, and the header is one line.
         #[test]
         fn no_name_breaks_out(name in any::<String>()) {
             let stem = stem(&name, "step").unwrap_or_else(|| "curve".to_owned());

@@ -1,4 +1,4 @@
-//! `POST /v1/fit`: one request, one answer, and nothing is kept.
+//! `POST /v1/fit`: one request, one answer, and nothing is stored.
 
 use std::sync::Arc;
 

@@ -144,7 +144,8 @@ pub(super) async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Respon
     }
 }
 
-/// `GET /v1/jobs/{id}/limit`: where the difference vectors of the fixed points of a local fit end.
+/// `GET /v1/jobs/{id}/limit`: the limits of the difference vectors of the fixed points of a local
+/// fit.
 pub(super) async fn limit(
     State(app): State<App>,
     InPath(id): InPath<String>,
@@ -176,7 +177,7 @@ pub(super) async fn limit(
     })
 }
 
-/// `GET /v1/jobs/{id}/deviation`: how far the data are from the nearest points of a level.
+/// `GET /v1/jobs/{id}/deviation`: distances of the data from the nearest points of a level.
 pub(super) async fn deviation(
     State(app): State<App>,
     InPath(id): InPath<String>,
@@ -216,7 +217,7 @@ pub(super) async fn shape(
     Ok(answer(&job, content, JSON))
 }
 
-/// How a level is wanted: as JSON or a message, or as a file.
+/// The requested form of a level: JSON or a message, or a file.
 pub(super) enum Wanted {
     Form(Form),
     File(Format, Options),
@@ -235,7 +236,7 @@ async fn job_and_wanted(
     Ok((job, wanted))
 }
 
-/// How a level of a job is wanted.
+/// The requested form of a level of a job.
 pub(super) async fn wanted(
     job: &Job,
     query: IterationQuery,

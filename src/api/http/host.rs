@@ -1,8 +1,8 @@
 //! Checks the Host of requests.
 //!
-//! A server on the loopback interface is meant for programs on this machine, but a web page can reach it
-//! through the browser: by DNS rebinding, the page's own host name comes to stand for 127.0.0.1, and the
-//! browser takes the server for part of the page's origin. The Host header then has the wrong name.
+//! A server on the loopback interface is intended for programs on this machine, but a web page can reach it through the
+//! browser: with DNS rebinding, the page's own host name resolves to 127.0.0.1, and the browser treats the server as
+//! part of the page's origin. The Host header then has the wrong name.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use axum::response::{IntoResponse, Response};
 
 use crate::api::problem::{Kind, Problem};
 
-/// Resources that are answered under any name, as orchestrators use all kinds of names.
+/// Resources that are answered under any name, for orchestrators.
 const ALWAYS: [&str; 2] = ["/livez", "/readyz"];
 
 /// The host names of a server.
@@ -23,13 +23,12 @@ const ALWAYS: [&str; 2] = ["/livez", "/readyz"];
 pub(crate) struct Hosts {
     /// Names besides those of the loopback interface, in lower case.
     names: Arc<[String]>,
-    /// Whether requests for other hosts are refused.
+    /// True if requests for other hosts are refused.
     checked: bool,
 }
 
 impl Hosts {
-    /// The names that are given; they are checked if there are any, or if the server is on the
-    /// loopback interface.
+    /// These names; they are checked if there are any, or if the server is on the loopback interface.
     pub(crate) fn new(names: &[String], loopback: bool) -> Self {
         let names: Arc<[String]> = names.iter().map(|name| plain(name)).collect();
         let checked = (loopback || !names.is_empty()) && !names.iter().any(|name| name == "*");
@@ -51,7 +50,7 @@ impl Hosts {
     }
 }
 
-/// Whether a name is one more label, or several, before another one.
+/// Returns true if a name is another one with one or more labels in front.
 fn is_below(name: &str, parent: &str) -> bool {
     let labels = name.strip_suffix(parent);
     labels.is_some_and(|labels| labels.len() > 1 && labels.ends_with('.'))
@@ -83,12 +82,12 @@ fn refusal(hosts: &Hosts, request: &Request) -> Option<Problem> {
         return None;
     }
     let detail = format!(
-        "this server is not {host:?}; it is reached as localhost, or by names that it is told with --allowed-host"
+        "host {host:?} is not allowed; allowed are localhost and the names of --allowed-host"
     );
     Some(Problem::new(Kind::UnknownHost, detail))
 }
 
-/// The Host header, which HTTP/1.1 requires exactly once. The error says what is wrong with it.
+/// The Host header, which HTTP/1.1 requires exactly once. The error gives the reason.
 fn in_header(headers: &HeaderMap, version: Version) -> Result<Option<Authority>, &'static str> {
     let mut values = headers.get_all(header::HOST).iter();
     match (values.next(), values.next()) {

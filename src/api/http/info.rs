@@ -1,4 +1,4 @@
-//! The server itself: its links, health, metrics and kinds of problems.
+//! Resources about the server itself: its links, health, metrics and kinds of problems.
 
 use std::collections::HashMap;
 
@@ -23,7 +23,7 @@ use crate::api::problem::{Kind, Problem};
 use crate::telemetry;
 use piad_files::short::quoted;
 
-/// What the server is.
+/// The description of the server.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Service")]
 #[schemars(extend("examples" = [{"name": "piad", "version": "0.1.0", "description": "Curve and surface fitting", "links": {"jobs": "/v1/jobs"}}]))]
@@ -34,7 +34,7 @@ pub(crate) struct ServiceIndex {
     version: &'static str,
     /// What it does.
     description: &'static str,
-    /// Where to go on.
+    /// Links to related resources.
     #[schemars(with = "HashMap<String, String>")]
     links: Value,
 }
@@ -85,9 +85,9 @@ pub(super) async fn metrics(
     }
     let gauge = |bytes: usize| ConstGauge::new(i64::try_from(bytes).unwrap_or(i64::MAX));
     let memory = &app.jobs.resources().memory;
-    let help = "Memory that is handed out, or kept to be quick, in bytes";
+    let help = "Memory in use or cached, in bytes";
     registry.register("piad_memory_used_bytes", help, gauge(memory.used()));
-    let help = "Memory that may be handed out and kept, in bytes";
+    let help = "Limit of the memory in use or cached, in bytes";
     registry.register("piad_memory_limit_bytes", help, gauge(memory.limit()));
     let build = [
         ("version", env!("CARGO_PKG_VERSION")),
@@ -102,11 +102,11 @@ pub(super) async fn metrics(
     Ok(([(header::CONTENT_TYPE, OPEN_METRICS)], text).into_response())
 }
 
-/// How the server is.
+/// The health of the server.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"status": "ready"}]))]
 pub(crate) struct Health {
-    /// The word for it.
+    /// Its status.
     #[schemars(extend("enum" = ["alive", "ready"]))]
     status: &'static str,
 }
@@ -135,19 +135,19 @@ pub(super) async fn readyz(State(app): State<App>) -> Response {
     Json(Health { status: "ready" }).into_response()
 }
 
-/// What the `type` of a problem object stands for.
+/// The documentation of a `type` of problem objects.
 #[derive(Serialize, JsonSchema)]
-#[schemars(extend("examples" = [{"type": "/problems/queue-full", "title": "The server has as many jobs as it takes", "status": 503, "meaning": "Send the job again after the number of seconds in Retry-After."}]))]
+#[schemars(extend("examples" = [{"type": "/problems/queue-full", "title": "The server has reached its limit of jobs", "status": 503, "meaning": "Send the job again after the number of seconds in Retry-After."}]))]
 pub(crate) struct ProblemType {
     /// The type.
     #[schemars(extend("format" = "uri-reference"))]
     r#type: String,
-    /// What it is called.
+    /// Its title.
     title: &'static str,
     /// The status of answers with it.
     #[schemars(range(min = 400, max = 599))]
     status: u16,
-    /// What it means and what to do about it.
+    /// Its meaning, and what to do about it.
     meaning: &'static str,
 }
 
@@ -175,7 +175,7 @@ pub(super) async fn problems() -> Json<ProblemTypes> {
     Json(ProblemTypes(kinds.map(ProblemType::from).collect()))
 }
 
-/// `GET /problems/{slug}`: what the `type` of a problem object stands for.
+/// `GET /problems/{slug}`: the documentation of a `type` of problem objects.
 pub(crate) async fn problem(InPath(slug): InPath<String>) -> Result<Json<ProblemType>, Problem> {
     let mut kinds = Kind::ALL.into_iter();
     let known = kinds.find(|kind| kind.entry().slug == slug);

@@ -55,7 +55,7 @@ pub(super) async fn list(
         .cursor
         .map(|cursor| Uuid::try_parse(&cursor))
         .transpose()
-        .map_err(|_| Problem::at_parameter("cursor", "it is not one that this server gave"))?;
+        .map_err(|_| Problem::at_parameter("cursor", "it is not from this server"))?;
     let (jobs, more) = jobs::page(&app, state, before, limit).await?;
     if language == Language::Protobuf {
         let page = proto::view::page(&jobs, more);
@@ -81,7 +81,7 @@ pub(super) async fn get(
     Ok(show(&job, language))
 }
 
-/// The job as it stands.
+/// The job in its current state.
 pub(super) fn show(job: &Job, language: Language) -> Response {
     match language {
         Language::Json => no_store(Json(JobView::new(job)).into_response()),

@@ -1,4 +1,4 @@
-//! Metrics of requests: how many there are and how long they take, by method, route and status.
+//! Metrics of requests: their number and duration, by method, route and status.
 
 use std::time::Instant;
 
@@ -26,7 +26,7 @@ pub(crate) struct Requests {
     answers: Family<Answered, Counter>,
 }
 
-/// Times; of each bucket the trace of its last request, if that is exported.
+/// Durations; of each bucket the trace of its last request, if that is exported.
 type Seconds = HistogramWithExemplars<Exemplar>;
 
 /// The labels of a request: a finite set, which clients cannot grow.
@@ -95,7 +95,7 @@ pub(super) async fn measure(
     response
 }
 
-/// The name of a method; invented ones share a label.
+/// The name of a method; unknown ones share a label.
 pub(super) fn name(method: &Method) -> &'static str {
     match *method {
         Method::GET => "GET",

@@ -1,18 +1,22 @@
 //! The HTTP resources.
 //!
 //! - [`router`]: the resources and their addresses;
-//! - [`create`]: posting jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
-//! - [`fit`]: one request, one answer, and nothing is kept; [`batch`]: the same for many fits;
-//! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: what these are called;
+//! - [`create`]: creating jobs and edits; [`jobs`]: list, get, cancel, delete; [`events`]: streams;
+//! - [`fit`]: one request, one answer, and nothing is stored; [`batch`]: the same for many fits;
+//! - [`geometry`]: inputs, single iterations and results; [`export`]: as files; [`file_name`]: the names of these;
 //! - [`points`]: files of points as bodies;
-//! - [`authorize`]: who may ask for what; [`tickets`]: for streams of clients without headers;
-//! - [`capabilities`]: what the server can do; [`info`]: what it is, health, metrics, the catalogue of problems; [`measure`]: how long requests take; [`trace`]: their spans;
-//! - [`page`]: the page for people; [`assets`]: files for browsers that are part of the program;
-//! - [`path`]: the names in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`, `Prefer` and the other headers that choose an answer;
-//! - [`body`]: a request body by its media type; [`body_limits`]: how it arrives, with limits of size, memory and time; [`unpacking`]: what comes compressed;
-//! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: how JSON ends; [`compression`]: what goes compressed; [`coding`]: how bodies are;
-//! - [`cors`]: what browsers let pages of other origins do; [`host`]: for whom a request is meant;
-//!   [`request_id`]: what it is called; [`overload`]: what is answered on connections beyond the limits.
+//! - [`authorize`]: authorization; [`tickets`]: for streams of clients without headers;
+//! - [`capabilities`]: capabilities and limits; [`info`]: links, health, metrics, the catalogue of problems;
+//!   [`measure`]: durations of requests; [`trace`]: their spans;
+//! - [`page`]: the viewer; [`assets`]: files for browsers that are part of the program;
+//! - [`path`]: parameters in a path; [`query`]: the query of streams, iterations and results; [`negotiate`]: `Accept`,
+//!   `Prefer` and the other headers that choose an answer;
+//! - [`body`]: a request body by its media type; [`body_limits`]: its arrival, with limits of size, memory and time;
+//!   [`unpacking`]: decompression;
+//! - [`answer`]: answers, small and large; [`render`]: problems as answers; [`newline`]: the end of JSON;
+//!   [`compression`]: compression of answers; [`coding`]: content codings;
+//! - [`cors`]: what browsers let pages of other origins do; [`host`]: checks of the requested host;
+//!   [`request_id`]: the ids of requests; [`overload`]: answers on connections beyond the limits.
 
 mod answer;
 pub(crate) mod assets;

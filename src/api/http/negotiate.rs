@@ -13,13 +13,13 @@ use crate::api::language::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
 use crate::api::problem::{Kind, Problem};
 use piad_files::short::quoted;
 
-/// The longest time that `Prefer: wait` may ask for, in seconds.
+/// The longest time of `Prefer: wait`, in seconds.
 pub(crate) const LONGEST_WAIT: u64 = 300;
 
-/// How a job is answered.
+/// The kind of answer for a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
-    /// The job as it stands.
+    /// The job in its current state.
     Job(Language),
     /// The events of the job.
     Events(Framing),
@@ -78,7 +78,7 @@ fn prefers_stream(headers: &HeaderMap) -> bool {
     preferences(headers).any(|preference| preference.trim().eq_ignore_ascii_case("stream"))
 }
 
-/// The first of the representations that the Accept header likes best.
+/// The first of the representations that the Accept header prefers.
 pub(super) fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> Result<T, Problem> {
     let mut given = Vec::new();
     for value in headers.get_all(header::ACCEPT) {
@@ -155,7 +155,7 @@ pub(super) fn wait(headers: &HeaderMap) -> Result<Option<Duration>, Problem> {
     Ok(None)
 }
 
-/// Says in an answer that the client's time was obeyed.
+/// Reports in an answer that the client's time was applied.
 pub(super) fn waited(headers: &mut HeaderMap, wait: Option<Duration>) {
     let applied = wait.map(|wait| HeaderValue::from_str(&format!("wait={}", wait.as_secs())));
     let name = HeaderName::from_static("preference-applied");
@@ -169,7 +169,7 @@ pub(crate) fn query<T: DeserializeOwned>(uri: &Uri) -> Result<T, Problem> {
         .map_err(|rejection| explain(&rejection.body_text()))
 }
 
-/// What is wrong with a query, taken from the message of its deserializer.
+/// The error of a query, from the message of its deserializer.
 fn explain(text: &str) -> Problem {
     let of_field = |words: &str| {
         let (_, rest) = text.split_once(words)?;
@@ -179,9 +179,12 @@ fn explain(text: &str) -> Problem {
         return Problem::at_parameter(name, "it is given twice");
     }
     if let Some((name, rest)) = of_field("unknown field `") {
-        // The known names stand between the other backticks.
+        // The known names are between the other backticks.
         let known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
-        let detail = format!("there is no such parameter; there are {}", known.join(", "));
+        let detail = format!(
+            "there is no such parameter; expected one of {}",
+            known.join(", ")
+        );
         return Problem::at_parameter(name, detail);
     }
     Problem::new(Kind::InvalidRequest, "the query cannot be understood")

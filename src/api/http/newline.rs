@@ -1,4 +1,4 @@
-//! Answers in JSON end with a newline, as lines of text do: so that a prompt does not stand behind them.
+//! Answers in JSON end with a newline, so the shell prompt starts on a new line.
 //!
 //! Lines of event streams have theirs already.
 
@@ -21,7 +21,7 @@ pub(super) fn ended(mut response: Response) -> Response {
     let media_type = headers.get(header::CONTENT_TYPE);
     let media_type = media_type.and_then(|value| value.to_str().ok());
     let is_json = matches!(media_type, Some(JSON | "application/problem+json"));
-    // Files of the page are sent as they are: their tags stand for their bytes.
+    // Files of the page are unchanged: their tags are hashes of their bytes.
     if !is_json || headers.contains_key(header::ETAG) {
         return response;
     }
@@ -58,7 +58,7 @@ impl http_body::Body for Ended {
         }
         let frame = match ready!(Pin::new(&mut self.body).poll_frame(context)) {
             None => self.newline.take().map(|newline| Ok(Frame::data(newline))),
-            // A body that breaks off has no end.
+            // A body that is cut short has no end.
             Some(Err(error)) => {
                 self.newline = None;
                 Some(Err(error))

@@ -13,11 +13,11 @@ use crate::job::slots::NoSlot;
 /// Resources that are always answered.
 const ALWAYS: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 
-/// Why a connection or a request is beyond the limits.
+/// The limit that a connection or a request exceeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Crowded {
     Connections(NoSlot),
-    /// So many requests of the peer are open.
+    /// The peer has this many open requests.
     Requests(usize),
 }
 
@@ -39,7 +39,7 @@ impl fmt::Display for Crowded {
     }
 }
 
-/// Answers requests on such connections with 503, except for those about the state of the server.
+/// Answers requests on such connections with 503, except those about the state of the server.
 pub(super) async fn hold_back(request: Request, next: Next) -> Response {
     let Some(&crowded) = request.extensions().get::<Crowded>() else {
         return next.run(request).await;

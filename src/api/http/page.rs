@@ -1,7 +1,7 @@
-//! The page for people: what browsers get at `/`, and the files that it is made of.
+//! The viewer: the page that browsers get at `/`, and its files.
 //!
-//! It is built from `viewer` and committed in `viewer/dist`, so that building the program needs Rust
-//! alone. All of its addresses are relative: it works wherever a proxy has put the server.
+//! It is built from `viewer` and committed in `viewer/dist`, so that building the program needs
+//! only Rust. All of its addresses are relative: it works under any path of a proxy.
 
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
@@ -21,16 +21,16 @@ static PAGE: Site = Site {
     policy: POLICY,
 };
 
-/// What browsers let the page do: nothing but what is named here.
+/// The Content-Security-Policy of the page.
 ///
-/// - `script-src`, `style-src`: the scripts and styles of this server. There are none inside of the
-///   page, so that what stands in the name of a job never becomes one.
-/// - `connect-src`: the API of this server; data that people bring stay between them and it.
+/// - `script-src`, `style-src`: the scripts and styles of this server. Inline ones are forbidden,
+///   so that the name of a job is never executed.
+/// - `connect-src`: the API of this server; data of the user go nowhere else.
 /// - `img-src`: pictures of this server, and those that the page makes, as `data:` and `blob:`.
 /// - `worker-src`: scripts of this server in threads of their own.
-/// - `base-uri`: nothing changes what relative addresses mean.
-/// - `frame-ancestors`: no other page shows this one inside of itself and has people click in it.
-/// - `form-action`: forms send nothing anywhere.
+/// - `base-uri`: the meaning of relative addresses cannot be changed.
+/// - `frame-ancestors`: no other page can embed this one, which prevents clickjacking.
+/// - `form-action`: forms cannot be sent.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
     img-src 'self' data: blob:; worker-src 'self'; base-uri 'none'; frame-ancestors 'none'; form-action 'none'";
 

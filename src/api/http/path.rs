@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use crate::api::problem::{Kind, Problem};
 use piad_files::short;
 
-/// The parameters in a path. Those that are not UTF-8, such as `%FF`, name nothing and give 404.
+/// The parameters in a path. Those that are not UTF-8, such as `%FF`, give 404.
 #[derive(Debug)]
 pub(crate) struct InPath<T>(pub T);
 

@@ -1,7 +1,7 @@
-//! Files of points as the bodies of requests: shown as JSON, or fitted as they are.
+//! Files of points as the bodies of requests: converted to JSON, or fitted directly.
 //!
-//! What JSON says beside the points stands in the query then, by its path: `curve.degree=3` for
-//! `{"curve": {"degree": 3}}`. It becomes that JSON, which is read as any other.
+//! The other fields of the JSON are then in the query, by their path: `curve.degree=3` for `{"curve": {"degree": 3}}`.
+//! They become that JSON, which is read as any other.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ use piad_files::import::{self, Hints, Imported};
 use piad_files::short::quoted;
 use piad_fit::parameters::Scattered;
 
-/// The JSON of points takes at most so many times the memory of their file, also while it grows: 1e15 has sixteen
+/// The JSON of points takes at most this many times the memory of their file, also while it grows: 1e15 has sixteen
 /// digits there.
 const JSON_OF_POINTS: usize = 12;
 
@@ -112,7 +112,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     Ok(whole(in_parts(json, room), JSON))
 }
 
-/// The fields of a job that say how its file is read: the parameters of a curve, or those of a surface.
+/// The fields of a job that affect how its file is read: the parameters of a curve, or those of a surface.
 fn job_fields(curve: Option<&str>, surface: Option<&str>) -> Result<Map<String, Value>, Problem> {
     let mut fields = Map::new();
     for (name, text, known) in [
@@ -130,7 +130,7 @@ fn job_fields(curve: Option<&str>, surface: Option<&str>) -> Result<Map<String, 
     Ok(fields)
 }
 
-/// A long body, which takes memory until the last part of it has gone.
+/// A long body, which holds memory until its last part is sent.
 fn in_parts(bytes: Bytes, room: Option<Permit>) -> Body {
     let parts = stream::unfold((bytes, room), |(mut bytes, room)| async move {
         let part = bytes.split_to(bytes.len().min(ENOUGH));
@@ -144,7 +144,7 @@ fn imported(bytes: &Bytes, hints: &Hints) -> Result<Imported, Problem> {
     import::read(bytes, hints).map_err(Problem::from)
 }
 
-/// What the query says of a job whose points are in the body.
+/// The fields in the query of a job whose points are in the body.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Fields {
     json: Map<String, Value>,
@@ -152,8 +152,8 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Of a request whose body is a text with the points of a job: what the query says of the answer,
-    /// in parameters of these names, and the other fields of the job.
+    /// For a request whose body is a text with the points of a job: the choices of the answer, in parameters of these
+    /// names, and the other fields of the job.
     pub(super) fn of_points<Q: DeserializeOwned>(
         request: &Request,
         of_answer: &[&str],
@@ -175,7 +175,7 @@ impl Fields {
         let given: Vec<(String, String)> = negotiate::query(&only(uri, &job))?;
         let mut fields = Self::default();
         for (name, text) in given {
-            // The order of points says how the file is read, and is a field of the job.
+            // The order of points affects how the file is read, and is also a field of the job.
             if !take(&mut fields.reading, &name, &text)? || name == ORDER {
                 path::insert(&mut fields.json, &name, &text)
                     .map_err(|detail| Problem::at_parameter(&name, detail))?;
@@ -189,7 +189,7 @@ impl Fields {
         format!("{} {:?}", Value::from(self.json.clone()), self.reading)
     }
 
-    /// The job that they ask for, with the points of this body.
+    /// The job of these fields, with the points of this body.
     pub(super) fn job(self, bytes: &Bytes, config: &Config) -> Result<ReadJob<FileWords>, Problem> {
         let hints = file::hints(&self.json, self.reading, config.limits().points);
         let mut points = imported(bytes, &hints)?;
@@ -208,12 +208,12 @@ pub(super) struct PartJobs {
     /// The memory that the file and its lines take.
     body: ReceivedBody,
     lines: std::vec::IntoIter<Bytes>,
-    /// What was understood of each part.
+    /// Notices about each part.
     notices: Vec<Arc<[String]>>,
 }
 
 impl PartJobs {
-    /// Reads a body with the fields that all parts have in common.
+    /// Reads a body with the common fields of all parts.
     pub(super) async fn read(app: &App, request: Request, fields: Fields) -> Result<Self, Problem> {
         let body = body::read_points(app, request, JSON_OF_POINTS).await?;
         let most = app.config.limits().points;
@@ -238,7 +238,7 @@ impl PartJobs {
         order::read(app, 0, work).await
     }
 
-    /// What was understood of each part, which is taken out.
+    /// Takes the notices about each part.
     pub(super) fn take_notices(&mut self) -> Vec<Arc<[String]>> {
         std::mem::take(&mut self.notices)
     }
@@ -246,7 +246,7 @@ impl PartJobs {
     /// The lines as the body of a batch.
     pub(super) fn into_body(self) -> Body {
         let lines = stream::iter(self.lines).map(move |line| {
-            // Held until the last line has gone.
+            // Held until the last line is sent.
             let _ = &self.body;
             Ok::<_, Infallible>(line)
         });
@@ -263,11 +263,11 @@ fn add_notices(all: &mut Vec<Arc<[String]>>, notices: Vec<String>) {
 /// The address with some of its parameters.
 fn only(uri: &Uri, parameters: &[&str]) -> Uri {
     let text = format!("{}?{}", uri.path(), parameters.join("&"));
-    // Its parts have been in an address before.
+    // They were parts of an address before.
     text.parse().unwrap_or_default()
 }
 
-/// Takes a parameter that says how a file is read; returns true if it is one.
+/// Takes a parameter about reading a file; returns true if it is one.
 fn take(reading: &mut FileHints, name: &str, text: &str) -> Result<bool, Problem> {
     let taken = reading.take(name, text);
     taken.map_err(|detail| Problem::at_parameter(name, detail))

@@ -35,7 +35,7 @@ pub(super) struct IterationQuery {
     origin: Option<String>,
 }
 
-/// How samples are spread along a curve: at equal lengths.
+/// The spacing of samples along a curve: equal lengths.
 const BY_LENGTH: &str = "length";
 
 /// A distance between samples.
@@ -66,7 +66,7 @@ fn origin(text: &str) -> Result<Origin, Problem> {
     })
 }
 
-/// What a query says of a file of this format, for a curve or a surface.
+/// The options of a file of this format, for a curve or a surface.
 pub(crate) fn file_options(query: &str, format: Format, surface: bool) -> Result<Options, Problem> {
     let uri = format!("/?{query}").parse();
     let uri = uri.map_err(|_| Problem::at_parameter("origin", "it is no query"))?;
@@ -82,7 +82,7 @@ pub(super) struct DeviationQuery {
     list: Option<String>,
 }
 
-/// Which iteration is measured: its number, or without one the last.
+/// The iteration to measure; `None` is the last one.
 fn measured(iteration: Option<&str>) -> Result<Option<usize>, Problem> {
     match iteration {
         None | Some("last") => Ok(None),
@@ -104,7 +104,7 @@ pub(super) struct ShapeQuery {
 }
 
 impl ShapeQuery {
-    /// The iteration, without one the last.
+    /// The iteration; `None` is the last one.
     pub(super) fn iteration(&self) -> Result<Option<usize>, Problem> {
         measured(self.iteration.as_deref())
     }
@@ -122,7 +122,7 @@ impl ShapeQuery {
 }
 
 impl DeviationQuery {
-    /// The iteration, without one the last, and whether each distance is listed.
+    /// The iteration (`None` is the last one), and true if each distance is listed.
     pub(super) fn choices(&self) -> Result<(Option<usize>, bool), Problem> {
         let iteration = measured(self.iteration.as_deref())?;
         let list = match self.list.as_deref() {
@@ -196,7 +196,7 @@ impl IterationQuery {
         query.spec(surface)
     }
 
-    /// What a file of this format should be like; parameters that it does not have are refused.
+    /// The options of a file of this format; parameters that it does not have are refused.
     pub(super) fn file_options(&self, format: Format, surface: bool) -> Result<Options, Problem> {
         let json = [
             (Choice::View, &self.view),
@@ -235,7 +235,7 @@ impl IterationQuery {
             origin: self.origin.as_deref().map(origin).transpose()?,
         };
         if let Some(by) = self.by.as_deref().filter(|by| *by != BY_LENGTH) {
-            let detail = format!("{} is no choice; there is {BY_LENGTH}", quoted(by));
+            let detail = format!("unknown choice {}; expected {BY_LENGTH}", quoted(by));
             return Err(Problem::at_parameter("by", detail));
         }
         check_options(format, surface, &options).map_err(|error| {
@@ -280,7 +280,7 @@ impl StreamQuery {
             "false" => Ok(false),
             "true" => Ok(true),
             _ => {
-                let detail = format!("{} is no choice; there are false, true", quoted(text));
+                let detail = format!("unknown choice {}; expected false or true", quoted(text));
                 Err(wrong(Choice::Changed, detail))
             }
         };
@@ -309,7 +309,7 @@ fn named<T: Named>(parameter: &str, text: &Option<String>) -> Result<Option<T>, 
     let value = |text: &String| {
         T::of_name(text).ok_or_else(|| {
             let names = T::names().join(", ");
-            let detail = format!("{} is no choice; there are {names}", quoted(text));
+            let detail = format!("unknown choice {}; expected one of {names}", quoted(text));
             Problem::at_parameter(parameter, detail)
         })
     };

@@ -14,7 +14,7 @@ use crate::api::problem::{Kind, Problem};
 use crate::telemetry::request::RequestTrace;
 
 impl IntoResponse for Problem {
-    /// The problem travels as an extension; [`render`] writes it, with the id of the request.
+    /// The problem is passed as an extension; [`render`] writes it, with the id of the request.
     fn into_response(self) -> Response {
         let mut response = self.kind().entry().status.into_response();
         let headers = response.headers_mut();

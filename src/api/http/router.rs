@@ -63,11 +63,7 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
         .layer(middleware::from_fn_with_state(hosts, host::check))
         .layer(CatchPanicLayer::custom(|_| {
             use axum::response::IntoResponse;
-            Problem::new(
-                Kind::Internal,
-                "the request ran into a defect of the server",
-            )
-            .into_response()
+            Problem::new(Kind::Internal, "internal error in the request").into_response()
         }))
         .option_layer(guard);
     let base_path = app.config.base_path.clone();
@@ -141,23 +137,22 @@ async fn not_found(request: Request) -> Problem {
     Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
 }
 
-/// The problem of a method that the resource does not understand; it names those that it does.
+/// The problem of a method that the resource does not support; it names the supported ones.
 fn method_not_allowed(methods: &Methods, request: &Request) -> Problem {
     let method = short::plain(request.method().as_str());
     let path = short::plain(request.uri().path());
     let matched = request.extensions().get::<MatchedPath>();
     let understood = matched.and_then(|matched| methods.get(matched.as_str()));
-    let understood =
-        understood.map_or("others, which the Allow header names".to_owned(), |verbs| {
-            let names = verbs.iter().map(|(verb, _)| match *verb {
-                "get" => "GET, HEAD".to_owned(),
-                verb => verb.to_uppercase(),
-            });
-            names.collect::<Vec<_>>().join(", ")
+    let understood = understood.map_or("see the Allow header".to_owned(), |verbs| {
+        let names = verbs.iter().map(|(verb, _)| match *verb {
+            "get" => "GET, HEAD".to_owned(),
+            verb => verb.to_uppercase(),
         });
+        names.collect::<Vec<_>>().join(", ")
+    });
     Problem::new(
         Kind::MethodNotAllowed,
-        format!("{path} does not understand {method}, but {understood}"),
+        format!("{path} does not support {method}; allowed: {understood}"),
     )
 }
 
@@ -173,7 +168,7 @@ fn span<B>(request: &http::Request<B>) -> tracing::Span {
     )
 }
 
-/// Logs failed requests. A server that answers 503 when it is full works as it should.
+/// Logs failed requests. A 503 of a full server is not an error.
 fn tell_failure(failure: ServerErrorsFailureClass, latency: Duration, _span: &Span) {
     match failure {
         ServerErrorsFailureClass::StatusCode(StatusCode::SERVICE_UNAVAILABLE) => {

@@ -16,13 +16,13 @@ use crate::api::app::App;
 use crate::api::jobs;
 use crate::api::problem::{Kind, Problem};
 
-/// What opens the stream of a job once it is in the query.
+/// A ticket for the stream of a job, for use in the query.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Ticket", example = example())]
 pub(in crate::api) struct TicketView {
     /// The value of the query parameter `ticket`.
     ticket: String,
-    /// Until when a stream can be opened with it; one that is open goes on.
+    /// The time until which it can open a stream; an open stream continues.
     expires: Timestamp,
 }
 
@@ -41,7 +41,7 @@ pub(super) async fn make(
 ) -> Result<Response, Problem> {
     let job = jobs::find(&app, &id).await?;
     let (Some(Extension(token)), Some(access)) = (token, &app.access) else {
-        let detail = "this server asks for no tokens, and its streams need no tickets";
+        let detail = "this server requires no tokens, so its streams need no tickets";
         return Err(Problem::new(Kind::NoTickets, detail));
     };
     let (ticket, expires) = Ticket::issue(&access.tickets, &token, job.id());

@@ -1,5 +1,5 @@
-//! Bodies that come compressed (`Content-Encoding`) are unpacked while they arrive, a bounded number of
-//! bytes at a time: some bytes can stand for a thousand times as many.
+//! Unpacks compressed bodies (`Content-Encoding`) as they arrive, a bounded number of bytes at a time: some bytes can
+//! stand for a thousand times as many.
 
 use bytes::{Buf, Bytes};
 use flate2::{Decompress, FlushDecompress, Status};
@@ -16,7 +16,7 @@ const ZSTD_WINDOW: u32 = 23;
 /// Unpacks a body.
 pub(in crate::api) struct Unpacker {
     decoder: Format,
-    /// Whether all that has come is whole.
+    /// True if the bytes so far form complete parts.
     ended: bool,
 }
 
@@ -25,11 +25,11 @@ enum Format {
     Zstd(Decoder<'static>),
 }
 
-/// What one call has done.
+/// The result of one call.
 struct Moved {
     read: usize,
     written: usize,
-    /// Whether a compressed part ends there; a body may have several.
+    /// True if a compressed part ends there; a body may have several.
     ended: bool,
 }
 
@@ -57,12 +57,12 @@ impl Unpacker {
         }
     }
 
-    /// Whether the body ends where it may.
+    /// Returns true if the body may end here.
     pub(in crate::api) fn has_ended(&self) -> bool {
         self.ended
     }
 
-    /// Adds at most so many bytes, taking them from `packed`. Whether there may be more to add.
+    /// Moves at most `most` bytes from `packed` to `bytes`, unpacked. Returns true if there may be more to add.
     pub(in crate::api) fn add(
         &mut self,
         packed: &mut Bytes,

@@ -1,11 +1,11 @@
-//! Strings that are longer than any that a request may have: errors would repeat them, several times over.
+//! Shortens overlong strings, as errors would repeat them several times.
 
 use std::borrow::Cow;
 
 /// Strings up to this many bytes stay as they are.
 const LONG: usize = 64 * 1024;
 
-/// What becomes of longer ones: still too long for everything, and what errors show of them.
+/// The replacement of longer ones: still too long for every field, and what errors show of them.
 const LEFT: usize = 1000;
 
 /// JSON whose long strings are cut.
@@ -31,7 +31,7 @@ pub(super) fn cut(json: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(cut)
 }
 
-/// Where the next string starts, behind its quote, and ends, before the other one.
+/// The range of the next string, without its quotes.
 fn next_string(json: &[u8], at: usize) -> Option<(usize, usize)> {
     let start = at + memchr::memchr(b'"', json.get(at..)?)? + 1;
     let mut end = start;

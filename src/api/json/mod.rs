@@ -1,7 +1,6 @@
-//! JSON: requests, as the model has them, and answers.
+//! JSON: requests and answers.
 //!
-//! - [`read`]: reads JSON with serde, and says in plain words what is wrong with it; `long_strings`: what errors
-//!   would repeat;
+//! - [`read`]: reads JSON with serde, with plain error messages; `long_strings`: shortens overlong strings;
 //! - [`request`]: the body of a job or an edit;
 //! - [`view`]: the JSON of answers; [`plain`]: schemas that generators of clients understand.
 

@@ -3,7 +3,7 @@
 use schemars::Schema;
 use serde_json::{Map, Value};
 
-/// Simplifies all schemas of a part of the description.
+/// Simplifies all schemas of a part of the OpenAPI document.
 pub(crate) fn simplify(part: &mut Value) {
     match part {
         Value::Object(fields) => {

@@ -1,4 +1,4 @@
-//! Reads the JSON of requests, and says in plain words what is wrong with it, and where.
+//! Reads the JSON of requests, with plain error messages and their locations.
 
 use serde::de::DeserializeOwned;
 use serde_json::Deserializer as Json;
@@ -12,8 +12,8 @@ use crate::model::list_limits::within;
 use piad_files::json::ListLimits;
 use piad_files::short::{cut, plain, quoted, without_mark};
 
-/// Reads a body, which is about at most so many points. Only if that fails it is read once more, for the place
-/// of the error.
+/// Reads a body with at most about `most_points` points. If that fails, it is read once more to find the location of
+/// the error.
 pub(crate) fn parse<T: DeserializeOwned>(body: &[u8], most_points: usize) -> Result<T, Problem> {
     let body = without_mark(body);
     if body.trim_ascii().is_empty() {
@@ -32,7 +32,7 @@ pub(crate) fn parse<T: DeserializeOwned>(body: &[u8], most_points: usize) -> Res
     })
 }
 
-/// What is wrong, at a place that the error says more about.
+/// An error, at a location about which its text has more.
 fn problem(body: &[u8], error: &Error, mut pointer: String) -> Problem {
     let text = error.to_string();
     // 1e999 is JSON, but no 64-bit number.
@@ -62,8 +62,8 @@ fn problem(body: &[u8], error: &Error, mut pointer: String) -> Problem {
     Problem::at_pointer(Kind::InvalidFit, pointer, words(text))
 }
 
-/// How the texts of syntax errors begin, and how they begin in plain words. The texts are all that serde_json tells
-/// about an error beyond its [`Category`]: its code is private. Other texts are passed on as they are.
+/// Beginnings of serde_json's syntax errors, and their replacements. The texts are all that serde_json reveals of an
+/// error beyond its [`Category`]: its code is private. Other texts are passed on as they are.
 const SYNTAX: [(&str, &str); 8] = [
     (
         "EOF while parsing a string",
@@ -86,11 +86,11 @@ const SYNTAX: [(&str, &str); 8] = [
     ("trailing comma", "a comma with nothing after it"),
     (
         "recursion limit exceeded",
-        "lists and objects stand within one another too often",
+        "lists and objects are nested too deep",
     ),
 ];
 
-/// What is said of a syntax error.
+/// The message of a syntax error.
 fn syntax(text: &str) -> String {
     let known = SYNTAX.iter().find_map(|(words, plain)| {
         let rest = text.strip_prefix(words)?;
@@ -99,22 +99,21 @@ fn syntax(text: &str) -> String {
     known.unwrap_or_else(|| text.replace('`', "\""))
 }
 
-/// Whether what is no JSON looks like a number that is not finite.
+/// Returns true if invalid JSON looks like a number that is not finite.
 fn is_about_nan(body: &[u8], error: &Error) -> bool {
     if error.classify() != Category::Syntax {
         return false;
     }
     let mut lines = body.split(|byte| *byte == b'\n');
     let line = lines.nth(error.line().saturating_sub(1)).unwrap_or(&[]);
-    // The column is that of the byte that is wrong, or of one next to it.
+    // The column is that of the wrong byte, or of a neighbour.
     let around = line.iter().skip(error.column().saturating_sub(3)).take(12);
     let around: Vec<u8> = around.map(u8::to_ascii_lowercase).collect();
     let has = |word: &[u8]| around.windows(word.len()).any(|part| part == word);
     has(b"nan") || has(b"inf")
 }
 
-/// What serde says of a value, in the words of users. What the readers of this program say themselves
-/// is passed on.
+/// The message of a serde error, in the words of users. Messages of the readers of this program are passed on.
 fn words(text: &str) -> String {
     let invalid = ["invalid type: ", "invalid value: ", "invalid length: "];
     if let Some(rest) = invalid.iter().find_map(|it| text.strip_prefix(it))
@@ -130,11 +129,11 @@ fn words(text: &str) -> String {
                 vec![],
             ),
         };
-        let there_are = match names.is_empty() {
-            true => "no settings".to_owned(),
-            false => names.join(", "),
+        let known = match names.is_empty() {
+            true => "there are no settings".to_owned(),
+            false => format!("expected one of {}", names.join(", ")),
         };
-        return format!("unknown field {}; there are {there_are}", quoted(name));
+        return format!("unknown field {}; {known}", quoted(name));
     }
     if let Some(name) = between(text, "missing field `", "`") {
         return format!("the field {name:?} is missing");
@@ -176,7 +175,7 @@ fn mismatch(found: &str, expected: &str) -> String {
     format!("expected {expected}, found {found}")
 }
 
-/// What stands between these in a text that begins with the first.
+/// The text between these, if it begins with the first.
 fn between<'a>(text: &'a str, start: &str, end: &str) -> Option<&'a str> {
     text.strip_prefix(start)?.split_once(end).map(|it| it.0)
 }

@@ -1,10 +1,10 @@
-//! The description of this API in OpenAPI 3.1, and its reference for people.
+//! The OpenAPI 3.1 document of this API, and its reference page.
 //!
-//! Operations, parameters and headers are written down in `api.json`; schemas are derived from types.
+//! Operations, parameters and headers are written in `api.json`; schemas are derived from types.
 //!
-//! - [`resources`]: routes, of which a test knows that each has its description;
-//! - [`operation`]: `api.json`, and what the specification makes of it;
-//! - [`page`]: the reference.
+//! - [`resources`]: routes; a test checks that each is in the document;
+//! - [`operation`]: `api.json`, and its conversion to OpenAPI;
+//! - [`page`]: the reference page.
 
 mod operation;
 pub(crate) mod page;
@@ -43,12 +43,12 @@ use crate::model::job::JobRequest;
 use crate::model::stream::StreamSpec;
 use operation::Api;
 
-/// Below which path the API is, what it has there, and the bytes of the document once it has been requested.
+/// The path prefix of the API, its routes, and the bytes of the document once it has been requested.
 #[derive(Clone, Debug)]
 pub(super) struct Description(Arc<(String, Arc<Methods>, OnceLock<Bytes>)>);
 
 impl Description {
-    /// The description of these methods below a path that clients see.
+    /// The document of these methods below a path prefix.
     pub(super) fn new(base_path: &BasePath, methods: Arc<Methods>) -> Self {
         Self(Arc::new((base_path.to_string(), methods, OnceLock::new())))
     }
@@ -72,7 +72,7 @@ pub(super) async fn get(Extension(description): Extension<Description>) -> Respo
     ([(header::CONTENT_TYPE, content_type)], description.bytes()).into_response()
 }
 
-/// The document: what is written down, with the schemas of types.
+/// The document: `api.json`, with the schemas of types.
 fn document(base_path: &str, methods: &Methods) -> serde_json::Result<Value> {
     let api = Api::read()?;
     let (paths, responses) = api.paths(methods);
@@ -111,7 +111,7 @@ fn document(base_path: &str, methods: &Methods) -> serde_json::Result<Value> {
     }))
 }
 
-/// The schemas of requests and answers. Types of both are described as requests.
+/// The schemas of requests and answers. Types used in both get the schema of requests.
 fn schemas() -> Map<String, Value> {
     let mut requests = generator(Contract::Deserialize);
     requests.subschema_for::<JobRequest>();
@@ -176,7 +176,7 @@ mod tests {
     use piad_files::export::{Dots, Format, Unit};
     use piad_fit::engine::rates::{MOST_DEGREE, MOST_POINTS};
 
-    /// What is served is described, and what is described is served.
+    /// The routes and the document have the same operations.
     #[test]
     fn each_route_has_a_description() {
         let (_, served) = resources().parts();
@@ -191,7 +191,7 @@ mod tests {
         assert_eq!(served, described);
     }
 
-    /// The limits that are written down are those of the program.
+    /// The limits in the document are those of the program.
     #[test]
     fn parameters_have_the_limits_of_the_program() {
         let api = Api::read().unwrap();

@@ -1,4 +1,4 @@
-//! The operations of the API as they are written down in `api.json`, and as the specification has them.
+//! The operations of the API as written in `api.json`, and as in OpenAPI.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ struct Operation {
     path: String,
     verb: String,
     tag: String,
-    /// What clients in other languages call it.
+    /// Its operationId, the name in generated clients.
     id: String,
     summary: String,
     description: String,
@@ -45,7 +45,7 @@ struct Operation {
     body: Option<String>,
     /// Its answers, by their status.
     answers: BTreeMap<String, Answer>,
-    /// The problems that it may answer besides internal errors, or groups of them.
+    /// The problems that it may return besides internal errors, or groups of them.
     problems: Vec<String>,
 }
 
@@ -61,19 +61,18 @@ struct Answer {
     json: Option<String>,
     /// The name of other content.
     content: Option<String>,
-    /// Whether it has links to the operations on a job.
+    /// True if it has links to the operations on a job.
     #[serde(default)]
     links: bool,
 }
 
 impl Api {
-    /// What is written down.
+    /// The contents of `api.json`.
     pub(super) fn read() -> serde_json::Result<Self> {
         serde_json::from_str(include_str!("api.json"))
     }
 
-    /// The paths as the specification has them, with what their methods need, and the answers that
-    /// they refer to.
+    /// The paths of the document, with the authorization of their methods, and the answers that they refer to.
     pub(super) fn paths(&self, methods: &Methods) -> (Map<String, Value>, Map<String, Value>) {
         let (mut paths, mut shared) = (Map::new(), Map::new());
         for operation in &self.operations {
@@ -121,7 +120,7 @@ impl Api {
         }
         for (status, kinds) in problems {
             let mut answer = problem_answer(status, &kinds);
-            // One problem alone is what many operations answer.
+            // A problem alone is shared by many operations.
             if let [kind] = kinds.as_slice() {
                 let slug = kind.entry().slug;
                 shared.insert(slug.to_owned(), answer);
@@ -153,7 +152,7 @@ impl Api {
         object
     }
 
-    /// The problems that an operation may answer.
+    /// The problems that an operation may return.
     fn kinds<'a>(&'a self, operation: &'a Operation) -> impl Iterator<Item = Kind> + 'a {
         let names = operation.problems.iter();
         let slugs = names.flat_map(|name| match self.problems.get(name) {

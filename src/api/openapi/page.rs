@@ -1,4 +1,4 @@
-//! The reference of the API for people: Swagger UI over the description, from this server alone.
+//! The reference page of the API: Swagger UI for the OpenAPI document, served by this server alone.
 //!
 //! Its files are built into the program, and its pages may not load anything from elsewhere.
 

@@ -11,7 +11,7 @@ use crate::api::needs::{Methods, Needs};
 #[derive(Default)]
 pub(crate) struct Resources {
     router: Router<App>,
-    /// The methods of each path, and what they need.
+    /// The methods of each path, and their authorization.
     methods: Methods,
 }
 

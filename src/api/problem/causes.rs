@@ -15,7 +15,7 @@ use crate::model::stream::choices::ChoiceMistake;
 use piad_files::import::FileErrors;
 
 impl Problem {
-    /// Why a fit that has ended is no answer.
+    /// The problem of a fit that has ended without an answer.
     pub(in crate::api) fn not_converged(outline: &Outline, status: &Status) -> Self {
         if let Some(failure) = status.failure {
             return Self::from(failure);
@@ -74,7 +74,7 @@ impl From<Failure> for Problem {
                     "the server has crashed at least {MOST_CRASHES} times while this job was running; it is not tried again"
                 ),
             ),
-            Failure::Defect => Self::new(Kind::Internal, "the computation broke down"),
+            Failure::Defect => Self::new(Kind::Internal, "the computation panicked"),
         }
     }
 }

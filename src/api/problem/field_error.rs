@@ -1,4 +1,4 @@
-//! Single things that are wrong, each at its place.
+//! Validation errors of single fields, each with its location.
 
 use schemars::json_schema;
 use serde::Serialize;
@@ -6,24 +6,23 @@ use serde::Serialize;
 use crate::model::schema::schema_of;
 use piad_files::short;
 
-/// The most characters of a detail. What clients have written is repeated in part already; this is
-/// for what nobody has thought of.
+/// The most characters of a detail. What clients have written is repeated in part only; this is a last safeguard.
 pub(super) const LONGEST_DETAIL: usize = 1000;
 
-/// The most characters of a place.
+/// The most characters of a location.
 const LONGEST_PLACE: usize = 300;
 
-/// One thing that is wrong.
+/// A single validation error.
 #[derive(Clone, Debug, Serialize)]
 pub struct FieldError {
-    /// Where it is wrong: one of the names of [`Location`] with its value.
+    /// The location: one of the names of [`Location`] with its value.
     #[serde(flatten)]
     pub place: Location,
-    /// Why it is wrong.
+    /// The reason.
     pub detail: String,
 }
 
-/// Where something is wrong.
+/// The location of an error.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Location {
@@ -40,7 +39,7 @@ pub enum Location {
 }
 
 impl FieldError {
-    /// What is wrong at a place; long texts are cut.
+    /// An error at a location; long texts are cut.
     pub(super) fn new(place: Location, detail: &str) -> Self {
         let cut = |text: String| short::cut(&text, LONGEST_PLACE).into_owned();
         Self {
@@ -53,7 +52,7 @@ impl FieldError {
         }
     }
 
-    /// Where and what.
+    /// Location and reason.
     pub(super) fn told(&self) -> String {
         let detail = &self.detail;
         match &self.place {
@@ -68,7 +67,7 @@ impl FieldError {
     }
 }
 
-// One object with a field for each kind of place: generated clients read it without a choice of types.
+// One object with a field for each kind of location, so that generated clients need no choice of types.
 schema_of!(
     FieldError,
     "FieldError",

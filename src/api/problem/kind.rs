@@ -1,9 +1,9 @@
-//! The kinds of problems: one table, in which a new kind has its one place.
+//! The kinds of problems, in one table.
 
 use axum::http::StatusCode;
 use tonic::Code;
 
-/// What a server tells about a kind of problem.
+/// The documentation of a kind of problem.
 #[derive(Debug)]
 pub struct Entry {
     /// The last part of `type`.
@@ -12,9 +12,9 @@ pub struct Entry {
     pub status: StatusCode,
     /// The gRPC status code of calls that fail with it.
     pub code: Code,
-    /// What it is called.
+    /// Its title.
     pub title: &'static str,
-    /// What it means and what to do about it.
+    /// Its meaning, and what to do about it.
     pub meaning: &'static str,
 }
 
@@ -83,7 +83,7 @@ kinds! {
     NotReached {
         "not-reached", SERVICE_UNAVAILABLE, Unavailable,
         "The job has not come to this iteration yet",
-        "An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After."
+        "An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail reports how far the job is. Ask again after the number of seconds in Retry-After."
     }
     NoResult {
         "no-result", CONFLICT, FailedPrecondition,
@@ -93,7 +93,7 @@ kinds! {
     NotConverged {
         "not-converged", UNPROCESSABLE_ENTITY, FailedPrecondition,
         "The fit has not come within its tolerance",
-        "POST /v1/fit answers with fits that converge; detail tells how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result can be had whatever its state."
+        "POST /v1/fit answers with fits that converge; detail reports how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result is available in any state."
     }
     NoLimit {
         "no-limit", CONFLICT, FailedPrecondition,
@@ -103,7 +103,7 @@ kinds! {
     NoDeviation {
         "no-deviation", CONFLICT, FailedPrecondition,
         "The curve or surface has no nearest points",
-        "Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way."
+        "Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail reports what is in the way."
     }
     NoShape {
         "no-shape", CONFLICT, FailedPrecondition,
@@ -113,33 +113,33 @@ kinds! {
     NoExport {
         "no-export", CONFLICT, FailedPrecondition,
         "The curve or surface cannot be written in this format",
-        "The format cannot say what was fitted; detail tells why and what to do instead."
+        "The format cannot represent what was fitted; detail gives the reason and an alternative."
     }
     NoTickets {
         "no-tickets", CONFLICT, FailedPrecondition,
         "The server has no tickets",
-        "It asks for no tokens, and its streams can be opened without tickets."
+        "It requires no tokens, and its streams can be opened without tickets."
     }
     // How the request is sent.
     UnknownHost {
         "unknown-host", MISDIRECTED_REQUEST, NotFound,
         "The request is meant for another server",
-        "The Host of the request (in HTTP/2, its authority) is not a name of this server. A server on a loopback address is localhost, so that no page of the web reaches it under a name of its own; it is told further names with --allowed-host."
+        "The Host of the request (in HTTP/2, its authority) is not a name of this server. A server on a loopback address is localhost, so that no page of the web reaches it under a name of its own; --allowed-host adds further names."
     }
     Unauthenticated {
         "unauthenticated", UNAUTHORIZED, Unauthenticated,
         "The request has no valid token",
-        "This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/tickets in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create."
+        "This server requires a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/tickets in the query. The token may have been revoked or have expired: the operator of the server makes another one with piad token create."
     }
     Forbidden {
         "forbidden", FORBIDDEN, PermissionDenied,
-        "The token is not good for this",
+        "The token lacks a scope",
         "detail names the scope that is needed: jobs:read, jobs:write or metrics; metrics:all stands for metrics, and admin for all of them."
     }
     MethodNotAllowed {
         "method-not-allowed", METHOD_NOT_ALLOWED, Unimplemented,
-        "The resource does not understand this method",
-        "The Allow header names the methods that it understands."
+        "The resource does not support this method",
+        "The Allow header names the methods that it supports."
     }
     NotAcceptable {
         "not-acceptable", NOT_ACCEPTABLE, InvalidArgument,
@@ -179,7 +179,7 @@ kinds! {
     // Limits of the server.
     QueueFull {
         "queue-full", SERVICE_UNAVAILABLE, ResourceExhausted,
-        "The server has as many jobs as it takes",
+        "The server has reached its limit of jobs",
         "Send the job again after the number of seconds in Retry-After."
     }
     Busy {
@@ -189,28 +189,28 @@ kinds! {
     }
     TooManyJobs {
         "too-many-jobs", TOO_MANY_REQUESTS, ResourceExhausted,
-        "You have as many jobs as one client may have",
-        "So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After."
+        "You have reached the limit of jobs for one client",
+        "The number of unfinished jobs of one address, or of one tenant where the server requires tokens, is limited (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After."
     }
     QuotaExceeded {
         "quota-exceeded", TOO_MANY_REQUESTS, ResourceExhausted,
-        "The tenant would have more than its quota",
-        "Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota."
+        "The tenant would exceed its quota",
+        "Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota."
     }
     TooManyConnections {
         "too-many-connections", SERVICE_UNAVAILABLE, Unavailable,
-        "The server has as many connections as it takes",
-        "So many connections may be open, in all and from one address; and over HTTP/2, or through a trusted proxy, so many requests of one address. Send the request again over a connection that is open, when others have been answered, or after the number of seconds in Retry-After."
+        "The server has reached its limit of connections",
+        "The number of open connections is limited, in all and for one address; and over HTTP/2, or through a trusted proxy, also the number of requests of one address. Send the request again over a connection that is open, when others have been answered, or after the number of seconds in Retry-After."
     }
     StoreFull {
         "store-full", SERVICE_UNAVAILABLE, ResourceExhausted,
-        "The server has no room to keep the job",
+        "The server has no space to store the job",
         "The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs."
     }
     StoreAway {
         "store-away", SERVICE_UNAVAILABLE, Unavailable,
         "The store of the server cannot be used now",
-        "The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored."
+        "The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored."
     }
     TokensUnreadable {
         "tokens-unreadable", SERVICE_UNAVAILABLE, Unavailable,
@@ -230,13 +230,13 @@ kinds! {
     }
     Internal {
         "internal", INTERNAL_SERVER_ERROR, Internal,
-        "The server made a mistake",
-        "A defect of the server or of its store. Other jobs are not affected; please report it with the request_id."
+        "Internal server error",
+        "A bug in the server, or a failure of its store. Other jobs are not affected; please report it with the request_id."
     }
 }
 
 impl Kind {
-    /// What a server tells about this kind.
+    /// The documentation of this kind.
     pub fn entry(self) -> &'static Entry {
         &ENTRIES[self as usize]
     }

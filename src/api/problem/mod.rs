@@ -1,8 +1,7 @@
-//! Errors, as HTTP says them in problem objects (RFC 9457) and gRPC in statuses.
+//! Errors: problem objects (RFC 9457) in HTTP, statuses in gRPC.
 //!
-//! - [`kind`]: the kinds of problems, and what to do about them; [`field_error`]: single things that are
-//!   wrong;
-//! - `causes`: what went wrong further down, as a problem.
+//! - [`kind`]: the kinds of problems, and what to do about them; [`field_error`]: errors of single fields;
+//! - `causes`: errors of lower layers as problems.
 
 mod causes;
 mod field_error;
@@ -19,12 +18,12 @@ pub(super) use field_error::{FieldError, Location};
 pub(super) use kind::Kind;
 use piad_files::short;
 
-/// How a language says where the parts of a request stand.
+/// Locations of the parts of a request in an encoding.
 pub trait Words {
-    /// Where a part stands, as a text.
+    /// The location of a part, as a text.
     fn of(&self, place: model::SpecPart) -> String;
 
-    /// What kind of place the text names.
+    /// The kind of location that the text is.
     fn place(&self, text: String) -> Location;
 }
 
@@ -37,7 +36,7 @@ pub struct Problem {
     retry_after: Option<u32>,
 }
 
-/// What is wrong (RFC 9457).
+/// An error (RFC 9457).
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[schemars(transform = never_null)]
 #[schemars(rename = "Problem", example = examples::problem())]
@@ -45,20 +44,20 @@ pub struct ProblemBody {
     /// The kind of problem; the server explains it there.
     #[schemars(extend("enum" = Kind::ALL.map(Kind::path).to_vec()))]
     r#type: String,
-    /// What the kind is called.
+    /// The title of the kind.
     title: &'static str,
     /// The status of the answer.
     #[schemars(range(min = 400, max = 599))]
     status: u16,
-    /// What is wrong, for people.
+    /// The error, for people.
     detail: String,
-    /// The single things that are wrong.
+    /// The errors of single fields.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     errors: Vec<FieldError>,
-    /// The id of the request, as X-Request-Id has it.
+    /// The id of the request, as in X-Request-Id.
     #[serde(skip_serializing_if = "Option::is_none")]
     request_id: Option<String>,
-    /// The id of the trace of the request, as traceresponse has it, if the server exports traces.
+    /// The id of the trace of the request, as in traceresponse, if the server exports traces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trace_id: Option<String>,
 }
@@ -75,7 +74,7 @@ impl Problem {
         }
     }
 
-    /// A problem with what stands at a place.
+    /// A problem at a location.
     fn at(kind: Kind, place: Location, detail: &str) -> Self {
         let error = FieldError::new(place, detail);
         let mut problem = Self::new(kind, error.told());
@@ -88,7 +87,7 @@ impl Problem {
         Self::at(kind, Location::Pointer(pointer), &detail.into())
     }
 
-    /// One problem of several, of which the first says what kind it is; none of none.
+    /// One problem of several, of the kind of the first; `None` if there are none.
     pub fn of_all(problems: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut problems = problems.into_iter();
         let mut all = problems.next()?;
@@ -106,7 +105,7 @@ impl Problem {
         Self::at(Kind::InvalidFit, Location::Line(line), detail)
     }
 
-    /// A problem with a file that a query parameter does not fit, or one without it.
+    /// A problem with a file that a query parameter does not fit, or that needs one.
     pub fn of_hint(name: &str, detail: &str) -> Self {
         Self::at(
             Kind::InvalidFit,
@@ -121,7 +120,7 @@ impl Problem {
         Self::at(Kind::InvalidRequest, place, &detail.into())
     }
 
-    /// A problem with a field of a message, of which the path is told.
+    /// A problem with a field of a message, located by its path.
     pub fn at_field(field: impl Into<String>, detail: impl Into<String>) -> Self {
         Self::at(
             Kind::InvalidFit,
@@ -130,7 +129,7 @@ impl Problem {
         )
     }
 
-    /// All mistakes of a job or an edit, at their places in the language of the request.
+    /// All errors of a job or an edit, located in the encoding of the request.
     pub fn of_mistakes(mistakes: Mistakes, words: &impl Words) -> Self {
         let problems = mistakes.into_iter().map(|mistake| {
             let text = match mistake.site {
@@ -143,7 +142,7 @@ impl Problem {
         Self::of_all(problems).unwrap_or_else(unsaid)
     }
 
-    /// The same with paths of fields that start further up, at a message with this field.
+    /// The same with field paths that start further up, at a message with this field.
     pub fn within(mut self, parent: &str) -> Self {
         let mut named = false;
         for error in &mut self.errors {
@@ -159,7 +158,7 @@ impl Problem {
         self
     }
 
-    /// The same with other words for the places.
+    /// The same with other locations.
     pub fn relocated(mut self, place: impl Fn(Location) -> Location) -> Self {
         for error in &mut self.errors {
             error.place = place(error.place.clone());
@@ -170,7 +169,7 @@ impl Problem {
         self
     }
 
-    /// All that is wrong, with its places.
+    /// All errors, with their locations.
     fn told(&self) -> String {
         let told = self.errors.iter().map(FieldError::told);
         let told = told.collect::<Vec<_>>().join("; ");
@@ -182,17 +181,17 @@ impl Problem {
         self.kind
     }
 
-    /// What is wrong.
+    /// The error.
     pub fn detail(&self) -> &str {
         &self.detail
     }
 
-    /// The single things that are wrong.
+    /// The errors of single fields.
     pub fn errors(&self) -> &[FieldError] {
         &self.errors
     }
 
-    /// After how many seconds to try again.
+    /// The seconds after which to retry.
     pub fn retry(&self) -> Option<u32> {
         self.retry_after
     }
@@ -210,13 +209,13 @@ impl Problem {
         )
     }
 
-    /// The same problem, to be tried again after so many seconds.
+    /// The same problem, with a `Retry-After` of this many seconds.
     pub fn retry_after(mut self, seconds: u32) -> Self {
         self.retry_after = Some(seconds);
         self
     }
 
-    /// The object as answers have it.
+    /// The object in the form of answers.
     pub fn body(&self, request_id: Option<&str>) -> ProblemBody {
         let entry = self.kind.entry();
         ProblemBody {

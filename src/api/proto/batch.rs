@@ -18,11 +18,11 @@ use crate::proto::messages::{self as pb, fit_batch_response::Part};
 const ITEM: u32 = 1;
 const RESULT: u32 = 2;
 
-/// What came of an item.
+/// The result of an item.
 pub(crate) struct ItemEnd<'a> {
     pub index: usize,
     pub name: Option<&'a str>,
-    /// What was understood of its points.
+    /// Notices about its points.
     pub notices: &'a [String],
     pub state: State,
     /// Why it has not converged.
@@ -56,7 +56,7 @@ pub(crate) fn item(item: &ItemEnd<'_>, shown: Option<(&Frame, &Form)>) -> Conten
     framed(fields, result, length)
 }
 
-/// An item of these fields, the last of which ends with so many bytes of `rest`.
+/// An item of these fields, the last of which ends with the first `length` bytes of `rest`.
 fn framed(fields: BytesMut, mut rest: Content, length: usize) -> Content {
     let inner = fields.len() + length;
     let mut head = BytesMut::with_capacity(fields.len() + rest.head.len() + 32);
@@ -70,7 +70,7 @@ fn framed(fields: BytesMut, mut rest: Content, length: usize) -> Content {
     rest
 }
 
-/// A content, and how many bytes it has.
+/// A content, and its number of bytes.
 fn with_length(content: Content) -> (Content, usize) {
     match content.length() {
         Some(length) => (content, length),
@@ -98,7 +98,7 @@ pub(crate) fn totals(items: usize, converged: usize, seconds: f64) -> Bytes {
     bytes.freeze()
 }
 
-/// What stands before a message of this length: that it is not compressed, and the length.
+/// The prefix of a message of this length: that it is not compressed, and the length.
 fn put_prefix(bytes: &mut BytesMut, length: usize) {
     bytes.put_u8(0);
     bytes.put_u32(u32::try_from(length).unwrap_or(u32::MAX));

@@ -1,5 +1,5 @@
-//! Lists in messages: what they have is counted before a message is decoded, as an index may be a single byte
-//! that becomes many in memory, and an empty message two.
+//! Limits of the lists in messages, which are counted before a message is decoded: an index of one byte takes many in
+//! memory, and an empty message two.
 
 use prost::Message;
 use prost::encoding::{WireType, decode_key, decode_varint};
@@ -10,27 +10,27 @@ use crate::proto::messages as pb;
 use piad_fit::data::MAX_DIMENSION;
 use piad_fit::method::{LARGEST, MOST_CONDITIONS};
 
-/// What an index takes until a job or an edit is made of it, at most: as such, as a place that a point goes to, and
+/// The largest memory of an index until a job or an edit is made of it: as such, as a place that a point goes to, and
 /// in a table of those that change.
 const INDEX: usize = 160;
 
-/// The corners of triangles that take about as much as an index: each is kept twice, in four bytes.
+/// The corners of triangles that take about as much memory as an index: each is kept twice, in four bytes.
 const CORNERS_OF_INDEX: usize = 16;
 
-/// What a field has.
+/// The contents of a field.
 #[derive(Clone, Copy, Debug)]
 enum Content {
     /// At most one index for each point.
     Indices,
     /// Three indices of points for each triangle of a mesh, at most four triangles for each point.
     Corners,
-    /// At most so many numbers for each point, and as many as knot vectors have more.
+    /// At most this many numbers for each point, and as many more as knot vectors have.
     Numbers(usize),
     /// The entries of a matrix.
     Matrix,
     /// One message, with fields that are lists or such messages.
     Message(&'static [Part]),
-    /// At most so many of them, or one for each point.
+    /// At most this many of them, or one for each point.
     Messages(Option<usize>, &'static [Part]),
 }
 
@@ -44,7 +44,7 @@ pub(crate) struct Part {
 
 /// Messages in which lists are counted.
 pub(crate) trait Bounded: Message + Default {
-    /// Where they are.
+    /// Their position.
     const PARTS: &'static [Part];
 }
 
@@ -170,7 +170,7 @@ fn message_of(body: &[u8]) -> &[u8] {
     body.get(5..).unwrap_or(&[])
 }
 
-/// Refuses a message with more in a list than belongs to as many points as `most`.
+/// Refuses a message whose lists are longer than `most` points allow.
 pub(crate) fn check<M: Bounded>(body: &[u8], most: usize) -> Result<(), Problem> {
     check_parts(body, M::PARTS, most)
 }
@@ -189,7 +189,7 @@ fn check_parts(message: &[u8], parts: &'static [Part], most: usize) -> Result<()
     }
 }
 
-/// The memory that the indices of a message take until it is read, beside what its bytes take.
+/// The memory of the indices of a message until it is read, in addition to its bytes.
 pub(crate) fn memory<M: Bounded>(body: &[u8]) -> usize {
     memory_of_parts(body, M::PARTS)
 }
@@ -206,7 +206,7 @@ fn memory_of_parts(message: &[u8], parts: &'static [Part]) -> usize {
     small.saturating_mul(INDEX)
 }
 
-/// How much there is of a part in all of its occurrences, which are put together when they are decoded.
+/// The size of a part over all of its occurrences, which are merged when they are decoded.
 struct Count {
     part: &'static Part,
     count: usize,
@@ -227,7 +227,7 @@ impl Count {
         parts.iter().map(count).collect()
     }
 
-    /// The most that there may be of it, and what it is called.
+    /// The limit of its size, and its name.
     fn most(&self, points: usize) -> (usize, &'static str) {
         match self.part.content {
             Indices => (points, "indices"),
@@ -239,7 +239,7 @@ impl Count {
         }
     }
 
-    /// The field within this one that has too much, and what is wrong with it.
+    /// The field within this one that is too long, and the error.
     fn excess(&self, points: usize) -> Option<(String, String)> {
         let name = self.part.name;
         let (most, things) = self.most(points);
@@ -251,7 +251,7 @@ impl Count {
         Some((format!("{name}.{}", inner.0), inner.1))
     }
 
-    /// How many parts are smaller in a message than in memory.
+    /// The parts that are smaller in a message than in memory.
     fn small(&self) -> usize {
         let own = match self.part.content {
             Indices | Many(..) => self.count,
@@ -262,8 +262,7 @@ impl Count {
     }
 }
 
-/// Counts what is in a message, until there is too much of something. What is no message is left to the one who
-/// decodes it.
+/// Counts the contents of a message, until a limit is exceeded. Invalid messages are left to the decoder.
 fn add(counts: &mut [Count], mut message: &[u8], points: usize) -> bool {
     while !message.is_empty() {
         let Ok((tag, wire_type)) = decode_key(&mut message) else {

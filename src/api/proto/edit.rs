@@ -1,4 +1,4 @@
-//! An edit that a message asks for.
+//! Requested edits in messages.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ use crate::proto::values::{MethodTarget, check_count};
 use piad_files::json::Coordinates;
 use piad_fit::invalid::one_for_each;
 
-/// The edit of a job with this outline, and where its parts are in the message.
+/// The edit of a job with this outline, and the locations of its parts in the message.
 pub(crate) fn edit(
     edit: pb::Edit,
     parent: &Outline,

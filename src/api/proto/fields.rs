@@ -1,4 +1,4 @@
-//! Where in a message the parts of the model are.
+//! Locations of the parts of the model in a message.
 
 use crate::api::problem::{self, Problem, Words};
 use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
@@ -8,10 +8,10 @@ use crate::proto::messages::{self as pb, job_input::Geometry};
 use crate::proto::{method, stream};
 use piad_fit::invalid::{Axis, Place as P, Side};
 
-/// How the arrays of a message are laid out.
+/// The layout of the arrays of a message.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct MessageLayout {
-    /// What the parts of the curve or surface are fields of; of edits, of nothing.
+    /// The field with the parts of the curve or surface; `None` for edits.
     root: &'static str,
     /// The number of coordinates of a point.
     pub(super) dimension: usize,
@@ -47,7 +47,7 @@ impl MessageLayout {
         }
     }
 
-    /// Of a job of which only the parts of the curve or surface are looked for.
+    /// The layout of a job, for the parts of the curve or surface only.
     pub(crate) fn of_shape(surface: bool) -> Self {
         Self {
             root: if surface { SURFACE } else { CURVE },
@@ -181,12 +181,12 @@ impl Words for MessageLayout {
     }
 }
 
-/// What is wrong with a request.
+/// An error of a request.
 pub(crate) fn wrong(mistake: Mistake) -> Problem {
     Problem::of_mistakes(mistake.into(), &MessageLayout::default())
 }
 
-/// What is wrong with a choice, which is a field of the message `within`.
+/// An error of a choice, which is a field of the message `within`.
 pub(crate) fn wrong_choice(mistake: ChoiceMistake, within: &str) -> Problem {
     match mistake.by_request() {
         Some((choice, detail)) => {

@@ -25,8 +25,8 @@ use piad_fit::data::Points;
 use piad_fit::engine::samples::Samples;
 use piad_fit::engine::{Geometry, Level, Problem};
 
-/// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets or samples, and the
-/// arrays of [`pb::ControlNet`] and [`pb::Samples`]: they are large, and written when they are sent.
+/// The fields of [`pb::Iteration`] and [`pb::FitResult`] that are control nets or samples, and the arrays of
+/// [`pb::ControlNet`] and [`pb::Samples`]: they are large, and written while they are sent.
 const NET_OF_ITERATION: u32 = 6;
 const SAMPLES_OF_ITERATION: u32 = 8;
 const NET_OF_RESULT: u32 = 11;
@@ -35,7 +35,7 @@ const POINTS: u32 = 4;
 const WEIGHTS_OF_NET: u32 = 5;
 const PARAMETERS_OF_SAMPLES: [u32; 2] = [5, 6];
 
-/// What is written when it is sent.
+/// Arrays that are written while they are sent.
 enum Large<'a> {
     Net(&'a Arc<Problem>, &'a Arc<Points>),
     Samples(Samples),
@@ -70,8 +70,8 @@ pub(crate) fn iteration(frame: &Frame, form: &Form) -> Content {
     written(&message, large)
 }
 
-/// A level that says by how many steps points, and weights, have moved from what its reader has, as the bytes of an
-/// `Iteration`.
+/// A level with the numbers of steps by which points, and weights, have moved since the reader's state, as the bytes of
+/// an `Iteration`.
 pub(crate) fn moved(frame: &Frame, view: View, changes: &[Change]) -> Content {
     let (level, problem) = (&frame.level, &frame.problem);
     let (rows, columns) = match view {
@@ -99,7 +99,7 @@ pub(crate) fn moved(frame: &Frame, view: View, changes: &[Change]) -> Content {
     written(&message, None)
 }
 
-/// What is said of every level.
+/// The common fields of every level.
 fn head(level: &Level, problem: &Problem) -> pb::Iteration {
     pb::Iteration {
         iteration: level.iteration as u64,
@@ -112,13 +112,13 @@ fn head(level: &Level, problem: &Problem) -> pb::Iteration {
     }
 }
 
-/// Whose result it is.
+/// The job of a result.
 pub(crate) struct ResultHead<'a> {
     /// The id of the job, if it has one.
     pub id: Option<Uuid>,
     /// The client's name for it.
     pub name: Option<&'a str>,
-    /// What was understood of its file.
+    /// Notices about its file.
     pub notices: &'a [String],
     /// The final state.
     pub state: State,
@@ -157,7 +157,7 @@ pub(crate) fn result(head: &ResultHead<'_>, frame: &Frame, view: View) -> Conten
     written(&message, large)
 }
 
-/// What is left of a trimmed surface.
+/// The remaining part of a trimmed surface.
 fn trimmed(trimmed: Trimmed) -> pb::Trimmed {
     let Trimmed {
         area,
@@ -187,7 +187,7 @@ fn trimmed(trimmed: Trimmed) -> pb::Trimmed {
     }
 }
 
-/// A message, and the field of it that is large.
+/// A message, and its large field.
 fn written(message: &impl Message, large: Option<(u32, Large<'_>)>) -> Content {
     let mut writer = ArrayWriter::with_capacity(message.encoded_len());
     writer.text().put_slice(&message.encode_to_vec());
@@ -268,7 +268,7 @@ fn begin<'a>(
 
 /// A field of packed doubles.
 struct Packed {
-    /// What stands before the numbers.
+    /// The bytes before the numbers.
     key: Vec<u8>,
     numbers: usize,
     shape: NestedShape,
@@ -335,7 +335,7 @@ mod tests {
     use piad_fit::engine::{Request, Tolerance, Weights};
     use piad_fit::parameters::Parametrization;
 
-    /// Nets that are written by hand, in one piece or several, are what the contract says.
+    /// Nets that are encoded by hand, in one piece or several, match the contract.
     #[test]
     fn written_nets_are_messages() {
         for (count, homogeneous) in [(5, false), (5, true), (9000, false), (9000, true)] {

@@ -1,7 +1,7 @@
 //! Requests and answers in protobuf messages (`proto/piad/v1/fitting.proto`).
 //!
-//! - [`request`], [`edit`]: what messages ask for; [`bounds`]: lists that are too long; [`fields`]: where in a
-//!   message a part of the model is;
+//! - [`request`], [`edit`]: requests in messages; [`bounds`]: limits of lists; [`fields`]: locations of the parts of
+//!   the model in a message;
 //! - [`view`], [`geometry`], [`batch`]: answers as messages; [`names`]: their enumerations.
 
 pub(crate) mod batch;

@@ -1,4 +1,4 @@
-//! Enumerations of the contract and what they stand for.
+//! Enumerations of the contract, and their values in the program.
 
 use crate::job::state::{Reason, State};
 use crate::model::mistakes::Mistake;
@@ -6,7 +6,7 @@ use crate::proto::messages as pb;
 use crate::proto::values::known;
 use piad_fit::engine::Warning;
 
-/// Which jobs to list.
+/// The jobs to list.
 pub(crate) fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
     let wanted: pb::JobState = known(value, "state")?;
     Ok(State::ALL.into_iter().find(|it| state(*it) == wanted))
@@ -25,7 +25,7 @@ pub(crate) fn state(state: State) -> pb::JobState {
     }
 }
 
-/// Why a job has ended, where the state does not say it.
+/// The reason of the end of a job, if the state does not imply it.
 pub(crate) fn reason(reason: Option<Reason>) -> pb::EndReason {
     match reason {
         None => pb::EndReason::Unspecified,
@@ -38,7 +38,7 @@ pub(crate) fn reason(reason: Option<Reason>) -> pb::EndReason {
     }
 }
 
-/// What is doubtful.
+/// The kind of a warning.
 pub(crate) fn warning(warning: &Warning) -> pb::WarningCode {
     match warning {
         Warning::FewPoints { .. } => pb::WarningCode::FewPoints,

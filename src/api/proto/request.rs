@@ -17,24 +17,21 @@ pub(crate) fn decode<M: Bounded>(body: Bytes, most_points: usize) -> Result<M, P
     M::decode(body).map_err(|error| Problem::new(Kind::NotProtobuf, unreadable(&error)))
 }
 
-/// How the texts of decoding errors end, and what they mean. The texts are all that prost tells about an error:
-/// its kind is private. Where a later version says something else, the reason is given in general words.
+/// Endings of prost's decoding errors, and what they mean. The texts are all that prost reveals of an error: its kind
+/// is private. Unknown texts get a general reason.
 const BROKEN: [(&str, &str); 6] = [
     ("buffer underflow", "it ends too soon"),
     (
         "delimited length exceeded",
         "a field is longer than what it is in",
     ),
-    (
-        "recursion limit reached",
-        "messages stand within one another too often",
-    ),
+    ("recursion limit reached", "messages are nested too deep"),
     ("data is not UTF-8 encoded", "a text is not UTF-8"),
     ("invalid tag value: 0", "a field has the number 0"),
     ("invalid varint", "a number is malformed"),
 ];
 
-/// Why bytes are no message, in plain words.
+/// Why bytes are not a message, in plain words.
 fn unreadable(error: &DecodeError) -> String {
     let text = error.to_string();
     let text = text
@@ -42,20 +39,20 @@ fn unreadable(error: &DecodeError) -> String {
         .unwrap_or(&text);
     let known = BROKEN.iter().find(|(end, _)| text.ends_with(end));
     let reason = known.map_or("a field has another type", |(_, plain)| plain);
-    // Fields that are known stand before the reason: "JobInput.geometry: ".
+    // The path of known fields is before the reason: "JobInput.geometry: ".
     match text.split_once(": ") {
         Some((place, _)) if place.contains('.') => format!("{place} cannot be read: {reason}"),
         _ => format!("the message cannot be read: {reason}"),
     }
 }
 
-/// The job that a body asks for, and where its parts stand.
+/// The job of a body, and the locations of its parts.
 pub(crate) fn read(body: Bytes, config: &Config) -> Result<(JobRequest, MessageLayout), Problem> {
     let input = decode(body, config.max_points)?;
     job(input, config)
 }
 
-/// The job that a message asks for, and where its parts stand, relative to the message.
+/// The job of a message, and the locations of its parts, relative to the message.
 pub(crate) fn job(
     input: pb::JobInput,
     config: &Config,

@@ -63,7 +63,7 @@ pub(crate) fn job(job: &Job) -> pb::Job {
     }
 }
 
-/// What is doubtful about a job, as far as is known by now.
+/// The warnings about a job so far.
 fn warnings(outline: &Outline, levels: Option<&Levels>) -> Vec<pb::Warning> {
     let layout = MessageLayout::of_shape(outline.surface);
     let view = |warning: Warning| pb::Warning {
@@ -83,12 +83,12 @@ pub(crate) fn page(jobs: &[Arc<Job>], more: bool) -> pb::ListJobsResponse {
     }
 }
 
-/// How the streams of a job go if they do not say it themselves.
+/// The default options of the streams of a job.
 fn stream_options(outline: &Outline) -> Option<pb::StreamOptions> {
     outline.label.stream.as_deref().map(stream::options)
 }
 
-/// The bytes of the `JobInput` that would ask for the same job again.
+/// The bytes of the `JobInput` that would request the same job again.
 pub(crate) fn input(outline: &Outline, problem: &Problem) -> Bytes {
     let label = &outline.label;
     let message = job::message(
@@ -99,7 +99,7 @@ pub(crate) fn input(outline: &Outline, problem: &Problem) -> Bytes {
     message.encode_to_vec().into()
 }
 
-/// What a level says about the end.
+/// The prediction of a level.
 fn prediction(forecast: Option<Forecast>, level: Option<Level>) -> pb::Prediction {
     let iterations = level.and_then(|level| level.predicted);
     pb::Prediction {
@@ -138,7 +138,7 @@ pub(crate) fn distances(error: &FitError, method: &Method) -> pb::Distances {
     }
 }
 
-/// Those of the last level of a job so far, with what is known of it between its data.
+/// The distances of the last level of a job so far, with its deviation between data.
 fn last_distances(level: &Level, method: &Method) -> pb::Distances {
     pb::Distances {
         between: level.between,
@@ -193,7 +193,7 @@ pub(crate) fn rates(rates: &Rates) -> pb::CompareBasesResponse {
     }
 }
 
-/// How far the data are from a level, with the distances of all points if they are wanted.
+/// The distances of the data from a level, with those of all points if requested.
 pub(crate) fn deviation(
     iteration: usize,
     deviation: Deviation,
@@ -211,7 +211,7 @@ pub(crate) fn deviation(
     }
 }
 
-/// A direction of what was fitted, with knots, weights and the parameters of the data or without them.
+/// A direction of the fit, with knots, weights and the parameters of the data or without them.
 fn direction(direction: &Direction, choice: &DirectionChoice, arrays: bool) -> pb::FittedDirection {
     let ends = choice.ends.as_ref();
     let corners = choice.corners.as_ref().map(Corners::indices);

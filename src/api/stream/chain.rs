@@ -1,9 +1,8 @@
-//! Events that say by how much numbers differ from those that their reader has.
+//! Events with the differences from the reader's state.
 //!
-//! What a reader has is a function of the events since its last complete one. So readers with the same view that go
-//! from the same complete iteration to the same next ones have the same numbers: each step is made once for all of
-//! them, and those that go together hold the numbers together. The others hold their own, and do what was done to
-//! those of the first.
+//! The reader's state is a function of the events since its last complete one. So readers with the same view that go
+//! from the same complete iteration to the same next ones have the same state: each step is made once for all of them,
+//! and they share the state. The others hold their own, and apply the same steps to it.
 
 use std::sync::Arc;
 
@@ -26,23 +25,23 @@ use piad_fit::engine::samples::Samples;
 
 /// The events of a reader, each of which follows from the one before.
 pub(super) struct Chain {
-    /// That of complete events with all 64 bits.
+    /// The form of complete events with all 64 bits.
     form: Form,
     /// The distance from one iteration to the next, if readers with the same distance go the same way.
     every: Option<usize>,
-    /// What the reader has, if changes can be applied to it.
+    /// The reader's state, if changes can be applied to it.
     reader: Option<Reader>,
 }
 
-/// What a reader has.
+/// The state of a reader.
 struct Reader {
     numbers: Arc<Numbers>,
-    /// Names all readers that have the same, if there may be others.
+    /// Identifies all readers with the same state, if there may be others.
     name: Option<Arc<str>>,
 }
 
 impl Chain {
-    /// The events of a stream, if it has such.
+    /// The events of a stream, if it is a difference stream.
     pub(super) fn new(options: &StreamOptions) -> Option<Self> {
         let regular = options.milestones.is_empty() && !options.latest;
         options.deltas.then(|| Self {
@@ -52,8 +51,8 @@ impl Chain {
         })
     }
 
-    /// The next event. It is complete at first and at last, where it tells knots, and where numbers are too far from
-    /// those before.
+    /// The next event. It is complete at the start and the end, where knots are new, and where numbers differ too much
+    /// from those before.
     pub(super) async fn event(
         &mut self,
         job: &Arc<Job>,
@@ -77,7 +76,7 @@ impl Chain {
         self.complete(job, frame, form).await
     }
 
-    /// A complete event, from which the reader goes on.
+    /// A complete event, from which later events count differences.
     async fn complete(
         &mut self,
         job: &Arc<Job>,
@@ -94,7 +93,7 @@ impl Chain {
                 is_json && numbers.have_room_in_32_bits(level.error.max) && fits(&shown, view)
             };
             let is_narrow = numbers.as_ref().is_some_and(narrow);
-            // Without room for what a reader has, all events are complete.
+            // Without memory for the reader's state, all events are complete.
             let mut numbers = numbers.filter(|_| !memory.is_full());
             if let Some(numbers) = numbers.as_mut().filter(|_| is_narrow) {
                 numbers.round_to_32_bits();
@@ -118,8 +117,8 @@ impl Chain {
         encode::frame(job, frame, &form).await
     }
 
-    /// The changes since the event before, and what the reader has then; `None` if they are too large, or there is no
-    /// room.
+    /// The changes since the event before, and the state after them; `None` if they are too large, or there is no
+    /// memory.
     async fn step(
         &self,
         job: &Arc<Job>,
@@ -169,7 +168,7 @@ impl Chain {
     }
 }
 
-/// Takes the step from what is held to a frame, and holds what readers have then.
+/// Applies the step to a frame to the state.
 fn step(frame: &Frame, form: &Form, held: &Mutex<Option<Arc<Numbers>>>) -> Option<Step> {
     let mut numbers = held.lock().take()?;
     let level = &frame.level;
@@ -209,8 +208,8 @@ fn samples(frame: &Frame, grid: Grid) -> Samples {
     Samples::new(Arc::clone(setup), Arc::clone(points), grid)
 }
 
-/// Returns false if complete events have 64 bits although all that they show has room in 32: samples whose control
-/// points are too large.
+/// Returns false if complete events have 64 bits although all shown numbers fit in 32: samples whose control points are
+/// too large.
 fn fits(frame: &Frame, view: View) -> bool {
     match view {
         View::Samples(grid) => samples(frame, grid).fits_32_bits() != Some(false),

@@ -15,7 +15,7 @@ use crate::model::stream::form::{Digits, Encoding, Form, View};
 use crate::model::stream::options::StreamOptions;
 use piad_fit::engine::samples::multiplications;
 
-/// Contents of up to this many operations are encoded where they are needed, others on the compute pool.
+/// Contents of up to this many operations are encoded in place, others on the compute pool.
 const SMALL: usize = 2000 * OPERATIONS_PER_NUMBER;
 
 /// Encoding a number takes about as long as this many multiplications.
@@ -93,7 +93,7 @@ pub(crate) async fn frame(
     frame.encoded(&key, cache, encode).await
 }
 
-/// What it takes to encode a content.
+/// The cost of encoding a content.
 #[derive(Clone, Copy)]
 pub(crate) struct Cost {
     numbers: usize,
@@ -102,7 +102,7 @@ pub(crate) struct Cost {
 }
 
 impl From<usize> for Cost {
-    /// That of numbers which are in memory.
+    /// The cost for numbers in memory.
     fn from(numbers: usize) -> Self {
         let evaluation = 0;
         Self {
@@ -113,7 +113,7 @@ impl From<usize> for Cost {
 }
 
 impl Cost {
-    /// That of a frame in a view.
+    /// The cost of a frame in a view.
     pub(crate) fn of(frame: &Frame, view: View) -> Self {
         let dimension = frame.control_points.dimension();
         let numbers = match view {
@@ -132,7 +132,7 @@ impl Cost {
         }
     }
 
-    /// The queue that encoding belongs to, if it is done on the compute pool in any case.
+    /// The queue of encoding, if it is done on the compute pool in any case.
     pub(crate) fn lane(self) -> WorkLane {
         let operations = self.operations();
         match WorkLane::of_samples(self.evaluation) {
@@ -142,7 +142,7 @@ impl Cost {
         }
     }
 
-    /// Returns true if it takes less than it would to hand it over.
+    /// Returns true if it costs less than handing it over.
     fn is_small(self) -> bool {
         self.operations() <= SMALL
     }
@@ -153,14 +153,14 @@ impl Cost {
     }
 }
 
-/// Encodes on the compute pool, unless it takes little.
+/// Encodes on the compute pool, unless it is cheap.
 pub(crate) async fn off_network(
     job: &Job,
     cost: impl Into<Cost>,
     encode: impl FnOnce() -> Content + Send + 'static,
 ) -> Result<Content, StoreError> {
     let cost: Cost = cost.into();
-    // Many numbers are encoded when they are sent, piece by piece.
+    // Many numbers are encoded while they are sent, piece by piece.
     let encode = move || match cost.is_small() {
         true => encode(),
         false => encode().costing(cost.operations()),
@@ -168,7 +168,7 @@ pub(crate) async fn off_network(
     computed(job, cost, encode).await
 }
 
-/// Computes on the compute pool, unless it takes little.
+/// Computes on the compute pool, unless it is cheap.
 pub(super) async fn computed<T: Send + 'static>(
     job: &Job,
     cost: Cost,

@@ -1,7 +1,7 @@
 //! Protobuf messages around geometry that is already encoded.
 //!
-//! Geometry is encoded once, however many clients read it over gRPC or REST. Only what is around it
-//! differs: the field of the response, and what is said to one client alone.
+//! Geometry is encoded once for all clients, over gRPC or REST. Only the bytes around it differ:
+//! the field of the response, and the fields of a single stream.
 
 use bytes::{Buf, BufMut, Bytes, BytesMut};
 use prost::encoding::{
@@ -18,7 +18,7 @@ pub(crate) struct Encoded {
     /// The bytes before the shared ones.
     head: Bytes,
     body: Content,
-    /// How many bytes the body has.
+    /// The number of bytes of the body.
     length: usize,
 }
 

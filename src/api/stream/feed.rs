@@ -37,11 +37,11 @@ pub(crate) enum Event {
     Job {
         /// The description.
         data: Content,
-        /// The stream begins again: what the reader has is of another kernel.
+        /// The stream restarts: the reader's events are of another kernel.
         again: bool,
     },
     Iteration {
-        /// Its number, and of which kernel it is.
+        /// Its number, and its kernel.
         id: EventId,
         /// The smallest milestone that it is the first to reach.
         milestone: Option<f64>,
@@ -56,7 +56,7 @@ pub(crate) enum Event {
     Stopping,
 }
 
-/// Where a feed is.
+/// The state of a feed.
 enum Stage {
     /// Before the `job` event, which has numbers that are known only when the job has begun.
     Waiting,
@@ -64,7 +64,7 @@ enum Stage {
     Over,
 }
 
-/// What a feed was waiting for.
+/// The event that ended a wait.
 enum Happened {
     Next(Result<Next, StoreError>),
     Nothing,
@@ -76,14 +76,14 @@ pub(crate) struct Feed {
     job: Arc<Job>,
     cursor: Cursor,
     options: StreamOptions,
-    /// Events follow from each other.
+    /// Events are differences.
     chain: Option<Chain>,
     milestones: Option<Milestones>,
-    /// It has iterations of another kernel.
+    /// The client has iterations of another kernel.
     again: bool,
     /// The last iteration that the client has.
     seen: Option<usize>,
-    /// The last iteration that this stream has told, with its knots if they were new.
+    /// The last iteration that this stream has reported, with its knots if they were new.
     told: Option<usize>,
     /// The client has received complete control points, to which changes can be applied.
     complete: bool,
@@ -131,7 +131,7 @@ impl Feed {
         let held = Some(edit.system);
         let (every, selects) = (options.every, !options.milestones.is_empty());
         let mut feed = Self::reading(app, job, cursor, options, Start::First, held, stream);
-        // Iteration 0 is the level of the parent: who leaves out iterations does not need it.
+        // Iteration 0 is the level of the parent, which a stream that skips iterations need not send.
         if every > 1 && !selects {
             feed.cursor.seek(every);
         }
@@ -189,7 +189,7 @@ impl Feed {
         }
     }
 
-    /// What it tells the events of.
+    /// The job of the events.
     pub(crate) fn job(&self) -> &Arc<Job> {
         &self.job
     }
@@ -212,8 +212,8 @@ impl Feed {
     async fn advance(&mut self) {
         let happened = {
             let mut next = pin!(self.cursor.next());
-            // A frame that is ready is taken without setting up timers and wake-ups. A feed that leaves
-            // out frames has to look at its timer in between.
+            // A frame that is ready is taken without setting up timers and wake-ups. A feed that skips frames has to
+            // check its timer in between.
             let waits = *self.stopping.borrow() || self.milestones.is_some();
             let at_hand = (!waits).then(|| next.as_mut().now_or_never());
             match at_hand.flatten() {
@@ -233,7 +233,7 @@ impl Feed {
                     Err(StoreError::Gone(_)) => self.push_end(&self.job.status()),
                     Err(reason) => {
                         // The client did not get the end, so it will reconnect.
-                        error!(job = %self.job.id(), %reason, "a stream broke off");
+                        error!(job = %self.job.id(), %reason, "a stream was interrupted");
                         self.stage = Stage::Over;
                     }
                 }
@@ -279,7 +279,7 @@ impl Feed {
         let new = Some(frame.level.iteration) > self.seen;
         match milestone.filter(|_| new) {
             Some(milestone) => self.push_frame(frame, Some(milestone)).await?,
-            // Lets other tasks run, however many frames are left out.
+            // Lets other tasks run, however many frames are skipped.
             None => tokio::task::consume_budget().await,
         }
         Ok(())
@@ -299,7 +299,7 @@ impl Feed {
         let form = changes
             .filter(|_| self.complete && frame.moved.is_some())
             .unwrap_or(&self.options.form);
-        // Whoever resumes a stream has the knots of level 0, from the `job` event.
+        // Clients that resume a stream have the knots of level 0, from the `job` event.
         let known = self.told.unwrap_or(0);
         let tells_knots = frame.knots_since > known;
         let data = match &mut self.chain {

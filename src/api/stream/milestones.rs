@@ -1,6 +1,6 @@
 //! Milestones of a stream: for each of these distances it shows the first iteration within it.
 
-/// The milestones of a stream, and how many of them have been reached.
+/// The milestones of a stream, and the number of those reached.
 #[derive(Clone, Debug)]
 pub(super) struct Milestones {
     /// Decreasing.
@@ -27,7 +27,7 @@ impl Milestones {
         (count > 0).then(|| self.distances[self.reached - 1])
     }
 
-    /// Whether there is nothing left to reach.
+    /// Returns true if all are reached.
     pub(super) fn all_reached(&self) -> bool {
         self.reached == self.distances.len()
     }

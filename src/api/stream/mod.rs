@@ -1,11 +1,10 @@
-//! Event streams: what they show, and in which order and form.
+//! Event streams: their contents, order and form.
 //!
-//! - [`feed`]: a job as a sequence of events; [`milestones`]: which iterations a stream shows that is asked
-//!   for the progress alone;
-//! - [`encode`]: their data, made once for all readers and off the network threads; `chain`: as changes of what a
-//!   reader has; [`encoded`]: events as
-//!   messages;
-//! - [`sending`]: what goes out on a connection.
+//! - [`feed`]: a job as a sequence of events; [`milestones`]: the iterations that a stream of the progress alone
+//!   reports;
+//! - [`encode`]: their data, made once for all readers and off the network threads; `chain`: differences from the
+//!   reader's state; [`encoded`]: events as messages;
+//! - [`sending`]: the bytes sent on a connection.
 
 mod chain;
 pub(crate) mod encode;

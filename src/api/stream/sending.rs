@@ -12,10 +12,10 @@ use crate::job::peer;
 use crate::job::resources::Resources;
 use crate::job::scheduler::Broken;
 
-/// Contents up to this size are copied together with what is around them.
+/// Contents up to this size are copied together with their surroundings.
 const SMALL: usize = 16 * 1024;
 
-/// How many pieces are made ahead of the one that is being sent.
+/// The number of pieces that are made ahead of the one that is being sent.
 const AHEAD: usize = 3;
 
 /// After contents above this size many of the same size are expected.
@@ -53,12 +53,12 @@ impl Outgoing {
         }
     }
 
-    /// Whether there is nothing to send.
+    /// Returns true if there is nothing to send.
     pub(crate) fn is_empty(&self) -> bool {
         self.unsent.is_empty() && self.together.is_empty()
     }
 
-    /// Whether there is enough to send, so that nothing more should be gathered.
+    /// Returns true if there is enough to send, so that nothing more should be gathered.
     pub(crate) fn is_enough(&self) -> bool {
         !self.unsent.is_empty() || self.together.len() >= ENOUGH
     }
@@ -144,7 +144,7 @@ impl Outgoing {
     }
 }
 
-/// Pieces that no client will read any more are not made.
+/// Pieces that will not be read any more are not made.
 impl Drop for Outgoing {
     fn drop(&mut self) {
         self.ahead.iter().for_each(JoinHandle::abort);

@@ -3,7 +3,7 @@
 use super::source::Source;
 use crate::config::Storage;
 
-/// Reads everything, and says what is wrong.
+/// Reads everything, and reports errors.
 pub(super) async fn check(storage: &Storage) -> Result<String, String> {
     let source = Source::open(storage).await?;
     let reading = source.read_all(async |_| Ok(())).await?;

@@ -1,10 +1,10 @@
-//! How many jobs were looked at.
+//! Reports the number of jobs examined.
 
 use std::io::{IsTerminal, stderr};
 
 use indicatif::ProgressBar;
 
-/// Tells how many jobs were looked at, on a terminal.
+/// Shows the number of jobs examined, on a terminal.
 pub(super) fn counter() -> ProgressBar {
     match stderr().is_terminal() {
         true => ProgressBar::new_spinner(),

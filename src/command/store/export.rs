@@ -10,7 +10,7 @@ use crate::config::Storage;
 use crate::job::store::embedded::salvage::Salvaged;
 use crate::model::stream::form::{Digits, Encoding, Form, View};
 
-/// Writes `ID.json`, which asks for the same job again, and `ID.result.json` of each that has a result.
+/// Writes `ID.json`, which requests the same job again, and `ID.result.json` of each that has a result.
 pub(super) async fn export(storage: &Storage, directory: &Path) -> Result<String, String> {
     let source = Source::open(storage).await?;
     let of_file = |reason| format!("{directory:?} cannot be written: {reason}");

@@ -1,7 +1,7 @@
-//! `piad store`: the jobs of servers that do not run.
+//! `piad store`: operations on stores of stopped servers.
 //!
 //! - `copy`: to another store;
-//! - `check`, `repair`, `export`: of a store that may be damaged (`source`).
+//! - `check`, `repair`, `export`: for a store that may be damaged (`source`).
 
 mod check;
 mod copy;
@@ -19,7 +19,7 @@ use super::shells;
 use crate::config::StoreCommand;
 use crate::terminal::say;
 
-/// Does what is asked for; the status says whether it has succeeded.
+/// Runs the command; the exit status says whether it has succeeded.
 pub fn run(command: &StoreCommand) -> ExitCode {
     let done = Runtime::new()
         .map_err(|reason| reason.to_string())

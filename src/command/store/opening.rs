@@ -7,7 +7,7 @@ use crate::job::counters::Counters;
 use crate::job::store::Store;
 use crate::job::store::shared::Settings;
 
-/// What is done job by job needs few connections.
+/// Work job by job needs few connections.
 const SETTINGS: Settings = Settings {
     connections: 2,
     lease: Duration::from_secs(15),

@@ -5,7 +5,7 @@ use crate::config::Storage;
 use crate::job::store::copy::Batch;
 use crate::job::store::embedded::salvage::{Salvage, Salvaged};
 
-/// Puts a new file in the place of a damaged one, which stays beside it.
+/// Replaces a damaged file by a new one; the old one stays beside it.
 pub(super) async fn repair(storage: &Storage) -> Result<String, String> {
     let Storage::Directory(directory) = storage else {
         return Err("only files are repaired: databases have backups of their own".to_owned());

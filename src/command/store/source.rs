@@ -17,7 +17,7 @@ pub(super) enum Source {
     Database(Store),
 }
 
-/// What could be read.
+/// The readable contents.
 #[derive(Debug, Default)]
 pub(super) struct Reading {
     /// Jobs that could be read, and those of them that have lost their end.
@@ -25,9 +25,9 @@ pub(super) struct Reading {
     pub endless: usize,
     /// Jobs that could not be read.
     pub lost: usize,
-    /// What is wrong with each of these two kinds.
+    /// The errors of each of these two kinds.
     pub reasons: Vec<String>,
-    /// What is wrong with the file beside its jobs.
+    /// The errors of the file outside its jobs.
     pub complaint: Option<String>,
 }
 
@@ -89,7 +89,7 @@ pub(super) async fn read_file(
     Ok(reading)
 }
 
-/// Damage makes the database panic at times, which is told in other words.
+/// Damage makes the database panic at times, which is reported in other words.
 fn be_silent_of_damage() {
     let usual = panic::take_hook();
     panic::set_hook(Box::new(move |what| {
@@ -102,7 +102,7 @@ fn be_silent_of_damage() {
     }));
 }
 
-/// What is wrong, of a store that worked.
+/// The errors of a store that works.
 fn plain(error: &StoreError) -> String {
     match error {
         StoreError::Failed(reason) => reason.clone(),
@@ -130,12 +130,12 @@ impl Reading {
         self.reasons.push(plain(error));
     }
 
-    /// Tells what is wrong with which job.
+    /// Prints the damaged jobs and their errors.
     pub(super) fn tell_reasons(&self) {
         self.reasons.iter().for_each(say);
     }
 
-    /// That a store is whole; if it is not, tells why and gives what could be read.
+    /// Reports whether a store is whole; if it is not, says why and lists what could be read.
     pub(super) fn verdict(&self, storage: &Storage) -> Result<String, String> {
         self.tell_reasons();
         let summary = self.summary();
@@ -145,12 +145,12 @@ impl Reading {
         Err(summary)
     }
 
-    /// Whether everything could be read, and nothing is wrong beside.
+    /// Returns true if everything could be read, and there is no other error.
     pub(super) fn is_whole(&self) -> bool {
         self.endless == 0 && self.lost == 0 && self.complaint.is_none()
     }
 
-    /// What could be read, in words.
+    /// The readable contents, in words.
     pub(super) fn summary(&self) -> String {
         let mut summary = match self.lost {
             0 => format!("{} can be read", jobs(self.good)),

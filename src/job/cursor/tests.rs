@@ -17,12 +17,12 @@ use piad_fit::engine::{Iteration, Problem, System};
 const POINTS: u32 = 2000;
 const LAST: usize = 1500;
 
-/// What a reader does next. Readers are chosen modulo their number.
+/// The next action of a reader. Readers are chosen modulo their number.
 #[derive(Clone, Copy, Debug)]
 enum Action {
     /// A new reader from the level after the one that another reader has read last.
     Resume(usize),
-    /// A new reader, so many levels after the one that the run has reached.
+    /// A new reader, this many levels after the one that the run has reached.
     AttachAhead(usize),
     Read(usize),
     /// A reader skips levels.

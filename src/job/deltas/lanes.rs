@@ -5,14 +5,14 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::packed::{BLOCK, Malformed, pack, unpack, unsigned};
 
-/// How many steps an error has.
+/// The number of steps of an error.
 const FINENESS: f64 = 64.0;
 
 /// The most steps that a number is moved at once.
 const MOST: f64 = i32::MAX as f64;
 
 /// A number of this size has no bits behind the point: adding it to a number below 2⁵¹ rounds that to a whole number,
-/// which stands in the lowest bits of the sum.
+/// which is in the lowest bits of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
 /// Copies the numbers of an array from one on, point by point.
@@ -20,26 +20,26 @@ pub(crate) type Fill = Box<dyn Fn(usize, &mut [f64])>;
 
 /// An array of an iteration: points, or weights.
 pub(crate) struct Target {
-    /// How many points there are.
+    /// The number of points.
     pub places: usize,
-    /// How many coordinates they have.
+    /// The number of coordinates.
     pub dimension: usize,
-    /// How many points are copied at a time.
+    /// The number of points copied at a time.
     pub at_once: usize,
     /// Copies them.
     pub fill: Fill,
 }
 
-/// By how much an array has changed.
+/// The change of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Change {
     /// The size of a step, a power of two.
     pub step: f64,
-    /// How many steps each number was moved, packed.
+    /// The number of steps of each number, packed.
     pub numbers: Bytes,
 }
 
-/// The numbers that a reader has of an array, coordinate by coordinate.
+/// The numbers of a reader's array, coordinate by coordinate.
 #[derive(Clone, Debug)]
 pub(super) struct Lanes {
     places: usize,
@@ -139,7 +139,7 @@ impl Lanes {
         })
     }
 
-    /// How many numbers there are.
+    /// The number of numbers.
     pub(super) fn count(&self) -> usize {
         self.values.len()
     }
@@ -162,8 +162,8 @@ impl Lanes {
         rounded.for_each(|x| *x = f64::from(*x as f32));
     }
 
-    /// Goes as near to an array as whole steps reach; `None` if that takes too many of them, which leaves numbers of
-    /// no use.
+    /// Moves as near to an array as whole steps allow; `None` if that takes too many of them, after which the numbers
+    /// are invalid.
     pub(super) fn follow(&mut self, target: &Target, step: f64) -> Option<Change> {
         let places = self.places;
         if target.places != places || target.dimension * places != self.values.len() {
@@ -191,7 +191,7 @@ impl Lanes {
         })
     }
 
-    /// Does what was done to another array with the same numbers.
+    /// Applies the steps of another array with the same numbers.
     pub(super) fn apply(&mut self, change: &Change) -> Result<(), Malformed> {
         let mut bytes = &change.numbers[..];
         let mut block = [0; BLOCK];
@@ -221,7 +221,7 @@ struct Moving<'a> {
     has: &'a mut [f64],
     to: &'a [f64],
     step: f64,
-    /// Where the numbers of steps are appended.
+    /// The buffer for the numbers of steps.
     packed: &'a mut Vec<u8>,
 }
 

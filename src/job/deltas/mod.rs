@@ -1,6 +1,6 @@
-//! Iterations as their differences from what a reader has, for readers that pay for bytes.
+//! Iterations as differences from a reader's state, to save bytes.
 //!
-//! After an iteration that comes complete, each further one says by how many steps every number moves. A step is a
+//! After a complete iteration, each further one gives the number of steps by which every number moves. A step is a
 //! power of two not above a 64th of the largest error, so a reader that adds them has the same numbers as the server,
 //! to the bit, and nothing drifts: they are within half a step of those of the iteration.
 //!
@@ -18,7 +18,7 @@ use lanes::{Lanes, step};
 pub(crate) use lanes::{Change, Target};
 pub(crate) use packed::Malformed;
 
-/// What a reader has of an iteration: its points, and weights where these change.
+/// The state of a reader: the points of an iteration, and weights where these change.
 #[derive(Clone, Debug)]
 pub(crate) struct Numbers {
     iteration: usize,
@@ -26,14 +26,14 @@ pub(crate) struct Numbers {
     charge: Charge,
 }
 
-/// From what readers have to the next iteration, made once for all who have the same.
+/// A step from a state to the next iteration, made once for all readers with that state.
 #[derive(Clone, Debug)]
 pub(crate) struct Step {
     /// The event.
     pub content: Content,
-    /// What it says.
+    /// Its contents.
     pub changes: Arc<[Change]>,
-    /// What its readers have then, while one of them has it.
+    /// The state after it, while a reader has it.
     pub after: Weak<Numbers>,
     _charge: Option<Arc<Charge>>,
 }
@@ -61,7 +61,7 @@ impl Step {
 }
 
 impl Numbers {
-    /// Bytes of memory for what is shown in these arrays.
+    /// Bytes of memory for the numbers in these arrays.
     fn bytes(arrays: &[Lanes]) -> usize {
         arrays.iter().map(|array| 8 * array.count()).sum()
     }
@@ -77,13 +77,13 @@ impl Numbers {
         })
     }
 
-    /// Those of one reader alone: a copy, if others hold them too, for which there may be no room.
+    /// A private copy, if others hold the state too; there may be no memory for it.
     pub(crate) fn alone(held: &mut Arc<Self>) -> Option<&mut Self> {
         let is_alone = Arc::strong_count(held) == 1;
         (is_alone || held.charge.has_room()).then(|| Arc::make_mut(held))
     }
 
-    /// The iteration that they are near to.
+    /// The iteration that they approximate.
     pub(crate) fn iteration(&self) -> usize {
         self.iteration
     }
@@ -110,7 +110,7 @@ impl Numbers {
         self.arrays.iter_mut().for_each(Lanes::round_to_32_bits);
     }
 
-    /// Goes on to an iteration with this error; `None` if it is too far away, which leaves numbers of no use.
+    /// Moves to an iteration with this error; `None` if it is too far away, after which the numbers are invalid.
     pub(crate) fn follow(
         &mut self,
         iteration: usize,
@@ -128,7 +128,7 @@ impl Numbers {
             .collect()
     }
 
-    /// Goes on to an iteration as others have done that had the same.
+    /// Applies the step of another reader with the same state.
     pub(crate) fn apply(&mut self, iteration: usize, changes: &[Change]) -> Result<(), Malformed> {
         self.iteration = iteration;
         let mut arrays = self.arrays.iter_mut().zip(changes);

@@ -1,8 +1,8 @@
 //! Whole numbers in as few bits as their block needs.
 //!
-//! A block has [`BLOCK`] numbers, the last one of an array those that are left. It is a byte, the width of its numbers
-//! in bits (0 … 32), and the numbers one behind the other, the lowest bits first, up to a whole byte. A number d is
-//! written as 2d, or −2d − 1 if it is negative: so small numbers of both signs take few bits.
+//! A block has [`BLOCK`] numbers, the last one of an array the rest. It is a byte, the width of its numbers in bits (0
+//! … 32), and the numbers one behind the other, the lowest bits first, up to a whole byte. A number d is written as 2d,
+//! or −2d − 1 if it is negative: so small numbers of both signs take few bits.
 
 use thiserror::Error;
 
@@ -12,16 +12,16 @@ pub(super) const BLOCK: usize = 256;
 /// The most bytes of a block: its width, its numbers, and room for writing whole words.
 const ROOM: usize = 1 + 4 * BLOCK + 16;
 
-/// What is wrong with packed numbers.
+/// An error of packed numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub(crate) enum Malformed {
     /// They end too early.
     #[error("packed numbers are cut off")]
     CutOff,
-    /// A block says that its numbers have this many bits.
+    /// A block has this invalid width.
     #[error("numbers of a block have {0} bits, which is more than 32")]
     Width(u8),
-    /// They go on behind the last number.
+    /// They continue behind the last number.
     #[error("there are bytes behind the last of the packed numbers")]
     TooLong,
 }

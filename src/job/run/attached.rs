@@ -19,8 +19,8 @@ pub(crate) struct Attached {
 }
 
 impl Run {
-    /// Becomes a reader from frame `next` on, if the run can still deliver that frame. One that was stopped
-    /// is left where the job `goes_on`, or has gone on, without it.
+    /// Becomes a reader from frame `next` on, if the run can still deliver that frame. A stopped run is left if the job
+    /// `goes_on`, or has continued, without it.
     pub(crate) fn attach(
         self: &Arc<Self>,
         next: usize,
@@ -68,9 +68,8 @@ impl Attached {
         read
     }
 
-    /// Lets the run advance to frame `index`, and a little further if frames are small, unless that
-    /// pushed the next frame of another reader out of the ring. So readers of large frames that are
-    /// about equally fast share one run.
+    /// Lets the run advance to frame `index`, and a little further if frames are small, unless that pushed the next
+    /// frame of another reader out of the ring. So readers of large frames with about the same speed share one run.
     ///
     /// If the run has to wait for another reader, this returns until when, at most; then the caller
     /// calls it again. `waiting` is the time since which it has been waiting.
@@ -83,7 +82,7 @@ impl Attached {
         for reader in state.readers.values_mut().filter(|it| it.next < lost) {
             let left = self.left_for(reader.peer, since, now);
             if left.is_zero() {
-                // Its time is up: it will need a run of its own.
+                // Its time is up: it will need its own run.
                 reader.next = usize::MAX;
             }
             until = until.max(Some(now + left).filter(|until| *until > now));
@@ -120,7 +119,7 @@ impl Attached {
         (self.ahead_of(index).saturating_add(1)).saturating_sub(self.run.capacity)
     }
 
-    /// Completes when there is news for this reader, also such as came since it last waited.
+    /// Completes when there is news for this reader, also since it last waited.
     pub(crate) async fn news(&self) {
         self.news.notified().await;
     }
@@ -131,7 +130,7 @@ impl Drop for Attached {
         let mut state = self.run.state.lock();
         let gone = state.readers.remove(&self.reader);
         if state.readers.is_empty() && !state.to_the_end {
-            // Nobody is left to read what was wanted.
+            // The readers of what was wanted are gone.
             state.wanted = None;
         }
         // Others may be waiting for this reader, if its next frame is there.

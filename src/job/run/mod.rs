@@ -1,7 +1,6 @@
-//! A run: an iteration that several readers share. It advances only as far as a reader, or the job
-//! itself, wants it to.
+//! A run: an iteration that several readers share. It advances only as far as a reader, or the job itself, needs it.
 //!
-//! - `state`: how far it has come; `ring`: its recent frames;
+//! - `state`: its progress; `ring`: its recent frames;
 //! - `shared`: the system that it iterates;
 //! - [`attached`]: a reader's hold on it.
 
@@ -35,23 +34,23 @@ use piad_fit::engine::sweep::LEVELS;
 use piad_fit::engine::{Iteration, Level, Outcome, System, interrupt};
 use state::RunState;
 
-/// How many levels a run may be ahead of its readers.
+/// The most levels that a run may be ahead of its readers.
 const LOOK_AHEAD: usize = 32;
 
 /// A shared iteration with a bounded ring of recent frames.
 #[derive(Debug)]
 pub(crate) struct Run {
     resources: Arc<Resources>,
-    /// Whose turns it takes.
+    /// The peer whose turns it takes.
     peer: Option<Peer>,
     /// The lane of the first slice, which builds the system, and that of the steps.
     lanes: [WorkLane; 2],
-    /// How many frames the ring holds, at least one.
+    /// The number of frames of the ring, at least one.
     capacity: usize,
     frame_bytes: usize,
     /// Bytes of the iteration.
     bytes: usize,
-    /// Frames of this run are small enough to be kept before anybody reads them.
+    /// True if frames of this run are small enough to be kept before they are read.
     keeps_unread: bool,
     reader_budget: Arc<ReaderBudget>,
     state: Mutex<RunState>,
@@ -138,15 +137,15 @@ impl Run {
         }
     }
 
-    /// Whether it may be ended for others that need its memory: nobody has read from it for the time `idle`,
-    /// or it has served its readers for the time `fair`.
+    /// Returns true if it may be ended when others need its memory: it has not been read for the time `idle`, or it has
+    /// served its readers for the time `fair`.
     pub(super) fn is_revocable(&self, idle: Duration, fair: Duration) -> bool {
         let state = self.state.lock();
         let is_idle = !state.scheduled && state.touched.elapsed() >= idle;
         is_idle || (state.delivered && state.begun.elapsed() >= fair)
     }
 
-    /// Ends it and drops its frames: its readers go on with another run.
+    /// Ends it and drops its frames: its readers continue with another run.
     pub(super) fn revoke(&self) {
         let mut state = self.state.lock();
         state.end(Ending::Revoked);
@@ -157,7 +156,7 @@ impl Run {
         drop((system, shared));
     }
 
-    /// Notifies everybody of the end.
+    /// Notifies all waiting tasks of the end.
     fn tell_end(&self, state: MutexGuard<'_, RunState>) {
         state.tell(usize::MAX);
         drop(state);
@@ -177,7 +176,7 @@ impl Run {
         }
     }
 
-    /// The first level: 0, or for a run that computes again the last checkpoint before what its readers want.
+    /// The first level: 0, or for a run that recomputes the last checkpoint before the levels that its readers want.
     fn start(&self, shared: &SharedSystem) -> Iteration {
         let first = self.state.lock().first_wanted();
         let checkpoint = first.and_then(|first| shared.checkpoints.before(first));
@@ -187,7 +186,7 @@ impl Run {
         })
     }
 
-    /// Level 0. What it takes to get there is given up if the run is stopped.
+    /// Level 0. Its computation is abandoned if the run is stopped.
     fn level_0(&self, shared: &SharedSystem) -> Iteration {
         let _traced = self.trace.set_up();
         let stopped = Arc::clone(&self.stopped);
@@ -213,7 +212,7 @@ impl Run {
         before
     }
 
-    /// Records the level that was reached after `before`, and keeps its frame if somebody may read it.
+    /// Records the level that was reached after `before`, and keeps its frame if it may be read.
     fn publish(&self, iteration: &mut Iteration, before: Option<Level>) {
         let outcome = iteration.outcome();
         if outcome.is_some_and(|outcome| outcome != Outcome::Overflow) {
@@ -274,7 +273,7 @@ impl Run {
         }
     }
 
-    /// Whether frames are kept now that nobody has asked for yet.
+    /// Returns true if frames are kept before they are requested.
     fn keeps_unread(&self) -> bool {
         self.keeps_unread && !self.resources.memory.cache.is_half_full()
     }
@@ -366,7 +365,7 @@ impl Work for Run {
     fn broken(&self) {
         let mut state = self.state.lock();
         state.working = false;
-        // What was stopped while it was set up was given up.
+        // A run that was stopped during its set-up was abandoned.
         state.end(match self.stopped.load(Ordering::Acquire) {
             true => Ending::Stopped,
             false => Ending::Broken,

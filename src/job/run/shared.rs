@@ -44,8 +44,8 @@ impl SharedSystem {
         &self.problem
     }
 
-    /// The system, which lives as long as somebody holds it. Building it can take long, so this is
-    /// never called on the threads that serve the network.
+    /// The system, which lives as long as it is held. Building it can take long, so this is never called on the network
+    /// threads.
     pub(crate) fn get(&self) -> Arc<System> {
         let mut shared = self.system.lock();
         shared.upgrade().unwrap_or_else(|| {

@@ -1,4 +1,4 @@
-//! How far a run has come: its recent frames, who follows it, and why it ended.
+//! The state of a run: its recent frames, its readers, and why it ended.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub(crate) enum Ending {
     Outcome(Outcome),
     /// It was stopped.
     Stopped,
-    /// The computation panicked, which is a defect of the program.
+    /// The computation panicked, which is a bug.
     Broken,
     /// Its memory was given to another run.
     Revoked,
@@ -55,7 +55,7 @@ pub(crate) enum FrameLookup {
     Gone,
     /// The run has ended before it.
     Ended,
-    /// The run was stopped before it: another run can go on.
+    /// The run was stopped before it: another run can continue.
     Stopped,
 }
 
@@ -65,14 +65,14 @@ pub(super) struct RunState {
     pub(super) iteration: Option<Iteration>,
     /// A slice is running.
     pub(super) working: bool,
-    /// What it iterates; `None` once the run was revoked.
+    /// The system; `None` once the run was revoked.
     pub(super) shared: Option<Arc<SharedSystem>>,
     /// The memory of the run, until it has ended.
     pub(super) permit: Option<Permit>,
-    /// It runs to its end, with or without readers.
+    /// True if it runs to its end, with or without readers.
     pub(super) to_the_end: bool,
     pub(super) begun: Instant,
-    /// When a frame was last asked for.
+    /// When a frame was last requested.
     pub(super) touched: Instant,
     /// At least one frame has been delivered.
     pub(super) delivered: bool,
@@ -129,7 +129,7 @@ impl RunState {
         self.ending.is_none() && self.wanted.is_some() && reached < self.wanted
     }
 
-    /// Adds a reader whose next frame is `next`; gives its number and what it is notified by.
+    /// Adds a reader whose next frame is `next`; returns its number and its notification.
     pub(super) fn add_reader(&mut self, next: usize, peer: Option<Peer>) -> (u64, Arc<Notify>) {
         let (number, news) = (self.next_reader, Arc::<Notify>::default());
         self.next_reader += 1;
@@ -148,19 +148,19 @@ impl RunState {
         waiting.for_each(|reader| reader.news.notify_one());
     }
 
-    /// The first level that a reader wants of a run that computes again.
+    /// The first level that a reader wants of a run that recomputes.
     pub(super) fn first_wanted(&self) -> Option<usize> {
         self.first_read().filter(|_| !self.to_the_end)
     }
 
-    /// The next level that is wanted for itself, not on the way to another one.
+    /// The next level that is wanted itself, not only on the way to another one.
     pub(super) fn next_seen(&self) -> usize {
         let wanted = self.wanted.unwrap_or(0);
         self.first_read().map_or(wanted, |read| read.min(wanted))
     }
 
-    /// Wants nothing that no reader wants yet: it would push out of the ring what they come for, and they would have
-    /// it computed again, for ever.
+    /// Limits the wanted level to levels that a reader wants: further ones would push those out of the ring, which
+    /// would be recomputed forever.
     pub(super) fn look_ahead_no_more(&mut self) {
         if !self.to_the_end {
             let last_read = self.readers.values().map(|reader| reader.next).max();
@@ -198,7 +198,7 @@ impl RunState {
         }
     }
 
-    /// Whether it has come to this level.
+    /// Returns true if it has reached this level.
     pub(super) fn has_reached(&self, level: usize) -> bool {
         let reached = self.levels.map(|levels| levels.last.iteration);
         reached >= Some(level)

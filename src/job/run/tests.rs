@@ -53,7 +53,8 @@ async fn readers_of_large_frames_wait_for_each_other() {
     assert_eq!(resources.counters.iterations.get(), 4);
 }
 
-/// A run that was stopped delivers what it has, and is left where the job goes on without it.
+/// A run that was stopped delivers what it has. Readers that want more leave it when the job
+/// continues elsewhere.
 #[tokio::test]
 async fn a_stopped_run_is_left_by_readers_that_want_more() {
     let scheduler = Scheduler::new(1).unwrap();
@@ -71,7 +72,7 @@ async fn a_stopped_run_is_left_by_readers_that_want_more() {
     assert!(run.attach(reached + 1, None, true).is_none());
 }
 
-/// Who waits for a level far ahead is not woken by those before it.
+/// A reader that waits for a level far ahead is not woken by those before it.
 #[tokio::test]
 async fn readers_of_far_levels_sleep() {
     let scheduler = Scheduler::new(1).unwrap();
@@ -90,7 +91,7 @@ async fn readers_of_far_levels_sleep() {
     run.want(5);
     patient.news().await;
     arrives(&patient, 5).await;
-    // The end concerns everybody.
+    // The end concerns all readers.
     assert!(matches!(patient.read(1_000_000), FrameLookup::Later));
     run.stop();
     patient.news().await;

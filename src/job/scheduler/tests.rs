@@ -1,4 +1,4 @@
-//! Whose turn it is, and what becomes of work that breaks.
+//! The order of turns, and the treatment of work that panics.
 
 use std::sync::mpsc::TryRecvError;
 
@@ -103,7 +103,7 @@ async fn long_samples_let_shorter_work_of_others_run_in_between() {
     let pool = Arc::clone(&scheduler);
     let others = async move {
         started.await.unwrap();
-        // Neither what takes longer nor what is of the same peer runs in between.
+        // Neither longer work nor work of the same peer runs in between.
         let longer = Peer::scope(peer(2), pool.compute_in_turns(longer, || ()));
         let own = Peer::scope(peer(1), pool.compute_in_turns(short, || ()));
         let other = async {

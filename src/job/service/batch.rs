@@ -8,7 +8,7 @@ use crate::job::peer::Peer;
 use crate::job::quota::OpenStream;
 use crate::job::slots::Slot;
 
-/// The place of a batch among the jobs of a server: it counts as one unfinished job of its peer, and as one open stream
+/// The slot of a batch among the jobs of a server: it counts as one unfinished job of its peer, and as one open stream
 /// of its tenant, however many fits it has.
 #[must_use]
 pub(crate) struct BatchPlace {
@@ -18,7 +18,7 @@ pub(crate) struct BatchPlace {
 }
 
 impl Jobs {
-    /// Takes the place of a batch for the current peer, until it is dropped.
+    /// Takes the slot of a batch for the current peer, until it is dropped.
     pub(crate) fn begin_batch(&self) -> Result<BatchPlace, Refused> {
         let peer = Peer::current();
         let slot = self.slots.take(peer)?;

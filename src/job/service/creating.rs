@@ -15,21 +15,20 @@ use crate::job::store::{IdempotencyEntry, IdempotencyKey, Insertion, Record, Sto
 use crate::telemetry::request::RequestTrace;
 use piad_fit::engine::{Problem, System};
 
-/// So often a job is made for a key whose job is gone before it is found.
+/// The number of attempts to insert or find a job for a key whose job is gone before it is found.
 const ATTEMPTS: usize = 16;
 
-/// The job for a request that was accepted.
+/// The job of an accepted request.
 #[derive(Debug)]
 pub(crate) struct Accepted {
     pub job: Arc<Job>,
-    /// It was made before, for the same idempotency key.
+    /// True if it existed before, for the same idempotency key.
     pub replayed: bool,
 }
 
 impl Jobs {
-    /// Creates a job and starts it, or returns the job that was made for the same idempotency key. When
-    /// this returns, the job is stored. A collocation matrix equal to that of `similar` is taken from
-    /// there.
+    /// Creates a job and starts it, or returns the job that was created for the same idempotency key. When this
+    /// returns, the job is stored. A collocation matrix equal to that of `similar` is taken from there.
     pub(crate) async fn create(
         self: &Arc<Self>,
         label: Label,
@@ -80,7 +79,7 @@ impl Jobs {
             None => Status::QUEUED,
         };
         let record = Record::new(outline, status);
-        // In memory before it is in the store, so that whoever finds it there finds this one.
+        // In memory before it is in the store, so that a reader that finds it there finds this one.
         let job = self.bring_to_life(record.clone(), peer, false);
         job.trace.begin(job.outline(), request);
         let quota = self.resources.quotas.of(record.outline.tenant);
@@ -123,8 +122,8 @@ impl Jobs {
         }))
     }
 
-    /// Drops a job that was not stored. In a database it may have been, without an answer: then another
-    /// replica runs it, or this one anew.
+    /// Drops a job that was not stored. In a database it may have been, without an answer: then another replica runs
+    /// it, or this one again.
     fn give_up(self: &Arc<Self>, job: &Arc<Job>) {
         self.abandon(job);
         match self.store.shared() {
@@ -150,7 +149,7 @@ impl Jobs {
         }
     }
 
-    /// The job of an entry, which must have been made by the same request.
+    /// The job of an entry, which must have been created by the same request.
     async fn job_of(
         &self,
         entry: IdempotencyEntry,

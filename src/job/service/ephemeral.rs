@@ -1,4 +1,4 @@
-//! Ephemeral fits: computed for one answer, they leave nothing behind.
+//! Ephemeral fits: computed for one answer, and never stored.
 
 use std::sync::Arc;
 
@@ -19,16 +19,16 @@ use crate::job::trace::JobTrace;
 use crate::telemetry::request::RequestTrace;
 use piad_fit::engine::{Problem, System};
 
-/// A fit for one answer. Whoever drops it has to ask the job to end.
+/// A fit for one answer. Its owner has to cancel the job when dropping it.
 pub(crate) struct Ephemeral {
     pub job: Arc<Job>,
     /// The run, held from before its first level: no frame is lost.
     pub run: Attached,
-    /// Held by nobody else once the run has ended.
+    /// Held only here once the run has ended.
     pub system: Arc<SharedSystem>,
     /// It counts as a stream of its tenant.
     pub stream: OpenStream,
-    /// The memory that all this takes; `None` if it was replaced before it began.
+    /// The memory for all this; `None` if it was replaced before it began.
     pub room: Option<Permit>,
 }
 
@@ -38,8 +38,8 @@ impl Jobs {
         self.sessions.next(parent.id(), Peer::current(), name)
     }
 
-    /// Keeps the points and the collocation matrix of a job that is edited again and again at hand: reading
-    /// and computing them would take longer than the edit.
+    /// Keeps the points and the collocation matrix of a job in memory while it is edited repeatedly: reading and
+    /// computing them would take longer than the edit.
     pub(crate) async fn keep_at_hand(
         &self,
         job: &Arc<Job>,

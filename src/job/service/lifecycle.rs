@@ -1,4 +1,4 @@
-//! The way of a job from the queue to its end.
+//! The life of a job from the queue to its end.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -24,7 +24,7 @@ struct StartedRun {
     probation: Option<OnProbation>,
 }
 
-/// What has come of waiting for a turn.
+/// The result of waiting for a turn.
 enum Turn {
     Run(StartedRun),
     /// It was cancelled before.
@@ -43,7 +43,7 @@ impl Drop for Traced {
 }
 
 impl Jobs {
-    /// Takes a job to its end, in a task of its own.
+    /// Drives a job to its end, in a task of its own.
     pub(super) fn start_driving(
         self: &Arc<Self>,
         job: Arc<Job>,
@@ -58,7 +58,7 @@ impl Jobs {
         });
     }
 
-    /// Takes a job to its end: at once if it has a run, else when its turn comes.
+    /// Drives a job to its end: at once if it has a run, else when its turn comes.
     async fn drive(self: Arc<Self>, job: Arc<Job>, run: Option<Arc<Run>>, slot: Slot) {
         let probation = None;
         let turn = match run {
@@ -113,7 +113,7 @@ impl Jobs {
             }
             None => Ok(true),
         };
-        // With other replicas, it is the store that says who ends a job; alone, nobody else can.
+        // With other replicas the store decides who ends a job; alone, only this one can.
         let is_alone = self.store.shared().is_none();
         let before = job.status.borrow().clone();
         let mut finished = finish().await;
@@ -141,7 +141,7 @@ impl Jobs {
         }
     }
 
-    /// Tells clients that a job has ended.
+    /// Notifies clients that a job has ended.
     fn publish(&self, job: &Job, status: &Status, result: &Option<LastGeometry>) {
         if job.is_kept() {
             let state = status.state;
@@ -187,7 +187,7 @@ impl Jobs {
             return Ok(Turn::Cancelled);
         };
         let (status, store) = (Status::running(), job.store()?);
-        // After a crash the store must tell which jobs were running.
+        // After a crash the store must show which jobs were running.
         let on_probation = probation.is_some();
         let start = || store.start(job.id(), status.clone(), on_probation);
         let started = job.trace.store("start", patiently(start));
@@ -210,7 +210,7 @@ impl Jobs {
         Ok(Turn::Run(StartedRun { run, probation }))
     }
 
-    /// Takes the run of a job to its end.
+    /// Drives the run of a job to its end.
     async fn run(&self, job: &Arc<Job>, start: StartedRun) -> (Ending, Option<Arc<Frame>>) {
         let run = &start.run;
         if self.suspended.load(Ordering::Acquire) {
@@ -233,7 +233,7 @@ impl Jobs {
         end
     }
 
-    /// Takes the run of a job to its end that was running in a crash. Its first moments are its probation.
+    /// Drives the run of a job to its end that was running in a crash. Its first moments are its probation.
     async fn complete_on_probation(
         &self,
         job: &Job,
@@ -251,7 +251,7 @@ impl Jobs {
         run.complete().await
     }
 
-    /// Stores that crashes from now on are not the fault of a job.
+    /// Records that crashes from now on are not attributed to a job.
     async fn end_probation(&self, job: &Job, status: Status) {
         if let Some(store) = &job.store
             && let Err(error) = store.start(job.id(), status, false).await

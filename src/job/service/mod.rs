@@ -1,8 +1,8 @@
 //! All jobs of a server: creating, finding, listing, cancelling and deleting them.
 //!
-//! - [`creating`]: accepts jobs; [`refused`]: why not; [`batch`]: the place of many fits in one request;
-//! - `lifecycle`: takes a job from the queue to its end;
-//! - `replicas`: works together with other replicas.
+//! - [`creating`]: accepts jobs; [`refused`]: reasons to refuse them; [`batch`]: the slot of many fits in one request;
+//! - `lifecycle`: drives a job from the queue to its end;
+//! - `replicas`: cooperation with other replicas.
 
 pub(crate) mod batch;
 pub(crate) mod creating;
@@ -36,13 +36,13 @@ use super::store::{FORGOTTEN_AT_ONCE, Record, Retention, Selection, Spared, Stor
 use piad_fit::engine::Admission;
 use sessions::Sessions;
 
-/// The longest time between two searches for jobs that have become too old.
+/// The longest time between two searches for expired jobs.
 const MOST_AGE_CHECK: Duration = Duration::from_secs(60);
 
 /// How long to wait after a job has ended before old ones are removed: others may end with it.
 const RETENTION_PAUSE: Duration = Duration::from_millis(50);
 
-/// How often jobs that were spared because somebody held them are looked at again.
+/// The interval at which jobs that were in use are checked again.
 const SPARED_CHECK: Duration = Duration::from_secs(1);
 
 /// The most multiplications of an iteration; they take a second or two.
@@ -51,7 +51,7 @@ const MOST_OF_A_STEP: usize = 2_000_000_000;
 /// The most multiplications before the first iteration. They have the long lane and take some seconds.
 const MOST_OF_A_START: usize = 20_000_000_000;
 
-/// So often a job is looked for that is in the store and not in memory, or may be deleted meanwhile.
+/// The number of attempts to find a job that is in the store and not in memory, or may be deleted meanwhile.
 const LOOKS: usize = 16;
 
 /// How long a deletion waits for the end of a job that other replicas may know of.
@@ -64,9 +64,9 @@ pub(crate) struct JobLimits {
     pub recent: usize,
     /// Jobs that have not ended.
     pub jobs: usize,
-    /// Those of them that one peer has made.
+    /// The retention of ended jobs.
     pub jobs_of_a_peer: PerPeer,
-    /// What is kept of jobs that have ended.
+    /// The retention of ended jobs.
     pub retention: Retention,
 }
 
@@ -74,7 +74,7 @@ pub(crate) struct JobLimits {
 pub(crate) struct Jobs {
     store: Arc<Store>,
     resources: Arc<Resources>,
-    /// Runs that compute again.
+    /// The runs that recompute.
     replays: Arc<Replays>,
     limits: JobLimits,
     /// For the one job that is on probation after a crash.
@@ -86,11 +86,11 @@ pub(crate) struct Jobs {
     recent: Recent,
     /// Notified when a job has ended.
     ended: Arc<Notify>,
-    /// How many times jobs were deleted.
+    /// The number of deletions of jobs.
     deletions: AtomicUsize,
     /// Jobs in memory: those that run and those that are read.
     live: Mutex<HashMap<Uuid, Weak<Job>>>,
-    /// Drags that go on.
+    /// Open drags.
     sessions: Sessions,
 }
 
@@ -114,13 +114,13 @@ impl Jobs {
         }
     }
 
-    /// What the jobs share.
+    /// The shared resources of jobs.
     pub(crate) fn resources(&self) -> &Arc<Resources> {
         &self.resources
     }
 
-    /// What a fit may take: no more memory than the share that it would be run in, and no steps so long
-    /// that others, and those who cancel it, would wait for seconds.
+    /// The limits of a fit: no more memory than the share that it would run in, and no steps so long that others, and
+    /// clients that cancel it, would wait for seconds.
     pub(crate) fn admission(&self) -> Admission {
         let memory = &self.resources.memory;
         Admission {
@@ -137,13 +137,13 @@ impl Jobs {
         self.probation.read_large_body().await
     }
 
-    /// How many jobs wait for their turn.
+    /// The number of jobs that wait for their turn.
     pub(crate) fn queued(&self) -> usize {
         let running = self.resources.counters.running();
         self.slots.taken().saturating_sub(running)
     }
 
-    /// What is wrong with the store, if new jobs cannot be kept.
+    /// The error of the store, if new jobs cannot be stored.
     pub(crate) fn check_store(&self) -> Result<(), StoreError> {
         self.store.check()
     }
@@ -169,7 +169,7 @@ impl Jobs {
         // The quickest first, as they end soonest.
         unfinished.sort_by_key(|record| (record.crashes, record.outline.step_cost));
         if !unfinished.is_empty() {
-            info!(count = unfinished.len(), "jobs go on where they were left");
+            info!(count = unfinished.len(), "unfinished jobs continue");
         }
         for record in unfinished {
             let job = self.bring_to_life(record, None, false);
@@ -179,7 +179,7 @@ impl Jobs {
         Ok(())
     }
 
-    /// Removes old jobs after others have ended, after some time, and when those who held them have let go.
+    /// Removes expired jobs after others have ended, after some time, and when they are released.
     async fn go_on_retaining(jobs: Weak<Self>) {
         while let Some(strong) = jobs.upgrade() {
             let spared = strong.retain().await;
@@ -187,7 +187,7 @@ impl Jobs {
             let ended = Arc::clone(&strong.ended);
             drop(strong);
             let released = async {
-                // A commit takes longer than a look at the jobs in memory.
+                // A commit takes longer than a check of the jobs in memory.
                 while !spared.is_empty() {
                     sleep(SPARED_CHECK).await;
                     let Some(strong) = jobs.upgrade() else { return };
@@ -242,10 +242,10 @@ impl Jobs {
                     if self.deletions.load(Ordering::Acquire) == deletions {
                         return Ok(Some(job));
                     }
-                    // It may have been deleted before it came to life.
+                    // It may have been deleted before it was loaded.
                     self.live.lock().remove(&id);
                 }
-                // It ended between the two look-ups; the next look at the store finds it ended.
+                // It ended between the two look-ups; the next look-up in the store finds it ended.
                 Some(_) => {}
             }
         }
@@ -257,7 +257,7 @@ impl Jobs {
     pub(crate) async fn list(&self, selection: Selection) -> Result<Vec<Arc<Job>>, StoreError> {
         let mut jobs = Vec::new();
         for record in self.store.list(selection).await? {
-            // In a store of one process, what has not ended is live, or has ended just now.
+            // In a store of one process, an unfinished job is in memory, or has just ended.
             let is_complete = record.status.state.is_final() || self.store.shared().is_some();
             let live = self.live(record.outline.id);
             // The answer to the end of one that runs here may be on its way.
@@ -281,7 +281,7 @@ impl Jobs {
         };
         if let Some(job) = job {
             job.request_cancel();
-            // One that another replica runs ends there when it is gone; and without the database none ends.
+            // A job of a dead replica does not end there; and without the database none ends.
             if self.store.shared().is_some() {
                 let _ = timeout(MOST_WAITING, job.ended()).await;
             } else {
@@ -293,7 +293,7 @@ impl Jobs {
         Ok(existed)
     }
 
-    /// Drops jobs that are no longer in the store. Those who hold them can go on with them.
+    /// Drops jobs that are no longer in the store. Holders of them can still use them.
     fn forget(&self, ids: &[Uuid]) {
         self.deletions.fetch_add(1, Ordering::AcqRel);
         for id in ids {
@@ -322,7 +322,7 @@ impl Jobs {
         job
     }
 
-    /// What jobs share, as each of them has it.
+    /// The shared resources, for each job.
     fn shared(&self) -> (Arc<Resources>, Arc<Replays>) {
         (Arc::clone(&self.resources), Arc::clone(&self.replays))
     }
@@ -348,14 +348,14 @@ impl Jobs {
         self.recent.held(&self.live)
     }
 
-    /// Removes jobs that are beyond the retention and that nobody holds; gives those that were held.
+    /// Removes jobs that are beyond the retention and not in use; returns those that are in use.
     async fn retain(&self) -> HashSet<Uuid> {
         loop {
-            // Jobs that end from here on are not known to be held.
+            // Jobs that end from here on may be in use.
             let since = match self.store.now().await {
                 Ok(since) => since,
                 Err(error) => {
-                    error!(%error, "old jobs could not be looked for");
+                    error!(%error, "expired jobs could not be searched for");
                     return self.held();
                 }
             };

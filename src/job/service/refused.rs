@@ -1,4 +1,4 @@
-//! Why a job is not accepted.
+//! Reasons to refuse a job.
 
 use thiserror::Error;
 use uuid::Uuid;
@@ -7,16 +7,16 @@ use crate::job::quota::Exceeded;
 use crate::job::slots::NoSlot;
 use crate::job::store::StoreError;
 
-/// Why a job was not accepted.
+/// Why a job was refused.
 #[derive(Clone, Debug, Error)]
 pub enum Refused {
-    /// There are as many unfinished jobs as are allowed.
+    /// There are as many unfinished jobs as allowed.
     #[error("{limit} jobs are unfinished, the limit of this server")]
     Full { limit: usize },
-    /// The peer has as many unfinished jobs as one may have.
-    #[error("{limit} of your jobs are unfinished, as many as one client may have now")]
+    /// The peer has as many unfinished jobs as allowed.
+    #[error("{limit} of your jobs are unfinished, the limit for one client now")]
     PeerFull { limit: usize },
-    /// The tenant has as much as it may have.
+    /// The tenant has reached its quota.
     #[error(transparent)]
     Quota(#[from] Exceeded),
     /// The idempotency key was used for another request.

@@ -1,8 +1,8 @@
-//! One replica among several: it renews the leases of its jobs, follows those that others run and that are
-//! read here, and takes over what waits where nobody has room for it.
+//! One replica among several: it renews the leases of its jobs, follows jobs of others that are read here, and takes
+//! over jobs that wait for a replica with room.
 //!
-//! A job that waits is in the queue of the replica that has accepted it, and in the store. Whoever has room for
-//! it first claims it when it starts; so a replica that has nothing to do looks for jobs that wait elsewhere.
+//! A job that waits is in the queue of the replica that has accepted it, and in the store. The first replica with room
+//! for it claims it and starts it; so an idle replica looks for jobs that wait elsewhere.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Weak};
@@ -19,27 +19,27 @@ use crate::job::store::shared::Shared;
 use crate::job::store::shared::hints::Hint;
 use crate::job::store::{Record, StoreError};
 
-/// How often the store is looked at without a hint.
+/// The polling interval of the store without a hint.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// The most jobs of others that are taken over in one go.
+/// The most jobs of others that are taken over at once.
 const TAKEN_AT_ONCE: usize = 16;
 
 impl Jobs {
-    /// Works together with the other replicas from now on.
+    /// Cooperates with the other replicas from now on.
     pub(super) fn join(self: &Arc<Self>, shared: &Arc<Shared>) {
         tokio::spawn(keep_leases(Arc::downgrade(self), Arc::clone(shared)));
         tokio::spawn(look(Arc::downgrade(self), Arc::clone(shared)));
     }
 
-    /// The job of this id, whoever runs it.
+    /// The job of this id, on any replica.
     pub(super) async fn find_among_replicas(
         &self,
         shared: &Shared,
         id: Uuid,
     ) -> Result<Option<Arc<Job>>, StoreError> {
         let live = self.live(id);
-        // What this replica runs it knows best, as long as its lease holds.
+        // This replica knows the jobs that it runs best, as long as its lease holds.
         if let Some(job) = &live
             && !job.is_elsewhere()
             && shared.surely_runs(id)
@@ -65,7 +65,7 @@ impl Jobs {
                 }
                 Ok(None)
             }
-            // What has ended can be read while the database is away, if it is in memory.
+            // Ended jobs can be read while the database is away, if they are in memory.
             Err(error) => match live.filter(|job| job.status().state.is_final()) {
                 Some(job) => Ok(Some(job)),
                 None => Err(error),
@@ -94,7 +94,7 @@ impl Jobs {
         jobs.filter(is_followed).collect()
     }
 
-    /// Asks the store what has become of jobs that others run.
+    /// Polls the store for jobs that others run.
     pub(super) async fn refresh(
         &self,
         shared: &Shared,
@@ -115,7 +115,7 @@ impl Jobs {
         Ok(())
     }
 
-    /// A job that is not in the store any more, or never was: those who wait for its end wait no longer.
+    /// A job that is not in the store any more, or never was: its end is published.
     pub(super) fn let_go(&self, job: &Job) {
         job.follow(Status {
             state: State::Cancelled,
@@ -124,8 +124,8 @@ impl Jobs {
         self.forget(&[job.id()]);
     }
 
-    /// Shows those who have found a job in the store what becomes of it, although the answer that it was stored
-    /// was lost.
+    /// Publishes the status of a job that readers have found in the store, although the answer that it was stored was
+    /// lost.
     pub(super) fn follow_abandoned(self: &Arc<Self>, shared: Arc<Shared>, job: &Arc<Job>) {
         job.elsewhere.store(true, Ordering::Release);
         let (jobs, job) = (Arc::downgrade(self), Arc::downgrade(job));
@@ -134,7 +134,7 @@ impl Jobs {
                 && !job.status().state.is_final()
             {
                 if let Err(error) = jobs.refresh(&shared, vec![job]).await {
-                    debug!(%error, "the jobs of other replicas could not be looked at");
+                    debug!(%error, "the jobs of other replicas could not be read");
                 }
                 drop(jobs);
                 sleep(LOOK).await;
@@ -150,15 +150,15 @@ impl Jobs {
         if job.is_elsewhere() {
             return self.refresh(shared, vec![job]).await;
         }
-        // One that this replica has ended tells so itself in a moment; one that was cancelled or deleted
-        // elsewhere need not wait or run any longer.
+        // A job that this replica has ended is reported in a moment; one that was cancelled or deleted elsewhere need
+        // not wait or run any longer.
         job.request_cancel();
         Ok(())
     }
 
-    /// Takes over jobs that wait at other replicas, or whose replica is gone, if there is room for them.
+    /// Takes over jobs that wait at other replicas, or whose replica is dead, if there is room for them.
     async fn take_over(self: &Arc<Self>, shared: &Shared) -> Result<(), StoreError> {
-        // Where jobs wait there is no room.
+        // A replica where jobs wait has no room.
         if self.suspended.load(Ordering::Acquire) || self.queued() > 0 {
             return Ok(());
         }
@@ -182,7 +182,7 @@ impl Jobs {
     }
 }
 
-/// Renews the leases of this replica's jobs, and puts those of replicas that are gone back into the queue.
+/// Renews the leases of this replica's jobs, and puts those of dead replicas back into the queue.
 async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
     loop {
         sleep(shared.heartbeat()).await;
@@ -193,15 +193,15 @@ async fn keep_leases(jobs: Weak<Jobs>, shared: Arc<Shared>) {
         }
         drop(jobs);
         if let Err(error) = shared.release_unknown().await {
-            debug!(%error, "jobs whose acknowledgement was lost could not be looked for");
+            debug!(%error, "jobs whose acknowledgement was lost could not be searched for");
         }
         if let Err(error) = shared.recover().await {
-            debug!(%error, "jobs of replicas that are gone could not be looked for");
+            debug!(%error, "jobs of dead replicas could not be searched for");
         }
     }
 }
 
-/// Looks at what the other replicas do, from time to time and at their hints.
+/// Polls the other replicas' changes from time to time, and at their hints.
 async fn look(jobs: Weak<Jobs>, shared: Arc<Shared>) {
     let mut hints = shared.hints();
     let mut ticks = interval(LOOK);
@@ -229,7 +229,7 @@ async fn look(jobs: Weak<Jobs>, shared: Arc<Shared>) {
             },
         };
         if let Err(error) = done {
-            debug!(%error, "the jobs of other replicas could not be looked at");
+            debug!(%error, "the jobs of other replicas could not be read");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Drags: each ephemeral edit of a session takes the place of the one before.
+//! Drags: each ephemeral edit of a session replaces the one before.
 
 use std::collections::HashMap;
 
@@ -8,8 +8,7 @@ use uuid::Uuid;
 
 use crate::job::peer::Peer;
 
-/// The drags that go on, each with its newest edit: a sender of nothing, which is dropped when a newer edit
-/// takes its place.
+/// The open drags, each with its newest edit: a sender of nothing, which is dropped when a newer edit replaces it.
 #[derive(Debug, Default)]
 pub(crate) struct Sessions(Mutex<HashMap<Session, oneshot::Sender<()>>>);
 

@@ -1,5 +1,4 @@
-//! Jobs that are in the store and nowhere else, as one may be that was refused while the disk failed: whatever
-//! asks for them has an answer.
+//! Jobs that are in the store only, as after a refusal while the disk failed: all requests for them are answered.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -8,14 +8,14 @@ use crate::job::result::LastGeometry;
 use crate::job::state::Status;
 use piad_fit::engine::Problem;
 
-/// So many jobs are looked up at a time.
+/// The number of jobs looked up at a time.
 const PAGE: usize = 1000;
 
-/// The most jobs that are under way at a time, and their points: they are in memory.
+/// The most jobs copied at a time, and their points: they are in memory.
 const JOBS_OF_BATCH: usize = 100;
 const POINTS_OF_BATCH: usize = 1_000_000;
 
-/// All that is kept of a job.
+/// The stored data of a job.
 pub(crate) struct WholeJob {
     pub record: Record,
     pub problem: Arc<Problem>,
@@ -23,8 +23,8 @@ pub(crate) struct WholeJob {
     pub key: Option<IdempotencyKey>,
 }
 
-/// Copies all jobs, and tells how many there are so far; gives the number in the end. Those that had not ended
-/// wait in the copy. A job that is in the copy already stays there as it is.
+/// Copies all jobs, and reports the number so far; returns the final number. Those that had not ended wait in the copy.
+/// A job that is in the copy already stays as it is.
 pub(crate) async fn copy(
     from: &Store,
     to: &Store,
@@ -46,7 +46,7 @@ pub(crate) async fn copy(
     Ok(count)
 }
 
-/// Jobs on their way to a store, many at a time: so they go into few commits.
+/// Jobs on their way to a store, many at a time, so that they go into few commits.
 pub(crate) struct Batch<'a> {
     store: &'a Store,
     under_way: Vec<Acknowledgement<()>>,
@@ -72,7 +72,7 @@ impl<'a> Batch<'a> {
         Ok(())
     }
 
-    /// Returns when all are kept.
+    /// Returns when all are stored.
     pub(crate) async fn end(&mut self) -> Result<(), StoreError> {
         self.points = 0;
         for kept in self.under_way.drain(..) {
@@ -115,7 +115,7 @@ impl<'a> Records<'a> {
 }
 
 impl Store {
-    /// All that is kept of a job.
+    /// The stored data of a job.
     pub(crate) async fn whole(&self, record: Record) -> Result<WholeJob, StoreError> {
         let id = record.outline.id;
         Ok(WholeJob {
@@ -126,7 +126,7 @@ impl Store {
         })
     }
 
-    /// Keeps a job of another store. If it had not ended it waits.
+    /// Stores a job of another store. If it had not ended it waits.
     fn put(&self, job: WholeJob) -> Acknowledgement<()> {
         let (id, status) = (job.record.outline.id, job.record.status);
         let queued = Record {

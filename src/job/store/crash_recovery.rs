@@ -1,14 +1,14 @@
-//! Crash recovery: what becomes of the jobs that were running when the process crashed.
+//! Crash recovery: the treatment of the jobs that were running when the process crashed.
 //!
 //! They go back to the queue and run again one at a time: each is on probation for a moment before the
 //! next one starts. If the process crashes meanwhile, the crash is counted for the job on probation and
 //! for jobs that were running for the first time, not for jobs that have passed. So a job that crashes the
 //! process as soon as it runs fails after [`MOST_CRASHES`], and the others do not.
 //!
-//! Crashes while nothing is on probation are counted for every running job, but none fails with them: the fault
-//! may be that of a request, or of nothing here at all. With each crash that is counted for a job its next
-//! probation is twice as long, up to [`LONGEST_PROBATION`], so that it is on probation when it crashes the process
-//! again. An orderly stop clears the counts.
+//! Crashes while nothing is on probation are counted for every running job, but none fails with them: a request, or
+//! something outside the process, may be the cause. With each crash that is counted for a job its next probation is
+//! twice as long, up to [`LONGEST_PROBATION`], so that it is on probation when it crashes the process again. An orderly
+//! stop clears the counts.
 
 use std::time::Duration;
 
@@ -17,23 +17,23 @@ use jiff::Timestamp;
 use super::Record;
 use crate::job::state::{Failure, State, Status};
 
-/// A job that was running in so many crashes, and on probation in the last one, is not run again.
+/// A job that was running in this many crashes, and on probation in the last one, is not run again.
 pub(crate) const MOST_CRASHES: u32 = 3;
 
 /// How long a job that was running in a crash runs before the next one starts.
 const PROBATION: Duration = Duration::from_millis(250);
 
-/// How long a job that was running in many crashes does.
+/// The longest probation of a job that was running in many crashes.
 const LONGEST_PROBATION: Duration = Duration::from_secs(32);
 
-/// How long a job that was running in so many crashes runs before the next one starts.
+/// How long a job that was running in this many crashes runs before the next one starts.
 pub(crate) fn probation(crashes: u32) -> Duration {
     let factor = 2_u32.saturating_pow(crashes.saturating_sub(1));
     PROBATION.saturating_mul(factor).min(LONGEST_PROBATION)
 }
 
 impl Record {
-    /// Whether it was on probation in the crash.
+    /// Returns true if it was on probation in the crash.
     pub(crate) fn was_on_probation(&self) -> bool {
         self.status.state == State::Running && self.on_probation
     }
@@ -49,7 +49,7 @@ impl Record {
                 state: State::Failed,
                 finished: Some(Timestamp::now()),
                 failure: Some(Failure::Crashes),
-                // Nobody computes them again.
+                // They are not computed again.
                 levels: None,
                 ..self.status.clone()
             },

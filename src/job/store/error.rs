@@ -1,4 +1,4 @@
-//! What can go wrong in a store.
+//! Errors of a store.
 
 use std::fmt::Display;
 
@@ -8,7 +8,7 @@ use uuid::Uuid;
 
 use crate::job::scheduler::Broken;
 
-/// The store did not do what it was asked for.
+/// The store has failed to carry out a request.
 #[derive(Clone, Debug, Error)]
 pub enum StoreError {
     /// There is no space for what was to be kept. It may succeed later.
@@ -32,16 +32,16 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Returns true if the same may succeed later.
+    /// Returns true if a retry may succeed.
     pub(crate) fn may_pass(&self) -> bool {
         matches!(self, Self::Full(_) | Self::Away(_) | Self::Unusable(_))
     }
 
-    /// What was read makes no sense.
+    /// Stored data are invalid.
     pub(super) fn damaged(what: impl Display, reason: impl Display) -> Self {
         Self::Failed(format!("{what} cannot be read: {reason}"))
     }
 }
 
-/// Completes when a change is durable, with what has come of it.
+/// Completes when a change is durable, with its result.
 pub(crate) type Acknowledgement<T> = BoxFuture<'static, Result<T, StoreError>>;

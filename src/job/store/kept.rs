@@ -1,4 +1,4 @@
-//! What stores keep of jobs, and what they are asked for.
+//! What stores keep of jobs, and their requests.
 
 use std::collections::HashSet;
 use std::time::Duration;
@@ -13,8 +13,8 @@ use crate::job::quota::Exceeded;
 use crate::job::state::{State, Status};
 use crate::job::tenant::Tenant;
 
-/// The most jobs that a store forgets in one go. Forgetting takes space on the disk before it
-/// frees some: where the disk is nearly full, many jobs could not be forgotten together.
+/// The most jobs that a store removes at once. Removal takes space on the disk before it frees some: where the disk is
+/// nearly full, many jobs could not be removed together.
 pub(crate) const FORGOTTEN_AT_ONCE: usize = 100;
 
 /// The bytes of a secret.
@@ -23,16 +23,16 @@ pub(crate) type Secret = [u8; 32];
 /// How long an idempotency key is remembered.
 pub(crate) const KEY_LIFETIME: Duration = Duration::from_secs(24 * 60 * 60);
 
-/// A job as it is kept, without its points.
+/// The record of a job, without its points.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Record {
-    /// What it is.
+    /// The job.
     pub outline: Outline,
-    /// What has become of it.
+    /// Its status.
     pub status: Status,
-    /// How many crashes of the process are counted for it.
+    /// The number of crashes of the process counted for it.
     pub crashes: u32,
-    /// It was running in a crash, and runs again for a moment before the next such job.
+    /// True if it was running in a crash, and is on probation.
     pub on_probation: bool,
 }
 
@@ -48,8 +48,7 @@ impl Record {
     }
 }
 
-/// An idempotency key: the name by which a client recognises its request, with whose it is, and a digest of
-/// what was asked for with it.
+/// An idempotency key: the name by which a client recognises its request, with the owner, and a digest of the request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct IdempotencyKey {
     /// The name.
@@ -59,8 +58,7 @@ pub(crate) struct IdempotencyKey {
 }
 
 impl IdempotencyKey {
-    /// A key of a peer, under the name that it has chosen. Each peer has keys of its own: no name contains
-    /// the end of a line.
+    /// A key of a peer, under the name that it has chosen. Each peer has its own key space: no name contains a newline.
     pub(crate) fn new(peer: Option<Peer>, name: &str, digest: [u8; 32]) -> Self {
         let owner = peer.map_or_else(String::new, |peer| peer.to_string());
         Self {
@@ -70,7 +68,7 @@ impl IdempotencyKey {
     }
 }
 
-/// What is remembered of an idempotency key.
+/// The entry of an idempotency key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct IdempotencyEntry {
     /// The job that was made.
@@ -82,24 +80,24 @@ pub(crate) struct IdempotencyEntry {
 }
 
 impl IdempotencyEntry {
-    /// Returns true if the key is not remembered any more at this time.
+    /// Returns true if the key has expired at this time.
     pub(crate) fn has_expired(&self, now: Timestamp) -> bool {
         is_older(self.created, KEY_LIFETIME, now)
     }
 }
 
-/// What has become of a job that was to be kept.
+/// The result of inserting a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Insertion {
-    /// It is kept.
+    /// It is stored.
     New,
     /// There is an entry for the same key.
     Known(IdempotencyEntry),
-    /// Its tenant would have too much.
+    /// Its tenant would exceed its quota.
     Refused(Exceeded),
 }
 
-/// Which jobs to list.
+/// The jobs to list.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Selection {
     /// Only jobs of this tenant.
@@ -108,11 +106,11 @@ pub(crate) struct Selection {
     pub state: Option<State>,
     /// Only jobs older than this one.
     pub before: Option<Uuid>,
-    /// At most so many.
+    /// The page size.
     pub limit: usize,
 }
 
-/// How much of the past is kept: the first jobs to end are the first to be forgotten.
+/// The retention of ended jobs: the first jobs to end are removed first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Retention {
     /// The most jobs that have ended.
@@ -123,21 +121,21 @@ pub(crate) struct Retention {
     pub age: Duration,
 }
 
-/// A look at who holds jobs is not older than this when jobs are forgotten by it.
+/// The oldest list of jobs in use that may be used for removal.
 pub(crate) const LOOK_LIFETIME: Duration = Duration::from_secs(10 * 60);
 
-/// The jobs that stay although they are beyond the retention.
+/// The jobs in use, which stay although they are beyond the retention.
 #[derive(Clone, Debug)]
 pub(crate) struct Spared {
-    /// Those that somebody holds.
+    /// Those in use.
     pub held: HashSet<Uuid>,
-    /// When that was looked up, by [`Store::now`]. Jobs that have ended since then may be held, too; not those of
-    /// a clock that was far ahead.
+    /// When these were looked up, by [`Store::now`]. Jobs that have ended since then may be in use, too; not those of a
+    /// clock that was far ahead.
     pub since: Timestamp,
 }
 
 impl Spared {
-    /// Whether a job stays that ended at this time.
+    /// Returns true if a job stays that ended at this time.
     pub(super) fn spares(&self, at: Timestamp, id: Uuid) -> bool {
         let after = Duration::try_from(at.duration_since(self.since));
         let is_new = after.is_ok_and(|after| !after.is_zero() && after <= LOOK_LIFETIME);
@@ -145,8 +143,8 @@ impl Spared {
     }
 }
 
-/// Returns true if it was longer ago than this. A time in the future is not: a clock that was ahead must not
-/// make anything be forgotten.
+/// Returns true if it was longer ago than this. A time in the future was not, so that a clock that was ahead removes
+/// nothing.
 pub(super) fn is_older(at: Timestamp, age: Duration, now: Timestamp) -> bool {
     let passed = now.duration_since(at);
     Duration::try_from(passed).is_ok_and(|passed| passed > age)

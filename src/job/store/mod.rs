@@ -1,9 +1,9 @@
-//! Where jobs are kept: their problems, states and final control points. Frames are not kept.
+//! The store of jobs: their problems, states and final control points. Frames are not stored.
 //!
 //! - [`embedded`]: in a file or in the memory of one process; [`shared`]: in PostgreSQL, for any number of
 //!   replicas;
-//! - `kept`: what is kept of a job, and what is asked for; [`record`]: its bytes; `error`: what can go wrong;
-//! - [`crash_recovery`]: what becomes of jobs that were running in a crash;
+//! - `kept`: the records of a job, and requests; [`record`]: their bytes; `error`: failures;
+//! - [`crash_recovery`]: the treatment of jobs that were running in a crash;
 //! - [`copy`]: from one store to another.
 
 pub(crate) mod copy;
@@ -38,21 +38,21 @@ pub(crate) use kept::{
     Record, Retention, Secret, Selection, Spared,
 };
 
-/// Keeps jobs.
+/// Stores jobs.
 ///
-/// It promises:
+/// Guarantees:
 ///
-/// - **Order.** Changes of a job take effect in the order in which the methods are called, whether or not
-///   anybody waits for their acknowledgements.
-/// - **Atomicity.** A change happens as a whole or not at all. One that has failed can be asked for again. In a
-///   store of one process, a job whose insertion has failed is not there.
-/// - **Durability.** A change that was acknowledged survives whatever happens to the process, and in a store
-///   on a disk also a loss of power. A crash may lose changes that were not acknowledged yet, of each job
-///   the latest ones first. A store in memory ends with the process.
+/// - **Order.** Changes of a job take effect in the order in which the methods are called, whether or not their
+///   acknowledgements are awaited.
+/// - **Atomicity.** A change happens as a whole or not at all. A change that has failed can be retried. In a store of
+///   one process, a job whose insertion has failed is not there.
+/// - **Durability.** A change that was acknowledged survives a crash of the process, and in a store on a disk also a
+///   loss of power. A crash may lose changes that were not acknowledged yet, of each job the latest ones first. A store
+///   in memory ends with the process.
 /// - **Reads** see everything that was acknowledged before they were called; [`list`](Self::list) also sees
 ///   changes that were called before it and are not acknowledged yet. What a read has given stays valid when
 ///   the job is deleted.
-/// - **A job that is gone stays gone.** Changes of a job that is not there succeed, and do nothing.
+/// - **Deleted jobs stay deleted.** Changes of a job that is not there succeed, and do nothing.
 pub(crate) enum Store {
     /// Of one process.
     Embedded(Embedded),
@@ -60,7 +60,7 @@ pub(crate) enum Store {
     Shared(Arc<Shared>),
 }
 
-/// Where a store is.
+/// The place of a store.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum StorePlace<'a> {
     /// In the memory of this process.
@@ -72,7 +72,7 @@ pub(crate) enum StorePlace<'a> {
 }
 
 impl Store {
-    /// Opens the store at this place, or makes it.
+    /// Opens the store at this place, or creates it.
     pub(crate) async fn open(place: StorePlace<'_>, counters: Counters) -> Result<Self, OpenError> {
         match place {
             StorePlace::Memory => Embedded::in_memory(counters).map(Self::Embedded),
@@ -91,7 +91,7 @@ impl Store {
         }
     }
 
-    /// The time by which it is decided when jobs have ended. What ends later has a later time.
+    /// The current time of the store, which orders the ends of jobs.
     pub(crate) async fn now(&self) -> Result<Timestamp, StoreError> {
         match self {
             Self::Embedded(it) => Ok(it.now()),
@@ -99,8 +99,7 @@ impl Store {
         }
     }
 
-    /// The time of a job that ends now, for those who ask for it. A database keeps its own time beside it, by
-    /// which jobs are forgotten.
+    /// The time of a job that ends now, for clients. A database also has its own time, by which jobs expire.
     pub(crate) fn stamp(&self) -> Timestamp {
         match self {
             Self::Embedded(it) => it.stamp(),
@@ -108,7 +107,7 @@ impl Store {
         }
     }
 
-    /// What is wrong with the store, if new jobs cannot be kept.
+    /// The error of the store, if new jobs cannot be stored.
     pub(crate) fn check(&self) -> Result<(), StoreError> {
         match self {
             Self::Embedded(it) => it.check_place(),
@@ -116,8 +115,8 @@ impl Store {
         }
     }
 
-    /// Keeps a new job, unless there is an entry for the same key, or its tenant would have more than its
-    /// quota then. No two insertions together exceed a quota.
+    /// Stores a new job, unless there is an entry for the same key, or its tenant would exceed its quota. No two
+    /// insertions together exceed a quota.
     pub(crate) fn insert(
         &self,
         record: Record,
@@ -131,7 +130,7 @@ impl Store {
         }
     }
 
-    /// Keeps that a job runs now, and whether it is on probation. False if another replica runs it.
+    /// Stores that a job runs now, and whether it is on probation. False if another replica runs it.
     pub(crate) fn start(
         &self,
         id: Uuid,
@@ -152,7 +151,7 @@ impl Store {
         }
     }
 
-    /// Keeps the final state and control points of a job. False if another replica runs it, or has ended it.
+    /// Stores the final state and control points of a job. False if another replica runs it, or has ended it.
     pub(crate) fn finish(
         &self,
         id: Uuid,
@@ -165,7 +164,7 @@ impl Store {
         }
     }
 
-    /// Forgets a job and its key; says whether there was one.
+    /// Removes a job and its key; returns true if there was one.
     pub(crate) fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
         match self {
             Self::Embedded(it) => it.remove(id),
@@ -173,9 +172,8 @@ impl Store {
         }
     }
 
-    /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
-    /// and keys that have expired. Spared jobs stay, beyond the retention. Gives the ids of those that
-    /// were forgotten.
+    /// Removes jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`], and keys that
+    /// have expired. Jobs in use stay, beyond the retention. Returns the ids of those removed.
     pub(crate) fn retain(
         &self,
         retention: Retention,
@@ -235,7 +233,7 @@ impl Store {
         }
     }
 
-    /// The secret of all servers with this store: the one that it keeps, or this one, which it then keeps.
+    /// The secret of all servers with this store: the stored one, or this one, which is then stored.
     pub(crate) async fn secret(&self, new: Secret) -> Result<Secret, StoreError> {
         match self {
             Self::Embedded(it) => it.secret(new).await,
@@ -243,7 +241,7 @@ impl Store {
         }
     }
 
-    /// What is remembered of an idempotency key.
+    /// The entry of an idempotency key.
     pub(crate) async fn idempotency_entry(
         &self,
         key: &str,

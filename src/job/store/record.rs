@@ -1,7 +1,6 @@
-//! What is kept of a job: records in MessagePack, with the names of their fields, and problems as messages
-//! of the contract.
+//! Stored records of a job: MessagePack, with the names of their fields; problems are messages of the contract.
 //!
-//! In JSON the errors of a fit could not be infinite. Arrays of numbers are kept as their bytes.
+//! In JSON the errors of a fit could not be infinite. Arrays of numbers are stored as bytes.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -21,7 +20,7 @@ use crate::proto::messages as pb;
 use piad_fit::data::Points;
 use piad_fit::engine::{Bases, Lane, Problem, Request, trimmed};
 
-/// What a problem has besides what a client can ask for.
+/// The parts of a problem that are not in a request.
 #[derive(Serialize, Deserialize)]
 struct Start {
     /// The control points with which an edit starts.
@@ -49,7 +48,7 @@ pub(super) fn write<T: Serialize>(record: &T) -> Result<Vec<u8>, StoreError> {
     bytes.map_err(|error| StoreError::Failed(error.to_string()))
 }
 
-/// The record of these bytes, or an error that says which one cannot be read.
+/// The record of these bytes, or an error that names it.
 pub(super) fn read<'a, T: Deserialize<'a>>(
     what: impl Display,
     bytes: &'a [u8],
@@ -65,7 +64,7 @@ pub(super) fn outline(id: Uuid, bytes: &[u8]) -> Result<Outline, StoreError> {
     Ok(outline)
 }
 
-/// Checks that an outline can be that of a job.
+/// Checks that an outline is that of a job.
 pub(super) fn check(outline: &Outline, what: impl Display) -> Result<(), StoreError> {
     match outline.grid.rows.checked_mul(outline.grid.columns) {
         Some(1..) => Ok(()),
@@ -86,14 +85,14 @@ pub(super) fn entry(bytes: &[u8]) -> Result<IdempotencyEntry, StoreError> {
     read("the entry of an idempotency key", bytes)
 }
 
-/// A problem as it is kept: the length of its start, the start, and the message that would ask for the rest.
+/// A stored problem: the length of its start, the start, and the message that would request the rest.
 pub(super) struct Input {
     start: Vec<u8>,
     message: pb::JobInput,
 }
 
 impl Input {
-    /// What is kept of a problem.
+    /// The stored form of a problem.
     pub(super) fn new(problem: &Problem) -> Result<Self, StoreError> {
         let request = problem.request();
         let start = write(&Start {
@@ -127,7 +126,7 @@ impl Input {
     }
 }
 
-/// The problem of this job: what follows from what was asked for is computed again.
+/// The problem of this job: what follows from the request is computed again.
 pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
     let what = format!("the problem of job {id}");
     let (start, message) =

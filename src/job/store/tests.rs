@@ -1,4 +1,4 @@
-//! What the stores promise: in a file, in memory and in a database.
+//! Guarantees of the stores: in a file, in memory and in a database.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -122,7 +122,7 @@ async fn insert_record(store: &Store, record: &Record) {
     assert_eq!(inserted.await.unwrap(), Insertion::New);
 }
 
-/// Inserts a job with a key; gives the id of the job that was made for the key before.
+/// Inserts a job with a key; returns the id of the job that was made for the key before.
 async fn insert_with_key(store: &Store, record: &Record, name: &str) -> Option<Uuid> {
     let (problem, key) = (Arc::new(problem()), Some(key(name)));
     let inserted = store.insert(record.clone(), problem, key, NONE);
@@ -139,7 +139,7 @@ fn key(name: &str) -> IdempotencyKey {
     }
 }
 
-/// The status of a job that has converged so many seconds ago.
+/// The status of a job that converged this many seconds ago.
 fn converged(seconds_ago: i64) -> Status {
     Status {
         state: State::Converged,
@@ -154,7 +154,7 @@ fn control_points() -> Arc<Points> {
     Arc::new(points)
 }
 
-/// Inserts a job that has ended so many seconds ago.
+/// Inserts a job that ended this many seconds ago.
 async fn ended(store: &Store, seconds_ago: i64) -> Uuid {
     let id = insert(store).await.outline.id;
     let finished = store.finish(id, converged(seconds_ago), Some(control_points().into()));
@@ -326,7 +326,7 @@ async fn a_key_is_forgotten_after_a_day(store: &Store) {
     assert_eq!(insert_with_key(store, &old, "old").await, None);
     assert_eq!(insert_with_key(store, &ahead, "ahead").await, None);
     assert_eq!(store.idempotency_entry("old").await.unwrap(), None);
-    // What a clock has dated in the future is young.
+    // A job that a wrong clock has dated in the future is young.
     let again = insert_with_key(store, &queued(), "ahead").await;
     assert_eq!(again, Some(ahead.outline.id));
     // The key is free, and the job that had it first does not take it along.
@@ -392,7 +392,7 @@ async fn lists_can_be_of_a_tenant(store: &Store) {
         assert_eq!(list(9).await, [jobs[first], jobs[second]]);
         assert_eq!(list(1).await, [jobs[first]]);
     }
-    let nobody = Some("nobody".parse().unwrap());
+    let nobody = Some("absent".parse().unwrap());
     let selection = Selection {
         tenant: nobody,
         ..ALL
@@ -436,7 +436,7 @@ async fn the_first_jobs_to_end_are_the_first_to_be_forgotten(store: &Store) {
     assert_eq!(ids(store).await, [unfinished]);
 }
 
-/// What ends after the look at who holds jobs may be held.
+/// Jobs that end after the list of jobs in use may be in use.
 async fn jobs_that_have_ended_since_are_not_forgotten(store: &Store) {
     let before = ended(store, 10).await;
     let since = ended(store, -5).await;

@@ -1,5 +1,4 @@
-//! How a curve or a surface ends, as it is asked for: a word, or an end for each side, which is a word or
-//! has vectors.
+//! Requested ends of a curve or a surface: a word, or an end for each side, which is a word or has vectors.
 
 mod schema;
 
@@ -29,7 +28,7 @@ names!(EndWord, "rule for ends", [
     "natural" => Natural,
 ]);
 
-/// How a direction ends.
+/// The ends of a direction.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct EndsInput {
     start: Option<EndInput>,
@@ -64,7 +63,7 @@ impl<'de> Deserialize<'de> for EndsInput {
     }
 }
 
-/// How a direction of a surface ends; those that are closed are left out.
+/// The end conditions of a direction of a surface; closed directions are left out.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub(crate) struct DirectionEnds(pub Option<EndsInput>);
@@ -91,7 +90,7 @@ impl<'de> Deserialize<'de> for DirectionEnds {
     }
 }
 
-/// How a direction ends on one side.
+/// The end of a direction on one side.
 #[derive(Clone, Debug, PartialEq)]
 enum EndInput {
     Word(EndWord),
@@ -155,7 +154,7 @@ impl Serialize for EndsInput {
     }
 }
 
-/// How ends are written, for the places of mistakes.
+/// The form of ends, for the locations of errors.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct EndsForm {
     /// One word for both sides.
@@ -202,7 +201,7 @@ impl EndsInput {
         }
     }
 
-    /// The ends of a direction as they would be asked for.
+    /// The ends of a direction in the form of a request.
     pub(crate) fn of(ends: &Ends, is_surface: bool) -> Self {
         let side = |end: &End| {
             Some(match end {
@@ -234,7 +233,7 @@ impl EndsInput {
         }
     }
 
-    /// How it is written.
+    /// Its JSON.
     pub(crate) fn form(&self, surface: bool) -> EndsForm {
         let field = |end: &Option<EndInput>| match end {
             Some(EndInput::Vectors(name, _)) => *name,
@@ -247,7 +246,7 @@ impl EndsInput {
         }
     }
 
-    /// The ends that it asks for.
+    /// The ends that it requests.
     pub(super) fn ends(self, axis: Axis, is_surface: bool) -> Result<Ends, Mistake> {
         let side = |end: Option<EndInput>, side| {
             end.map_or(Ok(End::Estimated), |end| end.end((axis, side), is_surface))
@@ -259,7 +258,7 @@ impl EndsInput {
     }
 }
 
-/// Refuses more orders of derivatives than a fit of any degree has, before anything is made of each.
+/// Refuses more orders of derivatives than a fit of any degree has, before each is processed.
 pub(crate) fn check_orders(count: usize) -> Result<(), String> {
     match count > MAX_DEGREE {
         true => Err(format!(

@@ -1,4 +1,4 @@
-//! Numbers of control points: given ones, or as few as will do.
+//! Numbers of control points: given ones, or the fewest for the tolerance.
 
 use schemars::json_schema;
 
@@ -13,7 +13,7 @@ number_or_word!(
     "a number of control points, or \"auto\""
 );
 
-/// What a request can say of the number of control points.
+/// The forms of the number of control points in a request.
 pub(crate) enum ControlPoints {}
 
 schema_of!(ControlPoints, "ControlPointCount", generator => {

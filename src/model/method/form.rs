@@ -1,9 +1,9 @@
-//! How a method is written, and where its settings stand then.
+//! The form of a method in JSON, and the locations of its settings.
 
 use crate::model::per_direction::direction;
 use piad_fit::invalid::Place as P;
 
-/// How a method is written.
+/// The form of a method.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MethodForm {
     /// The directions have a setting each.

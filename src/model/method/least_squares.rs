@@ -1,4 +1,4 @@
-//! The settings of a least-squares fit as they are asked for.
+//! The requested settings of a least-squares fit.
 
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
@@ -21,13 +21,13 @@ use piad_fit::method::{
 };
 
 number_or_word!(
-    /// A multiple of the energy, or `"auto"`: as the noise of the data asks for.
+    /// A multiple of the energy, or `"auto"`: by the noise of the data.
     FairnessInput(f64),
     "auto",
     "a number that is not negative, or \"auto\""
 );
 
-/// What a request can say of fairness.
+/// The forms of fairness in a request.
 pub(crate) enum FairnessSchema {}
 
 schema_of!(FairnessSchema, "Fairness", _generator => json_schema!({
@@ -47,7 +47,7 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ControlPoints>")]
     pub control_points: Option<PerDirection<ControlPointCount>>,
-    /// With control_points `auto`: the most control points. Without it as many as data points.
+    /// With control_points `auto`: the most control points. Default: the number of data points.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<MostControlPoints>")]
     pub max_control_points: Option<PerDirection<Whole>>,
@@ -61,7 +61,7 @@ pub(crate) struct LeastSquaresInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub mu: Option<f64>,
-    /// Whether it passes through its end points at every iteration.
+    /// Interpolation of the end points at every iteration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end_points: Option<EndPointsInput>,
     /// How much each data point counts in the sum of squares: of a curve a list of numbers that are not
@@ -83,24 +83,24 @@ pub(crate) struct LeastSquaresInput {
     )]
     #[schemars(range(min = 2, max = 3), extend("default" = 2))]
     pub fairness_order: Option<usize>,
-    /// Of surfaces: how stiff they are over the spans of knots in which no datum lies, such as holes and
-    /// ragged borders of scans. This multiple of the integral of the squared first derivatives there is
-    /// added, too. Without it 1e-6 if there is `fairness`, otherwise 0.
+    /// Of surfaces: the stiffness over the spans of knots in which no datum lies, such as holes and ragged borders of
+    /// scans. This multiple of the integral of the squared first derivatives there is added, too. Without it 1e-6 if
+    /// there is `fairness`, otherwise 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
     pub gap_stiffness: Option<f64>,
-    /// Of curves and scattered points: points that are far from where their neighbours lead are left out. They are listed as
-    /// `outliers`. Default: `false`.
+    /// Of curves and scattered points: points that are far from where their neighbours predict them are left out. They
+    /// are listed as `outliers`. Default: `false`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub robust: Option<bool>,
-    /// What every iteration obeys: points to pass through and derivatives.
+    /// Constraints of every iteration: points to pass through and derivatives.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Vec<ConstraintInput>>", length(min = 1, max = MOST_CONDITIONS))]
     pub(crate) constraints: Option<AtMost<ConstraintInput, MOST_CONDITIONS>>,
 }
 
 impl LeastSquaresInput {
-    /// How they are written.
+    /// Their form.
     pub(super) fn form(&self) -> MethodForm {
         let most = self.max_control_points;
         MethodForm {
@@ -189,7 +189,7 @@ impl LeastSquaresInput {
         Ok((u, v, None))
     }
 
-    /// Settings that are not the usual ones, as they would be asked for.
+    /// Settings that are not defaults, in the form of a request.
     pub(crate) fn of(settings: &LeastSquares, grid: Grid, surface: bool) -> Self {
         let counts = match surface {
             false => PerDirection::Both(Whole(settings.u)),
@@ -249,7 +249,7 @@ names!(VariantKind, "variant of the method least_squares", [
     "direct" => Direct,
 ]);
 setting!(
-    /// The end points as they are asked for.
+    /// The requested choice of end points.
     EndPointsInput(EndPoints), "choice of end points of the method least_squares", [
     "interpolated" => Interpolated,
     "free" => Free,
@@ -270,6 +270,6 @@ schema_of!(
     EndPointsInput,
     "LeastSquaresEnds",
     schema_of_names::<Self>(
-        "Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others."
+        "How a least-squares fit treats its end points, which are the first and the last data point of an open curve and the corners of an open surface: it passes through them, or (`free`) they are data points like others."
     )
 );

@@ -1,7 +1,7 @@
-//! Methods as they are asked for, and what they are for a fit.
+//! Requested methods, and their form for a fit.
 //!
 //! - `settings`: their settings; `least_squares`: those of least squares, with `constraint` and `counts`;
-//! - `choice`: what they are for a fit; `form`: where their settings stand; `schema`: their schema.
+//! - `choice`: their form for a fit; `form`: the locations of their settings; `schema`: their schema.
 
 mod choice;
 mod constraint;
@@ -36,7 +36,7 @@ pub(crate) use settings::{
     WeightedInput,
 };
 
-/// How the control points move from iteration to iteration.
+/// The rule by which the control points move from iteration to iteration.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub(crate) enum MethodInput {
@@ -171,7 +171,7 @@ impl MethodInput {
         Ok(method.into())
     }
 
-    /// The method of a problem as it would be asked for.
+    /// The method of a problem in the form of a request.
     pub(in crate::model) fn of(request: &Request) -> Self {
         let (grid, surface) = (request.grid, request.v.is_some());
         match &request.method {
@@ -191,7 +191,7 @@ impl MethodInput {
         }
     }
 
-    /// How it is written.
+    /// Its form.
     pub(crate) fn form(&self) -> MethodForm {
         match self {
             Self::LeastSquares(settings) => settings.form(),

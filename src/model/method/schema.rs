@@ -13,7 +13,7 @@ use super::{
 use crate::model::schema;
 use piad_fit::method::METHODS;
 
-/// One object with the settings of all methods, each of which says to which it belongs: generated
+/// One object with the settings of all methods, each with its methods in the description: generated
 /// clients have one type for it.
 impl JsonSchema for MethodInput {
     fn schema_name() -> Cow<'static, str> {

@@ -1,4 +1,4 @@
-//! The settings of methods as they are asked for, and what they are for a fit.
+//! Requested settings of methods, and their form for a fit.
 
 use std::sync::Arc;
 
@@ -66,11 +66,11 @@ pub(crate) struct AdaptiveInput {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ExtendedInput {
-    /// What iteration 0 is.
+    /// The start of the iteration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<StartInput>,
-    /// Whether each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a
-    /// control point moves in the next one.
+    /// True if each iteration also reports the largest length of U Δ, as `error.transformed`: how far a control point
+    /// moves in the next one.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub transformed_error: Option<bool>,
@@ -96,13 +96,13 @@ pub(crate) struct CustomInput {
 }
 
 setting!(
-    /// A start as it is asked for.
+    /// A requested start.
     StartInput(Start), "start of the method extended", [
     "transformed" => Transformed,
     "data" => Data,
 ]);
 setting!(
-    /// Sweeps as they are asked for.
+    /// Requested sweeps.
     SweepsInput(Sweeps), "kind of sweeps", [
     "rows" => Rows,
     "columns" => Columns,
@@ -175,7 +175,7 @@ impl ConvexInput {
 impl LocalInput {
     pub(super) fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
         let selected = self.indices.map(|mut given| {
-            // Among more than there are points one is wrong, or given twice.
+            // If there are more indices than points, one is invalid, or given twice.
             given.truncate(grid.count().saturating_add(1));
             let of_point = |(k, index): (usize, Index)| {
                 let wrong = |detail| Mistake::at(SpecPart::Fit(P::Index(k)), detail);
@@ -279,7 +279,7 @@ fn matrix(rows: &[Vec<f64>]) -> Matrix {
     AtMost(rows.iter().cloned().map(AtMost).collect())
 }
 
-/// A setting is missing.
+/// The error for a missing setting.
 fn incomplete<T>(detail: &str) -> OrMistakes<T> {
     Err(Mistake::at(SpecPart::Fit(P::Method), detail).into())
 }

@@ -1,4 +1,4 @@
-//! How far the directions of explicit parameters go.
+//! The extents of the directions of explicit parameters.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,23 +7,23 @@ use serde_json::json;
 use crate::model::either::object;
 use piad_fit::parameters::Domain;
 
-/// How far the directions of pairs go that do not end at the data.
+/// The extents of the directions of pairs, if these do not end at the data.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "ParameterDomains")]
 #[schemars(example = json!({"u": {"period": 94.2}}))]
 pub(super) struct Domains {
-    /// That of u; without it from the least to the largest parameter.
+    /// The extent of u; default: from the least to the largest parameter.
     #[serde(skip_serializing_if = "Option::is_none")]
     u: Option<DomainInput>,
-    /// That of v.
+    /// The extent of v.
     #[serde(skip_serializing_if = "Option::is_none")]
     v: Option<DomainInput>,
 }
 
 object!(Domains, "an object with u or v");
 
-/// How far a direction goes: a period, or both ends.
+/// The extent of a direction: a period, or both ends.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "ParameterDomain")]
@@ -32,10 +32,11 @@ pub(super) struct DomainInput {
     /// The direction is closed, and repeats after this length.
     #[serde(skip_serializing_if = "Option::is_none")]
     period: Option<f64>,
-    /// Where the direction begins and ends.
+    /// The ends of the direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     ends: Option<[f64; 2]>,
-    /// Of v: which ends are poles, at which all control points are one. With `control_points` "auto".
+    /// Of v: the ends that are poles, at which all control points coincide. With `control_points`
+    /// "auto".
     #[serde(skip_serializing_if = "Option::is_none")]
     poles: Option<[bool; 2]>,
 }

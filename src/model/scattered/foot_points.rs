@@ -11,8 +11,8 @@ use piad_fit::data::Points;
 use piad_fit::geometry::{Nurbs, foot_points};
 use piad_fit::parameters::Scattered;
 
-/// The surface of another job, for foot points: the nearest points of it. They are found once, when the
-/// new job is made.
+/// The surface of another job, for foot points: the nearest points of it. They are computed once, when the new job is
+/// created.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "FootPointsRequest")]
@@ -38,7 +38,7 @@ pub(in crate::model) fn on_surface(
     }
 }
 
-/// What is wrong where other jobs are not looked for.
+/// The error where other jobs are not available.
 pub fn no_base() -> Mistake {
     Mistake::at(SpecPart::FootPoints, "other jobs are not known here")
 }

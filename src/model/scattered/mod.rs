@@ -1,4 +1,4 @@
-//! The parameters of a surface as they are asked for: of points in a grid, or of scattered ones.
+//! The requested parameters of a surface: of points in a grid, or of scattered ones.
 
 mod domains;
 mod foot_points;
@@ -34,15 +34,15 @@ use projection::{Projection, ProjectionSurface};
 /// The parameters of the data points of a surface.
 #[derive(Clone, Debug)]
 pub(crate) enum SurfaceParameters {
-    /// Those of the rows and columns of a grid.
+    /// Parameters of the rows and columns of a grid.
     Grid(PerDirection<ParametersInput>),
-    /// Those of scattered points, as they are given, or from a plane.
+    /// Given parameters of scattered points, or those from a plane.
     Scattered(Scattered),
-    /// Those of the foot points of scattered points on the surface of another job.
+    /// Parameters of the foot points of scattered points on the surface of another job.
     FootPoints(FootPoints),
 }
 
-/// How the vertices of a mesh get their parameters.
+/// The rule for the parameters of the vertices of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshUnfoldingInput {
     Auto,
@@ -64,7 +64,7 @@ impl From<MeshUnfoldingInput> for MeshUnfolding {
 }
 
 impl SurfaceParameters {
-    /// Those of rows and of columns, one by one.
+    /// The parameters of rows and of columns, one by one.
     pub(crate) fn of_lines(lines: [Vec<f64>; 2]) -> Self {
         let [u, v] = lines.map(|it| ParametersInput(Parametrization::Explicit(Arc::new(it))));
         Self::Grid(PerDirection::Each { u, v })
@@ -198,11 +198,11 @@ impl<'de> Visitor<'de> for ParametersVisitor {
     }
 }
 
-/// What is wrong with parameters that have several rules.
+/// The error for parameters with several rules.
 const ONE_OF: &str =
     "parameters are u and v, or project, or pairs, or sections, or triangles, or foot_points";
 
-/// What parameters may have as an object.
+/// The fields of parameters as an object.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Each {

@@ -1,9 +1,10 @@
-//! What is reported of parameters that the fit has chosen.
+//! Notices about parameters that the fit has chosen.
 
 use piad_fit::engine::Problem;
 use piad_fit::parameters::{CoordinatePlane, Cylinder, FoldedTriangles, Scattered, Sphere};
 
-/// What is said of parameters that a fit has chosen, and of triangles of a mesh that these turn over.
+/// Notices about parameters that a fit has chosen, and about triangles of a mesh that these turn
+/// over.
 pub(crate) fn notices(problem: &Problem) -> Vec<String> {
     let Some(chosen) = problem.chosen_parameters() else {
         return Vec::new();

@@ -25,7 +25,7 @@ names!(ProjectionSurface, "projection", [
     "yz" => Yz,
 ]);
 
-/// A projection with what is known of its surface.
+/// A projection with the given parts of its surface.
 #[derive(Deserialize, Serialize)]
 pub(super) struct Projection {
     pub(super) project: ProjectionSurface,
@@ -36,7 +36,7 @@ pub(super) struct Projection {
 }
 
 impl Projection {
-    /// The rule, or what is given that it does not have.
+    /// The rule, or the error for a part that it does not have.
     pub(super) fn rule(self) -> Result<Scattered, &'static str> {
         use ProjectionSurface as S;
         let Self {
@@ -56,7 +56,7 @@ impl Projection {
         })
     }
 
-    /// That of a rule; `None` of pairs, of `auto` and of a mesh.
+    /// The projection of a rule; `None` for pairs, `auto` and meshes.
     pub(super) fn of(rule: &Scattered) -> Option<Self> {
         use ProjectionSurface as S;
         let (project, axis, center) = match *rule {

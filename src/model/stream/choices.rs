@@ -1,12 +1,12 @@
-//! Who has chosen what of a stream: the one who asks for it, or the job for all of its streams; and
-//! which choices do not go together.
+//! The source of each choice of a stream: its request, or the job for all of its streams; and
+//! combinations that are not allowed.
 
 use super::{Choice, StreamSpec};
 use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::named::Named;
 use piad_files::short::plain;
 
-/// Where a choice was made.
+/// The source of a choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum By {
     /// By the request for the stream.
@@ -15,7 +15,7 @@ enum By {
     Job,
 }
 
-/// What is wrong with a choice of the request for a stream, or of the job.
+/// An error of a choice, of the request for a stream or of the job.
 #[derive(Debug)]
 pub struct ChoiceMistake {
     by: By,
@@ -26,7 +26,7 @@ pub struct ChoiceMistake {
 }
 
 impl ChoiceMistake {
-    /// A mistake of the request for a stream.
+    /// An error of the request for a stream.
     pub fn of_request(choice: Choice, detail: impl Into<String>) -> Self {
         Self {
             by: By::Request,
@@ -36,13 +36,13 @@ impl ChoiceMistake {
         }
     }
 
-    /// The choice and why it is wrong, if the request for the stream has made it.
+    /// The choice and the reason, if the request for the stream has made it.
     pub fn by_request(&self) -> Option<(Choice, &str)> {
         (self.by == By::Request).then_some((self.choice, self.detail.as_str()))
     }
 }
 
-/// A mistake of the job.
+/// An error of the job.
 impl From<ChoiceMistake> for Mistake {
     fn from(mistake: ChoiceMistake) -> Self {
         let place = SpecPart::Stream(mistake.choice, mistake.index);
@@ -50,14 +50,14 @@ impl From<ChoiceMistake> for Mistake {
     }
 }
 
-/// The choices of a request and those of the job. Where both have chosen, the request wins.
+/// The choices of a request and those of the job. The request overrides the job.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Choices<'a> {
     request: &'a StreamSpec,
     job: Option<&'a StreamSpec>,
 }
 
-/// Two choices of which one rules out the other: whether they were made, and why not both.
+/// Two choices that exclude each other: whether they were made, and the reason.
 pub(super) type Conflict = (bool, Choice, Choice, &'static str);
 
 impl<'a> Choices<'a> {
@@ -65,23 +65,23 @@ impl<'a> Choices<'a> {
         Self { request, job }
     }
 
-    /// What was chosen.
+    /// The choice that was made.
     pub(super) fn get<T>(self, of: impl Fn(&'a StreamSpec) -> Option<T>) -> Option<T> {
         of(self.request).or_else(|| self.job.and_then(of))
     }
 
-    /// Who has made a choice, and what it is.
+    /// The source of a choice, and its value.
     fn made(self, choice: Choice) -> Option<(By, String)> {
         let request = self.request.text(choice).map(|text| (By::Request, text));
         request.or_else(|| Some((By::Job, self.job?.text(choice)?)))
     }
 
-    /// What is wrong with a choice that was made.
+    /// The error of a choice that was made.
     pub(super) fn mistake(self, choice: Choice, detail: impl Into<String>) -> ChoiceMistake {
         self.mistake_at(choice, None, detail)
     }
 
-    /// What is wrong with an element of a choice that was made.
+    /// The error of an element of a choice that was made.
     pub(super) fn mistake_at(
         self,
         choice: Choice,
@@ -96,14 +96,14 @@ impl<'a> Choices<'a> {
         }
     }
 
-    /// Whether the job has made a choice, and the request has chosen `other`.
+    /// Returns true if the job has made a choice, and the request has chosen `other`.
     pub(super) fn is_default_for(self, choice: Choice, other: Choice) -> bool {
         let by = |choice| self.made(choice).map(|(by, _)| by);
         by(choice) == Some(By::Job) && by(other) == Some(By::Request)
     }
 
-    /// Refuses choices that do not go together. What the request says is to blame before what the job
-    /// says.
+    /// Refuses choices that exclude each other. The error blames a choice of the request before one
+    /// of the job.
     pub(super) fn refuse(self, conflicts: &[Conflict]) -> Result<(), ChoiceMistake> {
         let Some(&(_, one, other, why)) = conflicts.iter().find(|(both, ..)| *both) else {
             return Ok(());
@@ -132,7 +132,7 @@ impl<'a> Choices<'a> {
     }
 }
 
-/// The value that a choice has if nobody makes it.
+/// The default value of a choice.
 fn usual(choice: Choice) -> &'static str {
     match choice {
         Choice::View => "control_points",

@@ -1,4 +1,4 @@
-//! The form in which an iteration is shown: what of it, and how its numbers are written.
+//! The form of an iteration: its view, and the encoding of its numbers.
 
 use std::sync::Arc;
 
@@ -23,20 +23,20 @@ const SURFACE_SAMPLES: Grid = Grid {
 /// far below the largest number of 32 bits, 3.4e38.
 const LARGEST_F32: f64 = 1e35;
 
-/// What to show of an iteration.
+/// The view of an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum View {
     /// The complete control net.
     ControlPoints,
     /// The control points that have moved since the iteration before.
     Changed,
-    /// Points of the curve or surface, so many in each direction.
+    /// Points of the curve or surface, this many in each direction.
     Samples(Grid),
     /// The distances from the data alone.
     Errors,
 }
 
-/// How arrays of numbers are written.
+/// The encoding of arrays of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
     /// Lists of numbers.
@@ -52,13 +52,13 @@ pub(crate) enum Encoding {
 /// The form of an iteration on the wire.
 #[derive(Clone, Debug)]
 pub(crate) struct Form {
-    /// What is shown.
+    /// The view.
     pub view: View,
-    /// How arrays of numbers are written.
+    /// The encoding of arrays of numbers.
     pub encoding: Encoding,
-    /// How many digits coordinates have.
+    /// The precision of coordinates.
     pub digits: Digits,
-    /// Whether fits that choose their knots by themselves tell them.
+    /// True if fits that choose their knots report them.
     pub knots: bool,
     key: Arc<str>,
 }
@@ -80,7 +80,7 @@ impl Form {
         let view = view(choices, surface)?;
         let encoding = match choices.get(|spec| spec.encoding) {
             None | Some(chosen::Encoding::Json) => Encoding::Json,
-            // That of complete events.
+            // The form of complete events.
             Some(chosen::Encoding::Base64 | chosen::Encoding::Delta) => Encoding::Base64,
             Some(chosen::Encoding::Base64F32) => Encoding::Base64F32,
         };
@@ -112,7 +112,7 @@ impl Form {
         Ok(Self::new(view, encoding, digits))
     }
 
-    /// What tells this form from others: what is made in one form is shared by all who want it.
+    /// Identifies the form: content made in one form is shared by all readers of that form.
     pub(crate) fn key(&self) -> &Arc<str> {
         &self.key
     }
@@ -132,7 +132,7 @@ impl Form {
         Self::new(self.view, Encoding::Protobuf, Digits::Full)
     }
 
-    /// Whether it is a protobuf message.
+    /// Returns true if it is a protobuf message.
     pub(crate) fn is_protobuf(&self) -> bool {
         self.encoding == Encoding::Protobuf
     }
@@ -143,7 +143,7 @@ impl Form {
         if self.knots { full.with_knots() } else { full }
     }
 
-    /// The same with the knots of fits that choose them by themselves.
+    /// The same with the knots of fits that choose them.
     pub(crate) fn with_knots(&self) -> Self {
         Self {
             knots: true,
@@ -171,7 +171,7 @@ fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
                 choices.mistake(Choice::Samples, not_samples(&samples.to_string(), surface))
             })
         }
-        // A number of samples that the job sets is for those who choose this view.
+        // A number of samples that the job sets applies only to this view.
         (_, Some(_)) if choices.is_default_for(Choice::Samples, Choice::View) => Ok(view),
         (_, Some(_)) => {
             let detail = "it is given, but the view is not samples: add view=samples";
@@ -180,7 +180,7 @@ fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
     }
 }
 
-/// Refuses numbers of 32 bits, where they are chosen, that have no room for the data.
+/// Refuses 32-bit numbers that cannot hold the data.
 pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(), ChoiceMistake> {
     if choices.get(|spec| spec.encoding) != Some(chosen::Encoding::Base64F32) {
         return Ok(());

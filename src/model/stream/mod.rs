@@ -1,6 +1,7 @@
-//! What the event streams of a job are like, as far as a client says it.
+//! Options of the event streams of a job.
 //!
-//! - [`options`]: how a stream goes; [`form`]: what is shown of an iteration; [`choices`]: who has chosen it;
+//! - [`options`]: the resolved options of a stream; [`form`]: the form of an iteration; [`choices`]: the source of each
+//!   choice;
 //! - `words`, `samples`: its choices; `schema`: the schemas of these.
 
 pub(crate) mod choices;
@@ -24,16 +25,16 @@ pub(crate) use words::{Choice, Describe, Digits, Encoding, OnDisconnect, Pace, V
 /// The most milestones of a stream.
 pub(crate) const MOST_MILESTONES: usize = 100;
 
-/// What the event streams of a job are like if they do not say it themselves. Some choices rule others out.
+/// The default options of the event streams of a job. Some choices exclude others.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "StreamDefaults")]
 #[schemars(extend("examples" = [{"view": "samples", "samples": 200, "every": 5}]))]
 pub struct StreamSpec {
-    /// What the events show.
+    /// The view of the events.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<View>,
-    /// How many samples they have; with the view `samples`.
+    /// The number of samples; with the view `samples`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<Samples>,
     /// Only iterations that are multiples of this number, and the last.
@@ -53,23 +54,23 @@ pub struct StreamSpec {
     #[schemars(with = "Option<Vec<Milestone>>", length(max = MOST_MILESTONES))]
     #[schemars(extend("default" = []))]
     pub milestones: Option<Vec<f64>>,
-    /// What a client gets that is slower than the fit.
+    /// The iterations for a client that is slower than the fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pace: Option<Pace>,
     /// After a first complete event only control points that moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = false))]
     pub changed: Option<bool>,
-    /// What the `job` event says of the job.
+    /// The contents of the `job` event.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub describe: Option<Describe>,
-    /// How arrays of numbers are written.
+    /// The encoding of arrays of numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub encoding: Option<Encoding>,
-    /// How many digits coordinates have.
+    /// The precision of coordinates.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub digits: Option<Digits>,
-    /// What becomes of the job when its client goes away.
+    /// What happens to the job when its client disconnects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_disconnect: Option<OnDisconnect>,
 }

@@ -1,4 +1,4 @@
-//! How a stream goes, after the choices of the request for it and those of its job.
+//! The options of a stream, from the choices of its request and those of its job.
 
 use super::choices::{ChoiceMistake, Choices};
 use super::form::{self, Encoding, Form, View};
@@ -9,14 +9,14 @@ use crate::model::mistakes::Mistake;
 use piad_files::short::quoted;
 use piad_fit::engine::Problem;
 
-/// How a stream goes.
+/// The options of a stream.
 #[derive(Clone, Debug)]
 pub(crate) struct StreamOptions {
-    /// What each event shows.
+    /// The view of each event.
     pub form: Form,
-    /// What events show instead once the client has complete control points.
+    /// The view once the client has complete control points.
     pub changes: Option<Form>,
-    /// Events say by how much numbers differ from those that the client has.
+    /// True if events are differences from the client's numbers.
     pub deltas: bool,
     /// The `job` event has knots, parameters and fixed weights.
     pub describes: bool,
@@ -31,8 +31,8 @@ pub(crate) struct StreamOptions {
 }
 
 impl StreamOptions {
-    /// The options of a stream of a curve or a surface of JSON events or of `protobuf`
-    /// messages. What `request` does not say, `job` says for all of its streams.
+    /// The options of a stream of a curve or a surface of JSON events or of `protobuf` messages. `job` has the defaults
+    /// of `request`.
     pub(crate) fn new(
         request: &StreamSpec,
         job: Option<&StreamSpec>,
@@ -43,7 +43,7 @@ impl StreamOptions {
             return Self::of(Choices::new(request, job), surface);
         }
         refuse_numbers(request)?;
-        // How numbers are written in JSON is of no interest, whatever the job says of it.
+        // The encoding of numbers in JSON does not apply to protobuf.
         let encoding = Choices::new(request, job).get(|spec| spec.encoding);
         let request = StreamSpec {
             encoding: match encoding {
@@ -61,8 +61,8 @@ impl StreamOptions {
         })
     }
 
-    /// The options of a stream of a job that another request has made: it shows the job, and does not end
-    /// it, whatever the job says of its own stream.
+    /// The options of a stream of a job that another request has created: it shows the job, and does not end it,
+    /// whatever the job's own options.
     pub(crate) fn of_reader(
         request: &StreamSpec,
         job: Option<&StreamSpec>,
@@ -97,10 +97,10 @@ impl StreamOptions {
         Ok(options)
     }
 
-    /// Refuses what does not go together.
+    /// Refuses options that exclude each other.
     fn check(&self, choices: Choices<'_>) -> Result<(), ChoiceMistake> {
         const COMPLETE: &str =
-            "what has changed is said from each iteration to the next, so none may be left out";
+            "changes are reported from each iteration to the next, so none can be skipped";
         let changed = self.changes.is_some();
         let some = self.every > 1;
         let selects = !self.milestones.is_empty();
@@ -159,14 +159,14 @@ impl StreamOptions {
 }
 
 impl StreamSpec {
-    /// Checks that the streams of a job with a curve or a surface can go like that.
+    /// Checks that the stream options of a job suit a curve or a surface.
     pub fn check(&self, surface: bool) -> Result<(), Mistake> {
         let request = Self::default();
         StreamOptions::of(Choices::new(&request, Some(self)), surface)?;
         Ok(())
     }
 
-    /// Checks that numbers of 32 bits, where they are asked for, have room for the data of a job.
+    /// Checks that the data of a job fit in numbers of 32 bits, if requested.
     pub fn check_range(&self, problem: &Problem) -> Result<(), Mistake> {
         Ok(check_range(&Self::default(), Some(self), problem)?)
     }
@@ -187,7 +187,7 @@ pub(crate) fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, 
     Ok(json_form(request, surface)?.in_protobuf())
 }
 
-/// Checks that numbers of 32 bits, where they are asked for, have room for the data.
+/// Checks that the data fit in numbers of 32 bits, if requested.
 pub(crate) fn check_range(
     request: &StreamSpec,
     job: Option<&StreamSpec>,
@@ -196,7 +196,7 @@ pub(crate) fn check_range(
     form::check_range(Choices::new(request, job), problem)
 }
 
-/// Messages have no choice of how numbers are written.
+/// Messages have no choice of number encoding.
 fn refuse_numbers(request: &StreamSpec) -> Result<(), ChoiceMistake> {
     let written = |encoding: &chosen::Encoding| *encoding != chosen::Encoding::Delta;
     let given = [
@@ -222,7 +222,7 @@ fn every(choices: Choices<'_>) -> Result<usize, ChoiceMistake> {
     }
 }
 
-/// Why a text does not say every how many iterations are shown.
+/// The error for an invalid `every`.
 pub(crate) fn not_positive(text: &str) -> String {
     format!("{} is no positive whole number", quoted(text))
 }
@@ -249,7 +249,7 @@ fn milestones(choices: Choices<'_>) -> Result<Vec<f64>, ChoiceMistake> {
     Ok(milestones.clone())
 }
 
-/// Why a text is no milestone.
+/// The error for an invalid milestone.
 pub(crate) fn no_milestone(text: &str) -> String {
     format!("{} is no positive finite number", quoted(text))
 }

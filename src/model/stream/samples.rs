@@ -12,13 +12,12 @@ use piad_fit::data::Grid;
 /// The most points that are sampled.
 pub(crate) const MOST_SAMPLES: usize = 1_000_000;
 
-/// A number of samples, as it was asked for: of a curve one number, of a surface one for each
-/// direction.
+/// A requested number of samples: of a curve one number, of a surface one for each direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Samples {
-    /// So many points of a curve.
+    /// This many points of a curve.
     Count(usize),
-    /// So many rows and columns of points of a surface.
+    /// This many rows and columns of points of a surface.
     Grid(usize, usize),
 }
 
@@ -47,7 +46,7 @@ impl Samples {
     }
 }
 
-/// As it is written: `200` or `40x40`.
+/// Its text: `200` or `40x40`.
 impl fmt::Display for Samples {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -98,7 +97,7 @@ impl<'de> Deserialize<'de> for Samples {
     }
 }
 
-/// Why a text is no number of samples of a curve or a surface.
+/// The error for an invalid number of samples of a curve or a surface.
 pub(crate) fn not_samples(text: &str, surface: bool) -> String {
     let form = match surface {
         false => "200 for a curve",

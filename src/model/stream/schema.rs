@@ -1,4 +1,4 @@
-//! The schemas of what streams are like.
+//! The schemas of stream options.
 
 use schemars::json_schema;
 
@@ -6,7 +6,7 @@ use super::samples::{MOST_SAMPLES, Samples};
 use super::words::{Describe, Digits, Encoding, OnDisconnect, Pace, View};
 use crate::model::schema::{names, schema_of};
 
-/// How a number of samples of a surface is written.
+/// The pattern of a number of samples of a surface.
 pub(crate) const SAMPLE_GRID: &str = "^[1-9][0-9]{0,5}x[1-9][0-9]{0,5}$";
 
 /// A distance to be reached.

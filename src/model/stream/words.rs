@@ -3,7 +3,7 @@
 use crate::model::named::named;
 
 named!(
-    /// What is shown of an iteration.
+    /// The view of an iteration.
     View, "choice" {
         /// Its complete control points.
         ControlPoints = "control_points",
@@ -15,7 +15,7 @@ named!(
 );
 
 named!(
-    /// How arrays of numbers are written in JSON.
+    /// The encoding of arrays of numbers in JSON.
     Encoding, "choice" {
         /// Lists of numbers.
         Json = "json",
@@ -29,7 +29,7 @@ named!(
 );
 
 named!(
-    /// How many digits coordinates have in JSON.
+    /// The precision of coordinates in JSON.
     Digits, "choice" {
         /// All.
         Full = "full",
@@ -39,7 +39,7 @@ named!(
 );
 
 named!(
-    /// What a client gets that is slower than the fit.
+    /// The iterations for a client that is slower than the fit.
     Pace, "choice" {
         /// All iterations.
         All = "all",
@@ -49,17 +49,17 @@ named!(
 );
 
 named!(
-    /// What becomes of a job when the client of its stream goes away.
+    /// What happens to a job when the client of its stream disconnects.
     OnDisconnect, "choice" {
-        /// It goes on.
+        /// The job continues.
         Continue = "continue",
-        /// It is cancelled.
+        /// The job is cancelled.
         Cancel = "cancel",
     }
 );
 
 named!(
-    /// What the `job` event says of the job.
+    /// The contents of the `job` event.
     Describe, "choice" {
         /// All.
         Full = "full",

@@ -318,7 +318,7 @@ async fn errors_name_the_fields_that_are_wrong() {
                 ..moved(&[1], &[0.0; 3])
             },
             "edit.ephemeral",
-            "ask for a stream",
+            "exists only as a stream",
         ),
     ] {
         let status = client.edit_job(edit(message)).await.unwrap_err();

@@ -1,11 +1,11 @@
-//! B-splines of plain data, such as the JSON of a result, checked.
+//! B-splines from plain data, such as the JSON of a result, with validation.
 
 use thiserror::Error;
 
 use super::nurbs::{KnotVector, Nurbs};
 use piad_fit::data::Points;
 
-/// The largest difference of control points that are the same, as a fraction of the size of them all.
+/// The largest difference between coinciding control points, as a fraction of the size of the net.
 const SAME: f64 = 1e-9;
 
 /// The highest degree: that of fits.
@@ -19,19 +19,19 @@ pub struct DirectionData {
     /// The complete knots, one more than control points and degree together; `None` of a Bézier curve (the basis
     /// `bernstein`): 0 and 1, each one more than the degree times.
     pub knots: Option<Vec<f64>>,
-    /// True if the direction returns to its start. Then either its knots are those of a period, continued by the
-    /// degree on both sides, and its last control points repeat the first ones, as many as the degree; or its knots
-    /// are clamped and its last control point is the first one.
+    /// True if the direction returns to its start. Then either its knots are those of a period, continued by the degree
+    /// on both sides, and its last `degree` control points repeat the first ones; or its knots are clamped and its last
+    /// control point is the first one.
     pub closed: bool,
 }
 
-/// Why plain data are no B-spline.
+/// Why plain data are not a B-spline.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("{field}: {detail}")]
 pub struct InvalidNurbs {
-    /// What is wrong: `degree`, `knots`, `control_points`, `weights` or `closed`, of surfaces with `.u` or `.v`.
+    /// The field: `degree`, `knots`, `control_points`, `weights` or `closed`, of surfaces with `.u` or `.v`.
     pub field: String,
-    /// What is wrong with it.
+    /// The reason.
     pub detail: String,
 }
 
@@ -42,7 +42,7 @@ pub struct InvalidNurbs {
 ///
 /// # Errors
 ///
-/// What is wrong first, with its field.
+/// The first error, with its field.
 pub fn assemble(
     u: DirectionData,
     v: Option<DirectionData>,
@@ -206,7 +206,7 @@ fn check_closing(nurbs: &Nurbs, axes: [&str; 2]) -> Result<(), InvalidNurbs> {
     Ok(())
 }
 
-/// How many control points of a closed direction are there again at its end.
+/// The number of control points of a closed direction that are repeated at its end.
 fn repeated(knots: &KnotVector) -> Option<usize> {
     let count = if knots.is_periodic() { knots.degree } else { 1 };
     (knots.closed && count < knots.count()).then_some(count)

@@ -1,4 +1,4 @@
-//! How far the curve or surface is from each data point at its parameters.
+//! Distances of the curve or surface from the data points at their parameters.
 
 use super::nurbs::{KnotVector, Nurbs};
 use piad_fit::data::Grid;
@@ -6,7 +6,7 @@ use piad_fit::engine::nurbs::SpanParameter;
 use piad_fit::engine::vectors::{in_space, length, minus};
 use piad_fit::engine::{Direction, Problem};
 
-/// The most data points at which the distance is computed; of more, some rows and columns are left out.
+/// The most data points whose distance is computed; of more, some rows and columns are left out.
 pub const MOST_MEASURED: usize = 1 << 18;
 
 /// The most multiplications for the points of scattered data, which have no rows to share.
@@ -24,7 +24,7 @@ pub(super) struct Deviations {
     pub(super) u: Vec<f64>,
     /// Empty for curves.
     pub(super) v: Vec<f64>,
-    /// The points have parameters of their own, instead of rows and columns.
+    /// Each point has its own parameters, instead of a row and a column.
     pub(super) scattered: bool,
 }
 

@@ -1,5 +1,4 @@
-//! What the writers of all formats get: the curves and surfaces of a file with their names, and what the file
-//! says of itself.
+//! The input of all writers: the curves and surfaces of a file with their names, and its metadata.
 
 use std::borrow::Cow;
 
@@ -17,16 +16,16 @@ use piad_fit::geometry::Outline;
 pub(super) struct Document<'a> {
     /// The name of the file, or of its only curve or surface.
     pub(super) title: Cow<'a, str>,
-    /// What it holds, in one line of ASCII.
+    /// A description in one line of ASCII.
     pub(super) description: String,
     /// The time of creation.
     pub(super) created: Timestamp,
-    /// What was chosen about the file.
+    /// The options of the file.
     pub(super) options: Options,
     /// The curves and surfaces, at least one.
     pub(super) shapes: Vec<Shape<'a>>,
-    /// True if shapes are parts with names of their own, in formats that have such names. The title of the only
-    /// shape of a fit names the whole file.
+    /// True if shapes are parts with their own names, in formats that have such names. The title of the only shape of a
+    /// fit names the whole file.
     pub(super) has_parts: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Why a curve or surface cannot be written.
+//! Errors of writing a curve or surface.
 
 use std::fmt;
 
@@ -16,7 +16,7 @@ pub enum ExportError {
          export csv, or fit points that have their argument as a coordinate; give heights a spacing"
     )]
     OneCoordinate {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// Points with more coordinates than those of space.
@@ -25,9 +25,9 @@ pub enum ExportError {
          export csv or json"
     )]
     ManyCoordinates {
-        /// The format asked for.
+        /// The number of coordinates.
         format: Format,
-        /// How many coordinates there are.
+        /// The number of coordinates.
         dimension: usize,
     },
     /// Rational B-splines need positive weights.
@@ -41,13 +41,13 @@ pub enum ExportError {
         /// Its weight.
         weight: f64,
     },
-    /// CAD systems do not load files of such a degree.
+    /// CAD systems do not load files with such a degree.
     #[error(
         "the degree is {degree}, and CAD systems read curves and surfaces up to degree {most} from {format} files: \
          fit B-splines, or export another format"
     )]
     Degree {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The degree.
         degree: usize,
@@ -57,19 +57,19 @@ pub enum ExportError {
     /// A coordinate is infinite or NaN.
     #[error("coordinate {coordinate} of {what} {place} is {value}, and files hold finite numbers")]
     NotFinite {
-        /// What has the coordinate: a control point or a sample.
+        /// A control point or a sample.
         what: &'static str,
-        /// Which of them.
+        /// Its index.
         place: NetIndex,
         /// The coordinate, counted from 0.
         coordinate: usize,
         /// Its value.
         value: f64,
     },
-    /// A unit was chosen for a format without one.
+    /// A unit was chosen for a format without units.
     #[error("{format} files have {}; step and iges files have a unit to choose", unit_of(*format))]
     NoUnit {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// A curve has no triangles.
@@ -77,7 +77,7 @@ pub enum ExportError {
         "{format} files hold the triangles of surfaces, and a curve has none: export dxf, gltf or step"
     )]
     NoTriangles {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// An edge of a trimmed surface is a point.
@@ -86,7 +86,7 @@ pub enum ExportError {
          export gltf, stl or ply"
     )]
     TrimmedAtPole {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// A trimmed surface has no rows and columns.
@@ -94,7 +94,7 @@ pub enum ExportError {
         "{format} files hold surfaces as meshes of rows and columns, and a trimmed one has none: export step, gltf or stl"
     )]
     Trimmed {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// The loops of a trimmed surface cross where they are sampled.
@@ -105,9 +105,9 @@ pub enum ExportError {
     /// A surface is no line.
     #[error("{format} {what}, and a surface is none: export {instead}")]
     NoLine {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
-        /// What files of the format hold.
+        /// The contents of files of the format.
         what: &'static str,
         /// Formats that hold surfaces.
         instead: &'static str,
@@ -118,10 +118,10 @@ pub enum ExportError {
          origin (longitude and latitude), which the coordinates are metres to the east and north of, or export geojson"
     )]
     NoOrigin {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
-    /// The origin is no place.
+    /// The origin is not a place on the earth.
     #[error(
         "the origin has longitude {longitude} and latitude {latitude}: they are degrees, up to 180 and up to 90"
     )]
@@ -137,36 +137,36 @@ pub enum ExportError {
          {format} files need coordinates in metres from their origin"
     )]
     OffTheEarth {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// Metres to the east.
         east: f64,
         /// Metres to the north.
         north: f64,
     },
-    /// An option that the format does not have.
+    /// The format does not have this option.
     #[error("{format} files have no {option} to choose; {has} files have")]
     NoOption {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The option.
         option: &'static str,
         /// The formats that have it.
         has: &'static str,
     },
-    /// Samples of a file without any.
+    /// Samples were requested for a file without any.
     #[error("{what} are no samples, so that their number cannot be chosen")]
     NoSamples {
         /// The files.
         what: &'static str,
     },
-    /// A spacing that is no distance.
+    /// The spacing is not a distance.
     #[error("the spacing is {spacing}, and it is a distance between samples, more than 0")]
     Spacing {
         /// The spacing.
         spacing: f64,
     },
-    /// Both give the number of samples.
+    /// Both a spacing and a number of samples were given.
     #[error("spacing and samples both choose the number of samples: give one of them")]
     SpacingAndSamples,
     /// Surfaces have rows and columns of samples.
@@ -174,7 +174,7 @@ pub enum ExportError {
         "samples at equal distances are those of curves: choose the number of samples of a surface in each direction"
     )]
     NoSpacing,
-    /// A spacing that is small for the curve.
+    /// The spacing is too small for the curve.
     #[error(
         "the curve is {length} long, and with a spacing of {spacing} it would have more than {most} samples: choose a larger one"
     )]
@@ -186,12 +186,12 @@ pub enum ExportError {
         /// The most samples.
         most: usize,
     },
-    /// More samples than a mesh of the format has.
+    /// More samples than a mesh of the format can have.
     #[error(
         "polygon meshes of {format} files have at most {most} samples in each direction: ask for fewer, or export gltf or stl"
     )]
     MeshSize {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The most samples in each direction.
         most: usize,
@@ -199,7 +199,7 @@ pub enum ExportError {
     /// A coordinate that the numbers of the format cannot hold.
     #[error("a coordinate is {value}, and {format} holds single-precision numbers, up to 3.4e38")]
     SinglePrecision {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The coordinate.
         value: f64,
@@ -210,20 +210,20 @@ pub enum ExportError {
          be drawn: export csv or json, or scale the data"
     )]
     Extent,
-    /// A file of no curves and surfaces.
+    /// A file without curves and surfaces.
     #[error("there is no curve or surface to write to a {format} file")]
     NoParts {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
-    /// A part of several cannot be written.
+    /// One of several parts cannot be written.
     #[error("part {number}{}: {reason}", in_brackets(name.as_deref()))]
     InPart {
         /// The number of the part, from 1.
         number: usize,
         /// Its name.
         name: Option<String>,
-        /// What is wrong with it.
+        /// The reason.
         reason: Box<ExportError>,
     },
     /// Tables have the same columns for all parts.
@@ -231,7 +231,7 @@ pub enum ExportError {
         "its columns are {found} and those of the first part {expected}: all parts of a {format} file have the same columns"
     )]
     OtherColumns {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
         /// The columns of the part.
         found: String,
@@ -243,7 +243,7 @@ pub enum ExportError {
         "the file would be larger than the 4 GB that {format} files can have: ask for fewer samples, or write several files"
     )]
     TooLarge {
-        /// The format asked for.
+        /// The requested format.
         format: Format,
     },
     /// IGES numbers its lines with seven digits.
@@ -251,15 +251,15 @@ pub enum ExportError {
         "{lines} lines of parameter data are more than the {most} that an IGES file numbers: export step"
     )]
     TooManyLines {
-        /// How many lines there would be.
+        /// The number of lines needed.
         lines: usize,
-        /// How many there can be.
+        /// The most lines.
         most: usize,
     },
 }
 
 impl ExportError {
-    /// The option that it is about, if it is about one: `style`, `version`, `units`, `samples`, `spacing` or `origin`.
+    /// The option in question, if there is one: `style`, `version`, `units`, `samples`, `spacing` or `origin`.
     pub fn option(&self) -> Option<&'static str> {
         match self {
             Self::NoUnit { .. } => Some("units"),
@@ -291,7 +291,7 @@ fn in_brackets(name: Option<&str>) -> String {
     name.map_or_else(String::new, |name| format!(" ({})", quoted(name)))
 }
 
-/// What a format without a choice of units has.
+/// The unit of a format without a choice of units.
 fn unit_of(format: Format) -> &'static str {
     match format {
         Format::Gltf => "metres as their unit, always",
@@ -309,7 +309,7 @@ pub struct NetIndex {
 }
 
 impl NetIndex {
-    /// The place of number `index`, row by row, in a net with so many columns (`None`: a curve).
+    /// The location of number `index`, row by row, in a net with this many columns (`None`: a curve).
     pub fn new(index: usize, columns: Option<usize>) -> Self {
         Self {
             row: index / columns.unwrap_or(1),

@@ -1,4 +1,4 @@
-//! What is written: a level of a fit, and what its file should say.
+//! A level of a fit to write, and the metadata of its file.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use piad_fit::engine::{Direction, Problem};
 /// The program that writes the files.
 pub(super) const GENERATOR: &str = concat!("piad ", env!("CARGO_PKG_VERSION"));
 
-/// A level of a fit, and what its file should say.
+/// A level of a fit, and the metadata of its file.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitted<'a> {
     /// The problem that was fitted.
@@ -27,7 +27,7 @@ pub struct Fitted<'a> {
     pub created: Timestamp,
     /// The largest distance from the data at each level from 0 on, for drawings; may be empty.
     pub errors: &'a [f64],
-    /// What was chosen about the file.
+    /// The options of the file.
     pub options: Options,
 }
 

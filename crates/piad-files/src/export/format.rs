@@ -32,10 +32,10 @@ pub enum Format {
     Csv,
 }
 
-/// There is no format of this name.
+/// There is no format with this name.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error(
-    "{0:?} is not a format; there are step, iges, obj, gltf, stl, ply, dxf, svg, geojson, gpx and csv"
+    "unknown format {0:?}; expected one of step, iges, obj, gltf, stl, ply, dxf, svg, geojson, gpx, csv"
 )]
 pub struct UnknownFormat(String);
 
@@ -55,8 +55,8 @@ impl Format {
         Self::Csv,
     ];
 
-    /// Name, media type and usual file extension. Media types are those registered with IANA, except that none
-    /// is for PLY and GPX: these have the usual ones.
+    /// Name, media type and usual file extension. Media types are those registered with IANA; PLY and GPX have none
+    /// there, and get the usual ones.
     fn names(self) -> (&'static str, &'static str, &'static str) {
         match self {
             Self::Step => ("step", "model/step", "step"),
@@ -73,7 +73,7 @@ impl Format {
         }
     }
 
-    /// The name by which the format is asked for.
+    /// The name of the format in requests.
     pub fn name(self) -> &'static str {
         self.names().0
     }

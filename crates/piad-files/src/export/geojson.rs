@@ -1,7 +1,7 @@
 //! GeoJSON (RFC 7946): curves as lines.
 //!
-//! With an origin coordinates are longitude and latitude, as the standard has them; without one they are those of the
-//! data, which map software reads with a reference system of its user's choice.
+//! With an origin coordinates are longitude and latitude, as the standard requires; without one they are those of the
+//! data, and map software interprets them in a reference system of its user's choice.
 
 use super::document::{Document, Shape};
 use super::error::ExportError;
@@ -71,8 +71,8 @@ fn feature(text: &mut Text, document: &Document<'_>, shape: &Shape<'_>) -> Resul
     Ok(())
 }
 
-/// Cuts a line where it crosses the antimeridian, as RFC 7946 has it (section 3.1.9): otherwise it would go around the
-/// whole earth on a map.
+/// Cuts a line where it crosses the antimeridian, as RFC 7946 requires (section 3.1.9): otherwise it would go around
+/// the whole earth on a map.
 fn cut(points: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
     let mut lines = vec![Vec::new()];
     let mut before: Option<[f64; 3]> = None;

@@ -40,7 +40,7 @@ pub(super) fn write(document: &Document<'_>) -> Result<Vec<u8>, ExportError> {
     container(&json, file.bytes)
 }
 
-/// The lines or triangles of a mesh, whose numbers go to the file.
+/// The lines or triangles of a mesh.
 fn primitive(mesh: &Mesh, file: &mut Buffers) -> Value {
     let (low, high) = bounds(&mesh.positions);
     let position = file.vectors(&mesh.positions, Some((low, high)));
@@ -94,7 +94,7 @@ fn json_document(title: &str, nodes: Vec<Value>, meshes: Vec<Value>, file: &Buff
     })
 }
 
-/// The binary data and the JSON that says what is where in it.
+/// The binary data and the JSON that describes its layout.
 #[derive(Debug, Default)]
 struct Buffers {
     bytes: Vec<u8>,

@@ -1,4 +1,4 @@
-//! Curves as lines of a map: samples in degrees, or as they are.
+//! Curves as lines of a map: samples in degrees, or unchanged.
 
 use super::error::ExportError;
 use super::format::Format;
@@ -10,7 +10,7 @@ use crate::wgs84::Plane;
 /// The most steps along a curve, unless more are requested.
 const MOST_ALONG_CURVE: usize = 1 << 12;
 
-/// The points of a line, the last one of a closed curve equal to the first. The third coordinate stays what it is.
+/// The points of a line, the last one of a closed curve equal to the first. The third coordinate is unchanged.
 pub(super) fn line(
     nurbs: &Nurbs,
     options: &Options,

@@ -34,7 +34,7 @@ pub(super) struct Mesh {
 }
 
 impl Mesh {
-    /// Samples a curve or surface, as densely as requested or as suits it.
+    /// Samples a curve or surface, with the requested or a suitable density.
     pub(super) fn new(
         nurbs: &Nurbs,
         outline: Option<&Outline>,
@@ -66,7 +66,7 @@ impl Mesh {
 /// Samples of a curve or surface in double precision.
 #[derive(Clone, Debug)]
 pub(super) struct SampledGrid {
-    /// Where each sample is; v is not there for curves.
+    /// The parameters of each sample; `v` is empty for curves.
     sites: Vec<(SpanParameter, Option<SpanParameter>)>,
     /// The number of samples in a row of a surface that is not trimmed.
     columns: Option<usize>,
@@ -77,7 +77,7 @@ pub(super) struct SampledGrid {
 }
 
 impl SampledGrid {
-    /// Samples a curve or surface, as densely as requested or as suits it, where it is inside of an outline.
+    /// Samples a curve or surface inside an outline, with the requested or a suitable density.
     pub(super) fn new(
         nurbs: &Nurbs,
         outline: Option<&Outline>,
@@ -154,7 +154,7 @@ impl SampledGrid {
     }
 }
 
-/// Closed directions end at the very points that they start from, so that a mesh has no gap there.
+/// Closed directions end at the same points from which they start, so that a mesh has no gap there.
 fn close(nurbs: &Nurbs, columns: usize, jets: &mut [Jet]) {
     let last = jets.len() - columns;
     if nurbs.u.closed {

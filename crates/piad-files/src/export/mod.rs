@@ -1,10 +1,10 @@
-//! Fitted curves and surfaces as files: for CAD systems, viewers, people and spreadsheets.
+//! Writes fitted curves and surfaces to files: for CAD systems, viewers, people and spreadsheets.
 //!
-//! [`write()`] writes a level of a fit, [`write_parts`] several curves and surfaces, through the same writers. They know
-//! nothing of jobs or of HTTP.
+//! [`write()`] writes a level of a fit, [`write_parts`] several curves and surfaces, through the same writers. They do
+//! not depend on jobs or HTTP.
 //!
-//! - `fitted` and `part`: what is written; `options`: what can be chosen about it; `document`: what writers get;
-//! - `format`: the formats and their names; `error`: why something cannot be written;
+//! - `fitted` and `part`: the contents of a file; `options`: its options; `document`: the input of writers;
+//! - `format`: the formats and their names; `error`: errors of writing;
 //! - [`nurbs`]: the curve or surface as CAD kernels store it, which `step`, `iges` and `obj` write
 //!   exactly; `assemble`: that of plain data;
 //! - `mesh`: its triangles, for `gltf`, `stl` and `ply`;
@@ -12,12 +12,9 @@
 //! - `deviation`: how far it is from each data point, for `svg`;
 //! - `csv`: samples as numbers; [`shape`]: with curvatures, which is no file;
 //! - `trim`: edges and triangles of trimmed surfaces;
-//! - `text`: numbers and names as text.
+//! - `deviation`: distances from the data points, for `svg`;
 //!
-//! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits
-//! (up to 17) as it takes to read them back. What a format cannot represent is an error, never a guess:
-//! values of a function (one coordinate) and points of more than three coordinates have no place in space, and weights must be positive.
-//! Points of the plane have z = 0. STEP and IGES need a unit, and say millimetres if none is chosen.
+//! - `csv`: samples as numbers; [`shape`]: with curvatures, which is not a file;
 
 mod assemble;
 pub mod csv;
@@ -68,11 +65,14 @@ use mesh::MOST_ALONG_SURFACE;
 use piad_fit::data::Grid;
 use piad_fit::engine::{Problem, samples};
 
-/// The highest degree for STEP and IGES: that of OpenCASCADE and of the many systems built on it.
-/// They refuse to load a file with a higher one, and some say so only in their log.
+/// The highest degree for STEP and IGES: that of OpenCASCADE and of the many systems built on it. They refuse to load a
+/// file with a higher one, and some report this only in their log.
 pub const MOST_CAD_DEGREE: usize = 25;
 
-/// The file of a level in a format.
+/// Exact files hold the numbers of the fit to the last bit: reals are written with as many digits (up to 17) as are
+/// needed to read them back. A format that cannot represent the geometry gives an error, never an approximation. Values
+/// of a function (one coordinate) and points of more than three coordinates cannot be placed in space, and weights must
+/// be positive. Points of the plane have z = 0. STEP and IGES need a unit, by default millimetres.
 pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
     let surface = fitted.problem.v().is_some();
     check_options(format, surface, &fitted.options)?;
@@ -90,9 +90,9 @@ pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError
 
 /// The file of several curves and surfaces in a format.
 ///
-/// All formats hold several: STEP in one product, IGES, OBJ, glTF, DXF, GeoJSON and GPX as entities with the names of
-/// the parts, SVG as paths ([`Style::Path`], whatever the options say, as there are no data to draw), STL and PLY as
-/// one mesh, CSV with blank lines between parts.
+/// All formats can hold several: STEP in one product, IGES, OBJ, glTF, DXF, GeoJSON and GPX as entities with the names
+/// of the parts, SVG as paths ([`Style::Path`], whatever the options, as there are no data to draw), STL and PLY as one
+/// mesh, CSV with blank lines between parts.
 ///
 /// # Errors
 ///
@@ -128,7 +128,7 @@ pub fn write_parts(
     write_document(format, &document)
 }
 
-/// Checks one curve or surface that is no level of a fit.
+/// Checks one curve or surface that is not a level of a fit.
 fn check_shape_of(format: Format, nurbs: &Nurbs, options: &Options) -> Result<(), ExportError> {
     let surface = nurbs.v.is_some();
     check_options(format, surface, options)?;
@@ -161,15 +161,15 @@ fn write_document(format: Format, document: &Document<'_>) -> Result<Vec<u8>, Ex
     }
 }
 
-/// How many times the work of samples at equal steps those at equal distances are: the quadrature has five nodes, and
-/// it takes about three steps to find each parameter.
+/// The cost of samples at equal distances, as a multiple of samples at equal steps: the quadrature has five nodes, and
+/// finding a parameter takes about three steps.
 const LENGTH_COST: usize = 20;
 
-/// About how many samples a spacing gives, whose number is not known before the length of the curve is.
+/// The approximate number of samples for a spacing; the exact number is unknown before the length of the curve.
 const SPACED: usize = 1 << 14;
 
-/// About how many multiplications it takes to sample a level for a format; 0 for those that are exact, and for tables
-/// at equal steps, which are sampled while they are sent.
+/// The approximate number of multiplications that it takes to sample a level for a format; 0 for those that are exact,
+/// and for tables at equal steps, which are sampled while they are sent.
 pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> usize {
     let by_length = options.is_by_length();
     let suitable = || match problem.v() {
@@ -205,7 +205,7 @@ pub fn sampling_cost(format: Format, problem: &Problem, options: &Options) -> us
     }
 }
 
-/// Checks what is known of a problem before it is fitted: whether its results can be written in a format.
+/// Checks before the fit whether the results of a problem can be written in a format.
 pub fn check(format: Format, problem: &Problem) -> Result<(), ExportError> {
     check_shape(format, problem.v().is_some(), problem.dimension())?;
     let degrees = problem.directions().map(|it| it.basis.degree());
@@ -223,7 +223,7 @@ fn check_degree(format: Format, degree: usize) -> Result<(), ExportError> {
     }
 }
 
-/// Splines in DXF files have the degrees that CAD systems have.
+/// DXF files have only splines of the degrees that CAD systems support.
 fn check_spline_degree(
     format: Format,
     nurbs: &Nurbs,

@@ -1,4 +1,5 @@
-//! The curve or surface as CAD kernels store it, checked: the model that all exact formats write.
+//! The curve or surface as CAD kernels store it, with validation: the model that all exact formats
+//! write.
 
 use super::error::{ExportError, NetIndex};
 use piad_fit::data::Points;
@@ -11,7 +12,7 @@ pub use piad_fit::geometry::{KnotVector, Nurbs};
 ///
 /// # Errors
 ///
-/// The first control point of which that is not so.
+/// The first control point that violates this.
 pub fn checked(problem: &Problem, control_points: &Points) -> Result<Nurbs, ExportError> {
     let nurbs = Nurbs::of(problem, control_points);
     check(&nurbs)?;
@@ -95,7 +96,7 @@ mod tests {
         assert_eq!(nurbs.place(3), [2.0, 2.0, 0.0]);
     }
 
-    /// The knots run on over both ends of the period, and the first p control points come again.
+    /// The knots run on over both ends of the period, and the first p control points are repeated.
     #[test]
     fn closed_curves_repeat_their_first_control_points() {
         for degree in 1..=4 {

@@ -51,7 +51,7 @@ fn curves_in_plane(text: &mut Text, outline: &Outline) {
         ));
         for index in 0..curve.points.len() {
             continue_line(text, index);
-            // The last points are meant.
+            // The last points, by relative indices.
             text.put(format_args!(" -{}", curve.points.len() - index));
         }
         text.push("\n");
@@ -60,7 +60,7 @@ fn curves_in_plane(text: &mut Text, outline: &Outline) {
     }
 }
 
-/// Which loops are around a surface, and around holes: with the range of their parameter, and their numbers.
+/// The loops around a surface, and around holes: with the range of their parameter, and their numbers.
 fn trims(text: &mut Text, outline: &Outline, first: usize) {
     for face in &outline.faces {
         for index in face.loops() {

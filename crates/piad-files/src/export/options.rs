@@ -1,25 +1,25 @@
-//! What can be chosen about a file besides its format.
+//! Options of a file besides its format.
 
 use super::error::ExportError;
 use super::format::Format;
 use crate::wgs84::{Origin, Plane};
 use piad_fit::data::Grid;
 
-/// What can be chosen about a file.
+/// Options of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
     /// The number of samples in each direction, at least 2, for formats that sample; chosen to suit the
     /// curve or surface by default.
     pub samples: Option<Grid>,
-    /// Whether drawings show data points.
+    /// The choice to show data points in drawings.
     pub dots: Dots,
     /// The unit of length that a file declares: millimetres by default, in formats that have one.
     pub unit: Option<Unit>,
-    /// What an SVG file shows.
+    /// The contents of an SVG file.
     pub style: Style,
     /// The version of DXF.
     pub version: Version,
-    /// Where on the earth the coordinates start, for formats with longitudes and latitudes.
+    /// The origin of the coordinates on the earth, for formats with longitudes and latitudes.
     pub origin: Option<Origin>,
     /// The distance between samples along a curve, in units of the data, instead of their number: they are at most this
     /// far apart, all equally far, and the first and the last one are the ends.
@@ -35,7 +35,7 @@ impl Options {
     }
 }
 
-/// What an SVG file shows.
+/// The contents of an SVG file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Style {
     /// A fit with its data, for people. Files of several parts have no data, so that they are always paths.
@@ -55,7 +55,7 @@ pub enum Version {
     R2000,
 }
 
-/// What a coordinate of 1 is long. Coordinates themselves are those of the data in any unit.
+/// The length of the unit. Coordinates themselves are those of the data in any unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unit {
     /// A millimetre.
@@ -67,7 +67,7 @@ pub enum Unit {
     Inch,
 }
 
-/// Whether a drawing shows data points as dots.
+/// The choice to show data points as dots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Dots {
     /// Where they do not hide each other.
@@ -80,12 +80,12 @@ pub enum Dots {
 }
 
 impl Format {
-    /// Whether files of this format can show data points.
+    /// Returns true if files of this format can show data points.
     pub fn has_dots(self) -> bool {
         self == Self::Svg
     }
 
-    /// Whether files of this format consist of samples: the others hold the exact curve or surface.
+    /// Returns true if files of this format consist of samples: the others hold the exact curve or surface.
     pub fn has_samples(self) -> bool {
         !matches!(self, Self::Step | Self::Iges | Self::Obj)
     }
@@ -113,14 +113,14 @@ impl Format {
         )
     }
 
-    /// Whether files of this format declare a unit of length that can be chosen. That of glTF is always
-    /// the metre.
+    /// Returns true if files of this format declare a unit of length that can be chosen. That of glTF is always the
+    /// metre.
     pub fn has_unit(self) -> bool {
         matches!(self, Self::Step | Self::Iges)
     }
 }
 
-/// Checks that a format has the options that were chosen, for a curve or a surface.
+/// Checks that a format supports the chosen options, for a curve or a surface.
 pub fn check_options(format: Format, surface: bool, options: &Options) -> Result<(), ExportError> {
     let no_option = |option, has| ExportError::NoOption {
         format,

@@ -18,14 +18,14 @@ pub struct Part<'a> {
     pub outline: Option<Outline>,
 }
 
-/// What is common to all parts of a file.
+/// The properties of a file with several parts.
 #[derive(Clone, Copy, Debug)]
 pub struct Header<'a> {
     /// The name of the whole, for formats that have one; any text.
     pub name: Option<&'a str>,
     /// The time of creation, for formats that have one. The same parts with the same time give the same file.
     pub created: Timestamp,
-    /// What was chosen about the file.
+    /// The options of the file.
     pub options: Options,
 }
 

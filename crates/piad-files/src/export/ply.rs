@@ -39,7 +39,7 @@ struct Mesh {
     vertex_bytes: Vec<u8>,
     faces: usize,
     face_bytes: Vec<u8>,
-    /// Lines of the header that say which vertices a part has.
+    /// Lines of the header with the vertices of a part.
     comments: String,
 }
 

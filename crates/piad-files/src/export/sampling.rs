@@ -12,7 +12,7 @@ pub(super) const MOST_SPACED: usize = 1_000_000;
 /// The part of a step that is rounding: a length of ten spacings has ten steps.
 const ROUNDING: f64 = 1e-9;
 
-/// The sites of samples along a curve, from one end to the other: as many as are requested, or as suit it, with at
+/// The sites of samples along a curve, from one end to the other: the requested number, or a suitable number with at
 /// most this number of steps. They are at equal steps in each knot span, or at equal distances along the curve.
 pub(super) fn along_curve(
     nurbs: &Nurbs,
@@ -27,7 +27,7 @@ pub(super) fn along_curve(
     }
 }
 
-/// Sites at equal distances: as far apart as was chosen, or a little less so that they end at the end of the curve, or
+/// Sites at equal distances: with the chosen spacing, or a little less so that they end at the end of the curve, or
 /// with this number of steps.
 pub(super) fn by_length(
     nurbs: &Nurbs,

@@ -10,10 +10,10 @@ use piad_fit::engine::curvature::{CurveShape, SurfaceShape};
 use piad_fit::engine::{Problem, samples};
 use piad_fit::geometry::{KnotVector, Nurbs};
 
-/// How many times the work of a sample is for curvature: two more derivatives, and what is made of them.
+/// The cost of a sample with curvature, as a multiple of one without: two more derivatives, and the curvature.
 const CURVATURE_COST: usize = 4;
 
-/// How many times the work of samples at equal steps those at equal distances are.
+/// The cost of samples at equal distances, as a multiple of samples at equal steps.
 const LENGTH_COST: usize = 20;
 
 /// The evaluations of a curve for each of its control points, for extremes, length and continuity.
@@ -32,7 +32,7 @@ pub enum Shape {
     Surface(Box<SurfaceShape>),
 }
 
-/// Why a curve or surface has no shape that can be measured.
+/// Why a curve or surface has no measurable shape.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum NoShape {
     /// Values of a function have no place in the plane or in space.
@@ -63,12 +63,12 @@ pub enum NoShape {
         /// Its value.
         value: f64,
     },
-    /// Samples that cannot be chosen.
+    /// Samples with invalid options.
     #[error(transparent)]
     Samples(#[from] ExportError),
 }
 
-/// About how many multiplications it takes to measure a shape with these samples.
+/// The approximate number of multiplications that it takes to measure a shape with these samples.
 pub fn cost(problem: &Problem, options: &Options) -> usize {
     let surface = problem.v().is_some();
     let chosen = grid(options, surface);
@@ -88,7 +88,7 @@ pub fn cost(problem: &Problem, options: &Options) -> usize {
     samples::multiplications(problem, Grid { rows, columns }).saturating_mul(times)
 }
 
-/// The number of samples, as far as it is known before the length of a curve is.
+/// The number of samples, if it does not depend on the length of a curve.
 pub fn sample_count(surface: bool, options: &Options) -> usize {
     let most = options.spacing.map(|_| super::SPACED);
     grid(options, surface).count().max(most.unwrap_or_default())

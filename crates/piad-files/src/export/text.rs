@@ -18,8 +18,8 @@ impl Text {
         self.0.push_str(text);
     }
 
-    /// Appends the shortest decimal number that is read as exactly `x` (17 digits at most), with a
-    /// decimal point, as STEP and IGES want real numbers, and with this letter before an exponent.
+    /// Appends the shortest decimal number that is read as exactly `x` (17 digits at most), with a decimal point, as
+    /// STEP and IGES require for real numbers, and with this letter before an exponent.
     pub(super) fn real(&mut self, x: f64, exponent: char) {
         let start = self.0.len();
         self.put(format_args!("{x:?}"));

@@ -1,11 +1,11 @@
-//! Airfoils. The file of Selig goes around from the trailing edge and is a curve as it is. That of
-//! Lednicer begins with the numbers of points of both sides, which follow from the leading edge on.
-//! That of MSES begins with the domain of a grid, and may have several elements.
+//! Airfoils. A Selig file goes around from the trailing edge and is a curve as it stands. A Lednicer file begins with
+//! the numbers of points of both sides, which follow from the leading edge on. An MSES file begins with the domain of a
+//! grid, and may have several elements.
 
 use super::part::Part;
 use piad_fit::data::Points;
 
-/// What stands between the elements of an airfoil in a file of MSES.
+/// The separator between the elements of an airfoil in an MSES file.
 pub(super) const NEXT_ELEMENT: [f64; 2] = [999.0, 999.0];
 
 /// Returns true if these numbers can be the domain of a grid: the ends of an interval of x and of one of y.
@@ -13,12 +13,12 @@ pub(super) fn is_domain(numbers: &[f64]) -> bool {
     matches!(numbers, [left, right, bottom, top] if left < right && bottom < top)
 }
 
-/// A file of Lednicer as a curve around, like that of Selig; others as they are.
+/// Turns a Lednicer file into a curve around the airfoil, as in a Selig file; others are unchanged.
 pub(super) fn around(mut table: Part) -> Part {
     let Some((upper, lower)) = sides(&table) else {
         return table;
     };
-    // The first point is none: it has the numbers. The leading edge is there twice.
+    // The first point holds the numbers. The leading edge occurs twice.
     let first_lower = upper + 1;
     let same = table.points.distance(1, first_lower) == 0.0;
     let order = (1..=upper).rev();

@@ -9,7 +9,7 @@ use super::imported::{Hints, Kind};
 use super::part::{Order, Part};
 use crate::json::{ListLimits, Rows, read_points, read_rows};
 
-/// What an array holds.
+/// The kind of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shape {
     /// `[[x, y], …]`.
@@ -25,7 +25,7 @@ pub(super) fn is_array(text: &str) -> bool {
     text.trim_start().starts_with('[')
 }
 
-/// Reads an array; what is wrong is said at its line.
+/// Reads an array; errors are located by line.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileError> {
     let shape = Shape::of(text, hints.kind);
     if shape == Shape::Points {
@@ -51,8 +51,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileError> {
 }
 
 impl Shape {
-    /// The shape of an array by its first element, and by what is to be fitted: what else is wrong with it is found when
-    /// it is read.
+    /// The shape of an array by its first element, and by what is to be fitted; other errors are found on reading.
     fn of(text: &str, kind: Option<Kind>) -> Self {
         let inner = text.trim_start().get(1..).unwrap_or_default();
         let first = Deserializer::from_str(inner).into_iter::<Value>().next();
@@ -70,7 +69,7 @@ impl Shape {
         }
     }
 
-    /// How many lists are around a point.
+    /// The nesting depth of a point.
     fn depth(self) -> usize {
         match self {
             Self::Points => 1,
@@ -98,7 +97,7 @@ fn parse<'a, T>(
 fn lines(text: &str, shape: Shape) -> Vec<u32> {
     let around = shape.depth();
     let (mut lines, mut line, mut depth) = (Vec::new(), 1_u32, 0);
-    // Whether a point begins with what comes next.
+    // True if a point begins with the next value.
     let mut expected = false;
     for byte in text.bytes() {
         match byte {
@@ -149,7 +148,7 @@ mod tests {
         assert_eq!(heights.lines, [1, 1, 1, 1, 2, 2, 3, 3]);
         assert_eq!((heights.missing, heights.points.dimension()), (vec![2], 1));
         assert!(heights.notices[0].contains("2 rows of 4 heights"));
-        // A list of points that are a lattice is what the same table is.
+        // A list of points that form a grid is treated like a table.
         let lattice = read("[[0,0,1],[0,1,2],[1,0,3],[1,1,1]]", &HINTS).unwrap();
         assert_eq!(lattice.grid, grid(2, 2));
     }

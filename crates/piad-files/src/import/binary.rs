@@ -77,7 +77,7 @@ impl<'a> Cursor<'a> {
         Self { rest, endian }
     }
 
-    /// Passes over this many bytes; `None` if there are fewer, and then it stays where it is.
+    /// Skips this many bytes; `None` if there are fewer, and then it stays where it is.
     pub(super) fn skip(&mut self, count: usize) -> Option<()> {
         self.rest = self.rest.get(count..)?;
         Some(())
@@ -95,13 +95,13 @@ impl<'a> Cursor<'a> {
         self.number(kind).and_then(as_count)
     }
 
-    /// How many bytes are left.
+    /// The number of bytes left.
     pub(super) fn len(&self) -> usize {
         self.rest.len()
     }
 }
 
-/// A number that is a count. Those that no file can have are as good as the largest.
+/// A number that is a count. Counts that no file can have become the largest one.
 fn as_count(number: f64) -> Option<usize> {
     (number >= 0.0 && number.fract() == 0.0).then_some(number as usize)
 }

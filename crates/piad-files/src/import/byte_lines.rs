@@ -24,7 +24,7 @@ impl<'a> ByteLines<'a> {
         }
     }
 
-    /// What is below the lines that were passed.
+    /// The bytes below the lines that were passed.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -56,12 +56,12 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
         .filter(|word| !word.is_empty())
 }
 
-/// A word as text to be repeated.
+/// A word as text that can be quoted.
 pub(super) fn text(word: &[u8]) -> std::borrow::Cow<'_, str> {
     String::from_utf8_lossy(word)
 }
 
-/// A number, which may be infinite or none (`nan`), also as old programs of Windows write these.
+/// A number, which may be infinite or NaN, also as old Windows programs write these.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     let number = fast_float2::parse(word).ok();
     number.or_else(|| {

@@ -1,14 +1,14 @@
-//! Which columns of a table are coordinates and times, by their names and by what they hold.
+//! Chooses the columns of a table that are coordinates and times, by their names and contents.
 
 use super::imported::{Hints, Kind};
 use super::names::{self, Meaning, meaning};
 use super::sample::{Content, Sample};
 use piad_fit::data::MAX_DIMENSION;
 
-/// The most coordinates of a point, of columns whose names say nothing.
+/// The most coordinates of a point, if names do not determine the columns.
 const MOST_COORDINATES: usize = 3;
 
-/// What columns are.
+/// The roles of columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Choice {
     /// The columns of the coordinates.
@@ -24,9 +24,9 @@ pub(super) struct Choice {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Time {
     pub(super) column: usize,
-    /// How many seconds its unit is.
+    /// The unit in seconds.
     pub(super) seconds: f64,
-    /// True if they are the parameters without being asked for.
+    /// True if they are the parameters by default.
     pub(super) is_parameter: bool,
 }
 
@@ -38,7 +38,7 @@ impl Choice {
         }
     }
 
-    /// Takes longitude and latitude as such, if the names of the coordinates say that.
+    /// Takes coordinates as longitude and latitude if their names say so.
     pub(super) fn with_degrees(mut self, names: &[String]) -> Self {
         let place = |wanted| {
             let mut names = self.coordinates.iter().map(|column| names.get(*column));
@@ -61,12 +61,12 @@ impl<'a> Named<'a> {
         Self { names, sample }
     }
 
-    /// Returns true if there is a column of coordinates with this meaning, also where it says too little.
+    /// Returns true if there is a column of coordinates with this meaning, even if that alone is not enough.
     pub(super) fn has(self, meaning: Meaning) -> bool {
         self.column(meaning).is_some()
     }
 
-    /// The columns that names choose; none if they say nothing.
+    /// The columns that names choose; `None` if the names are not meaningful.
     pub(super) fn choice(self) -> Option<Choice> {
         let time = self.time();
         let coordinates = self.coordinates();
@@ -142,7 +142,7 @@ impl<'a> Named<'a> {
         groups.retain(|(_, _, columns)| columns.len() > 1);
         match <[_; 1]>::try_from(groups) {
             Ok([(_, _, columns)]) if columns.len() <= MAX_DIMENSION => Some(columns),
-            // Positions and velocities, or none: the names do not say which.
+            // The names do not distinguish positions from velocities.
             _ => None,
         }
     }
@@ -190,7 +190,7 @@ pub(super) fn as_they_stand(
     })
 }
 
-/// Removes such columns if at least so many others remain.
+/// Removes such columns if at least `least` others remain.
 fn leave_out(columns: &mut Vec<usize>, least: usize, is_out: impl Fn(usize) -> bool) -> bool {
     let others: Vec<usize> = columns.iter().copied().filter(|it| !is_out(*it)).collect();
     let found = others.len() < columns.len() && others.len() >= least;
@@ -200,10 +200,10 @@ fn leave_out(columns: &mut Vec<usize>, least: usize, is_out: impl Fn(usize) -> b
     found
 }
 
-/// The first column without a name if it counts the rows beside two or three others, as far as is known.
+/// The first column without a name if it numbers the rows, beside two or three other columns.
 fn counter(columns: &[usize], sample: &Sample<'_>, hints: &Hints) -> Option<usize> {
     let first = *columns.first()?;
-    // Two coordinates are none of a surface, so there the first of three columns is one.
+    // A surface needs three coordinates, so the first of three columns is one.
     let surface = hints.kind == Some(Kind::Surface) || hints.size.is_some();
     let counts = sample.counts(first) && sample.rows.len() > 1;
     let fits = columns.len() == 4 || (columns.len() == 3 && !surface);

@@ -1,22 +1,21 @@
-//! Outlines whose last point is the first one again, also to rounding: closed curves, in which a point is
-//! there once.
+//! Outlines whose last point equals the first one, but for rounding: closed curves, in which that point is kept once.
 
 use super::imported::{Hints, Kind};
 use super::part::Part;
 use piad_fit::data::Points;
 
-/// Cosine of the sharpest turn, 60°, at which an outline is taken to go on smoothly. The trailing edge of
-/// an airfoil turns by more than 160°, or by 90° where it is blunt, and stays an end.
+/// Cosine of the sharpest turn, 60°, at which an outline is taken to be smooth. The trailing edge of an airfoil turns
+/// by more than 160°, or by 90° where it is blunt, and stays an end.
 const SHARPEST_TURN: f64 = 0.5;
 
-/// The fewest points of an outline that is closed without being asked for. Of fewer, a corner is not told
-/// from a curve, and closed curves of some degrees need as many.
+/// The fewest points of an outline that is closed by default. With fewer, a corner cannot be distinguished from a
+/// curve, and closed curves of some degrees need this many.
 const FEWEST: usize = 8;
 
-/// The last point is the first one if it is no further from it than this part of the size of the outline.
+/// The last point equals the first one if it is no further from it than this part of the size of the outline.
 const SAME: f64 = 1e-9;
 
-/// Returns true if the points are those of a closed curve. If so, the copy of the first point is taken away.
+/// Returns true if the points are those of a closed curve. If so, the copy of the first point is removed.
 pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
     if part.closed {
         return hints.closed != Some(false);
@@ -34,9 +33,9 @@ pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
         part.breaks.retain(|index| *index < last);
     }
     let what = match (closed, hints.closed) {
-        (true, _) => "the curve is closed, and the point is there once",
+        (true, _) => "the curve is closed, and the point is kept once",
         (false, None) => "with a corner there or few points, so the curve stays open",
-        (false, Some(_)) => "and the curve stays open, as it was asked for",
+        (false, Some(_)) => "and the curve stays open, as requested",
     };
     let notice = format!("The last point is the first one again: {what}.");
     part.notices.push(notice);

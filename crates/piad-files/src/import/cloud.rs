@@ -13,7 +13,7 @@ const MOST_NAMES: usize = 10;
 pub(super) struct Cloud {
     points: Points,
     lines: Vec<u32>,
-    /// How many points had coordinates that are infinite or no numbers.
+    /// The number of points with coordinates that are infinite or NaN.
     left_out: usize,
     most: usize,
 }
@@ -86,18 +86,18 @@ impl Cloud {
     }
 }
 
-/// What is wrong with more points than the limit.
+/// The error for more points than the limit.
 pub(super) fn too_many(most: usize) -> String {
     format!("there are more than {most} points, the limit")
 }
 
-/// What is wrong with a file that ends early.
+/// The error for a file that ends early.
 pub(super) fn too_few(found: usize, said: u64, what: &str, format: &str) -> FileError {
     let detail = format!("the file has {found} {what}, and says that it has {said} ({format})");
     FileError::of_file(detail)
 }
 
-/// What is said of the vertices of a mesh, or of a file without faces.
+/// The notice about the vertices of a mesh, or a file without faces.
 pub(super) fn mesh_notice(vertices: usize, faces: u64, format: &str) -> String {
     match faces {
         0 => format!("The points are the {vertices} vertices of the file ({format})."),
@@ -106,7 +106,7 @@ pub(super) fn mesh_notice(vertices: usize, faces: u64, format: &str) -> String {
     }
 }
 
-/// What is said of values of points that are no coordinates, if there are any.
+/// The notice about values of points that are not coordinates, if there are any.
 pub(super) fn not_read<'a>(what: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
     let mut names: Vec<&str> = names.into_iter().collect();
     let more = match names.len() > MOST_NAMES {

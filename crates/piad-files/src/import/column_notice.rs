@@ -1,16 +1,16 @@
-//! What is said of the columns of a table: which are the coordinates, and what is not read.
+//! Notices about the columns of a table: which are the coordinates, and which are skipped.
 
 use super::choice::Choice;
 use super::sample::Content;
 use crate::short::cut;
 
-/// The most characters of a name that are said.
+/// The most characters of a name in a notice.
 const LONGEST_NAME: usize = 40;
 
-/// The most columns that are said by themselves.
+/// The most columns that are listed one by one.
 const MOST_SAID: usize = 8;
 
-/// What a notice is about.
+/// The subject of a notice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ColumnNotice<'a> {
     pub(super) choice: &'a Choice,
@@ -22,7 +22,7 @@ pub(super) struct ColumnNotice<'a> {
     pub(super) counter: Option<usize>,
 }
 
-/// Why a column is none of the coordinates.
+/// Why a column is not a coordinate.
 #[derive(Clone, Copy, PartialEq)]
 enum Why {
     Time,
@@ -32,7 +32,7 @@ enum Why {
 }
 
 impl ColumnNotice<'_> {
-    /// The notice; none if all columns are coordinates.
+    /// The notice; `None` if all columns are coordinates.
     pub(super) fn text(&self) -> Option<String> {
         let coordinates = &self.choice.coordinates;
         if coordinates.len() == self.contents.len() {
@@ -133,7 +133,7 @@ impl ColumnNotice<'_> {
     }
 }
 
-/// A text that goes on in a sentence.
+/// A text in lower case, to continue a sentence.
 fn lower(text: &str) -> String {
     text.replacen('C', "c", 1)
 }

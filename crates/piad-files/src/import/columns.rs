@@ -1,4 +1,4 @@
-//! Which columns of a table are what, as a user says it.
+//! Columns as a user chooses them.
 
 mod resolve;
 
@@ -11,7 +11,7 @@ pub(super) const MOST_COLUMNS: usize = 1000;
 
 pub(super) use resolve::Names;
 
-/// Why weights are refused.
+/// The refusal of weights.
 const NO_WEIGHTS: &str = "weights of points are not read from tables (w=), as they may be those of a rational fit or of a least-squares one: give them in JSON, as curve.weights or method.data_weights";
 
 /// The columns of coordinates, and that of times.
@@ -43,7 +43,7 @@ impl Columns {
     ///
     /// # Errors
     ///
-    /// What is wrong with the text.
+    /// The error in the text.
     pub fn of_text(text: &str) -> Result<Self, String> {
         let mut parsed = Parsed::default();
         for entry in text.split(',').map(str::trim) {
@@ -172,7 +172,7 @@ impl Parsed {
 }
 
 impl Columns {
-    /// Refuses a column that is chosen twice, as far as the text shows it.
+    /// Refuses a column that the text chooses twice.
     fn check_twice(&self) -> Result<(), String> {
         let mut seen: Vec<String> = Vec::new();
         let time = self.time.iter().map(Column::text);
@@ -197,7 +197,7 @@ impl Range {
             && from > to
         {
             return Err(format!(
-                "columns {text} are none: give the lower number first"
+                "columns {text} are not a range: give the lower number first"
             ));
         }
         Ok(Self::Many(text.to_owned(), from, to))
@@ -230,7 +230,7 @@ impl Range {
         }
     }
 
-    /// The columns, as texts, so far as they are known without a file.
+    /// The columns as texts, if they are known without a file.
     fn texts(&self) -> Vec<String> {
         match self {
             Self::One(column) => vec![column.text()],
@@ -255,7 +255,7 @@ impl Column {
         match text.parse() {
             Ok(number) if (1..=MOST_COLUMNS).contains(&number) => Ok(Self::Number(number)),
             _ => Err(format!(
-                "column {} is none: they are numbered from 1 to at most {MOST_COLUMNS}",
+                "column {} does not exist: they are numbered from 1 to at most {MOST_COLUMNS}",
                 quoted(text)
             )),
         }
@@ -269,7 +269,7 @@ impl Column {
     }
 }
 
-/// Why so many coordinates are refused.
+/// The refusal of too many coordinates.
 fn too_many(count: usize) -> String {
     format!("{count} columns are coordinates, and points have at most {MAX_DIMENSION}")
 }

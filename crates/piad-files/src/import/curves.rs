@@ -1,4 +1,4 @@
-//! The curves of a file that has several, until each is a part.
+//! The curves of a file with several, before they become parts.
 
 use std::collections::{HashMap, HashSet};
 
@@ -23,9 +23,9 @@ pub(super) struct Curve {
     pub(super) points: Vec<Point>,
     /// The line of each point, from 1; empty for files without lines.
     pub(super) lines: Vec<u32>,
-    /// True if the file says that it is closed; its first point may be there again at its end.
+    /// True if it is closed according to the file; its first point may be repeated at its end.
     pub(super) closed: bool,
-    /// True if the file says that the points follow each other along a curve.
+    /// True if, according to the file, the points follow each other along a curve.
     pub(super) ordered: bool,
     /// The time of each point in seconds from the first one.
     pub(super) times: Option<Vec<f64>>,
@@ -38,7 +38,7 @@ pub(super) struct Curves {
     curves: Vec<Curve>,
     count: usize,
     most: usize,
-    /// Where the first two coordinates start, once they are no longitudes and latitudes any more.
+    /// The origin of the first two coordinates, if they were longitudes and latitudes.
     pub(super) origin: Option<Origin>,
 }
 
@@ -119,7 +119,7 @@ impl Curve {
 }
 
 impl Curves {
-    /// No curves yet, and at most so many points of all of them.
+    /// No curves yet, and at most `most` points in all of them.
     pub(super) fn new(most: usize) -> Self {
         Self {
             curves: Vec::new(),
@@ -133,7 +133,7 @@ impl Curves {
     ///
     /// # Errors
     ///
-    /// If there are more points than the limit, or coordinates that are no numbers, which overflows give.
+    /// If there are more points than the limit, or coordinates that are not finite after overflow.
     pub(super) fn push(&mut self, curve: Curve) -> Result<(), FileError> {
         self.check_room(&curve)?;
         let wild = |[x, y, z]: &Point| !x.is_finite() || !y.is_finite() || z.is_infinite();
@@ -146,7 +146,7 @@ impl Curves {
         Ok(())
     }
 
-    /// Refuses a curve with more points than there is room for; it may go on.
+    /// Refuses a curve with more points than there is room for; the curve need not be complete.
     ///
     /// # Errors
     ///
@@ -175,8 +175,8 @@ impl Curves {
         self.curves.iter_mut().flat_map(|curve| &mut curve.points)
     }
 
-    /// The parts of so many coordinates, and what is said of the file. Those with fewer than two different points are
-    /// left out, which is said.
+    /// The parts of this many coordinates, and notices about the file. Parts with fewer than two different points are
+    /// left out, with a notice.
     ///
     /// # Errors
     ///
@@ -210,7 +210,7 @@ impl Curves {
     }
 }
 
-/// What is said of parts that are left out.
+/// The notice about parts that are left out.
 fn short_parts(numbers: &[usize]) -> Option<String> {
     let listed = numbers.iter().take(MOST_NUMBERS).map(usize::to_string);
     let listed = listed.collect::<Vec<_>>().join(", ");
@@ -255,7 +255,7 @@ pub(super) fn size<'a>(points: impl IntoIterator<Item = &'a Point>) -> f64 {
     x.hypot(y).hypot(z)
 }
 
-/// Names that are there once: the second part of a name has a number behind it.
+/// Makes names unique: the second part with a name gets a number appended.
 #[derive(Default)]
 struct Names {
     taken: HashSet<String>,
@@ -264,9 +264,9 @@ struct Names {
 }
 
 impl Names {
-    /// The name of the next part that is called so; none if it is blank.
+    /// The name of the next part with this name; `None` if it is blank.
     fn of(&mut self, name: &str) -> Option<String> {
-        // As one line: files break long names.
+        // As one line: files wrap long names.
         let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
         if name.is_empty() {
             return None;

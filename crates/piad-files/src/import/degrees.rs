@@ -7,13 +7,13 @@ use crate::wgs84::Plane;
 /// them as they lie.
 const FARTHEST: f64 = 0.5;
 
-/// The plane shortens distances by this part, at 1.8° or 200 km, before it is said.
+/// The relative shortening of distances by the plane, at 1.8° or 200 km, from which a notice is given.
 const SHORTENED: f64 = 5e-4;
 
 /// The mean radius of the earth, in kilometres.
 const RADIUS: f64 = 6371.0;
 
-/// Makes longitudes and latitudes metres to the east and to the north of the first point of the file, and says so.
+/// Converts longitudes and latitudes to metres east and north of the first point of the file, with a notice.
 pub(super) fn to_metres(curves: &mut Curves) -> Vec<String> {
     let places: Vec<[f64; 2]> = curves.points().map(|[x, y, _]| [*x, *y]).collect();
     let (plane, notices) = plane(&places);
@@ -28,7 +28,7 @@ pub(super) fn to_metres(curves: &mut Curves) -> Vec<String> {
     notices
 }
 
-/// The plane in which these longitudes and latitudes are metres, if there is one, and what is said of it.
+/// The plane in which these longitudes and latitudes are metres, if there is one, and the notice about it.
 pub(super) fn plane(places: &[[f64; 2]]) -> (Option<Plane>, Vec<String>) {
     let Some(&[longitude, latitude]) = places.first() else {
         return (None, Vec::new());

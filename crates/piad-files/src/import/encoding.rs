@@ -5,16 +5,16 @@ use std::borrow::Cow;
 use super::error::FileError;
 use crate::short::without_mark;
 
-/// How many bytes show that a text without a byte-order mark is UTF-16.
+/// The number of bytes examined to detect that a text without a byte-order mark is UTF-16.
 const LOOKED_AT: usize = 64;
 
 /// The fewest bytes that show it.
 const LEAST: usize = 8;
 
-/// What is wrong with UTF-32.
+/// The error for UTF-32.
 const UTF_32: &str = "this is text in UTF-32: save it as UTF-8";
 
-/// A file without a byte-order mark, and in UTF-8 if it was text in UTF-16; all others stay as they are.
+/// A file without a byte-order mark, converted to UTF-8 if it was text in UTF-16; all others are unchanged.
 ///
 /// # Errors
 ///
@@ -38,7 +38,7 @@ fn zeros(file: &[u8], places: &[usize]) -> bool {
     start.len() >= LEAST && bytes.all(|(index, byte)| places.contains(&(index % 4)) == (*byte == 0))
 }
 
-/// A text in UTF-16. What is no character becomes one that says so.
+/// A text in UTF-16. Invalid characters become replacement characters.
 fn decoded(text: &[u8], unit: fn([u8; 2]) -> u16) -> Cow<'_, [u8]> {
     let (units, _) = text.as_chunks::<2>();
     let characters = char::decode_utf16(units.iter().map(|it| unit(*it)));
@@ -77,7 +77,7 @@ mod tests {
                 assert_eq!(found.name.as_deref(), text.lines().next());
             }
         }
-        // Half a character, and one that is none.
+        // Half a character, and an invalid one.
         assert_eq!(
             read(b"\xff\xfe1\0\n\x002\0\n\0\x00").unwrap().points.len(),
             2

@@ -1,4 +1,4 @@
-//! What is wrong with a file, and in which line.
+//! Errors in a file, located by line.
 
 use std::fmt;
 
@@ -8,11 +8,11 @@ pub(super) const MOST_ERRORS: usize = 10;
 /// An error in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
-    /// The line, from 1; none if it concerns the whole file.
+    /// The line, from 1; `None` if it concerns the whole file.
     pub line: Option<usize>,
-    /// The hint that does not fit the file, if it is that: `part` or `columns`.
+    /// The hint that does not fit the file, if there is one: `part` or `columns`.
     pub hint: Option<&'static str>,
-    /// What is wrong there.
+    /// The reason.
     pub detail: String,
 }
 

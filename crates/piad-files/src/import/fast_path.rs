@@ -1,5 +1,5 @@
-//! Lines that are points like those before them, and nothing else: most of every large file. They are
-//! read by all threads, some of them at a time, as they are there twice until they are put where they stay.
+//! A fast path for lines that hold one point like those before them: most lines of every large file. All threads read
+//! pieces, a limited number at a time, as these are in memory twice until they are copied to their place.
 
 use rayon::prelude::*;
 
@@ -7,13 +7,13 @@ use super::layout::Layout;
 use super::line::is_comment;
 use piad_fit::data::MAX_DIMENSION;
 
-/// Texts shorter than this are not worth it.
+/// The least length of a text for which this pays.
 const LEAST: usize = 64 * 1024;
 
-/// How much of the text a thread reads at a time.
+/// The length of text that a thread reads at a time.
 const PIECE: usize = 256 * 1024;
 
-/// How many pieces each thread reads, before they are put where they stay.
+/// The number of pieces that each thread reads before they are copied to their place.
 const PIECES: usize = 4;
 
 /// The most numbers of a line that are read: coordinates, and a time.
@@ -28,12 +28,12 @@ pub(super) struct Piece {
     pub(super) lines: Vec<u32>,
     /// The indices of points before which there were blank lines.
     pub(super) breaks: Vec<usize>,
-    /// How many lines it has.
+    /// The number of its lines.
     pub(super) count: u32,
 }
 
-/// Reads the points of a text, piece by piece, and puts each where it belongs. `None` if the text is short or a
-/// line is anything but a point in plain numbers and gaps, or blank.
+/// Reads the points of a text, piece by piece, and copies each to its place. `None` if the text is short or a line is
+/// anything but a point in plain numbers and gaps, or blank.
 pub(super) fn points(
     text: &str,
     end: char,
@@ -51,7 +51,7 @@ pub(super) fn points(
     Some(())
 }
 
-/// How many lines a text has.
+/// The number of lines of a text.
 pub(super) fn count_lines(text: &str, end: char) -> usize {
     let ends = memchr::memchr_iter(end as u8, text.as_bytes()).count();
     ends + usize::from(!text.ends_with(end))

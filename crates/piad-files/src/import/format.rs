@@ -1,6 +1,6 @@
-//! What a file is, by what is in it.
+//! Detects the format of a file by its content.
 
-/// The formats that are read as bytes: they are binary, or have binary kinds.
+/// The formats that are read as bytes: they are binary, or have binary variants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ByteFormat {
     /// A scan in LAS.
@@ -17,7 +17,7 @@ impl ByteFormat {
     /// The format of a file; `None` if it is read as text or not at all.
     pub(super) fn of(file: &[u8]) -> Option<Self> {
         Some(match () {
-            // Such a file may begin with anything, and its size says what it is.
+            // Such a file may begin with any bytes; its size identifies it.
             () if super::stl::is_binary(file) => Self::Stl,
             () if super::las::is_las(file) => Self::Las,
             () if super::ply::is_ply(file) => Self::Ply,
@@ -34,7 +34,7 @@ pub(super) enum Format {
     Array,
     /// Drawings.
     Dxf,
-    /// Paths of tools.
+    /// Tool paths.
     GCode,
     /// Lines, polygons and points of maps.
     GeoJson,
@@ -54,7 +54,7 @@ pub(super) enum Format {
     EsriGrid,
     /// Outlines.
     Svg,
-    /// Lines of numbers: CSV, tables with blanks, XYZ, airfoils.
+    /// Lines of numbers: CSV, whitespace-separated tables, XYZ, airfoils.
     Table,
 }
 

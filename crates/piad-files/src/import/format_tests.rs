@@ -1,4 +1,4 @@
-//! All readers of clouds, meshes and grids together: no bytes break them.
+//! All readers of clouds, meshes and grids: no input makes them panic.
 
 use proptest::prelude::*;
 
@@ -58,7 +58,7 @@ fn below() -> impl Strategy<Value = Vec<u8>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Whatever follows what a format begins with, it is points or an error.
+    /// Any bytes after a valid beginning give points or an error.
     #[test]
     fn no_bytes_break_a_reader(start in prop::sample::select(starts()), below in below(), cut in 0..500_usize, changed in any::<(prop::sample::Index, u8)>()) {
         let mut file = [start, below].concat();

@@ -1,5 +1,5 @@
-//! Numbers that are missing: gaps of a grid, and points that are left out of curves and clouds. Until it is known which
-//! of these they are, they are no numbers (NaN).
+//! Missing numbers: gaps of a grid, and points that are left out of curves and clouds. Until these cases are
+//! distinguished they are NaN.
 
 use super::error::FileError;
 use super::grid_detection;
@@ -20,8 +20,8 @@ pub(super) fn forget(points: &mut Points, no_data: f64) {
     }
 }
 
-/// Makes points with gaps those that are missing in a grid, or leaves them out. Degrees are looked at for a grid also
-/// without gaps, as it is none in metres.
+/// Turns points with gaps into the missing points of a grid, or leaves them out. Degrees are checked for a grid also
+/// without gaps, before they become metres.
 ///
 /// # Errors
 ///
@@ -57,7 +57,7 @@ fn missing(points: &Points) -> Vec<usize> {
     (0..points.len()).filter(is_missing).collect()
 }
 
-/// Takes the points as a grid if they show it: x and y are there, or blank lines.
+/// Detects a grid by x and y, or by blank lines.
 fn find_grid(part: &mut Part, hints: &Hints) {
     let curve = hints.kind == Some(Kind::Curve);
     if curve || hints.size.is_some() || grid_detection::is_several(part, hints) {
@@ -68,7 +68,7 @@ fn find_grid(part: &mut Part, hints: &Hints) {
     }
 }
 
-/// Returns true if a user says how many rows and columns there are, and as many points are.
+/// Returns true if the hints give rows and columns whose product is the number of points.
 fn has_size(part: &Part, hints: &Hints) -> bool {
     let count = |size: piad_fit::data::Grid| size.rows.checked_mul(size.columns);
     hints.size.and_then(count) == Some(part.points.len())
@@ -96,7 +96,7 @@ fn keep_missing(part: &mut Part, missing: Vec<usize>) {
     part.missing = missing;
 }
 
-/// Leaves points out, and says what they have none of.
+/// Leaves points out, with a notice that names the missing values.
 fn leave_out(part: &mut Part, missing: &[usize], what: &str) -> Result<(), FileError> {
     let Some(first) = missing.first() else {
         return Ok(());

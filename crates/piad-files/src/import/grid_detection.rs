@@ -1,4 +1,4 @@
-//! Points of a surface come in rows: blank lines separate them, or x and y say it, or somebody does.
+//! Detects rows of points of a surface: by blank lines, by x and y, or by the hints.
 
 use super::closed_outline;
 use super::error::FileError;
@@ -11,17 +11,17 @@ use super::times;
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::is_unordered;
 
-/// What is said of points that seem to have no order along a curve.
-const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=auto in a query), or put them in order (--order nearest, or curve.order=nearest), or say that theirs is meant (--order given, or curve.order=given)";
+/// The notice about points that seem to have no order along a curve.
+const NO_ORDER: &str = "the points have no order along a curve: few of them have a neighbour of the list among their nearest points; fit a surface to scattered points (--surface, or surface.parameters=auto in a query), or put them in order (--order nearest, or curve.order=nearest), or confirm that theirs is intended (--order given, or curve.order=given)";
 
-/// What is said of them where they are those of a surface.
+/// The notice about them if they are those of a surface.
 const SCATTERED: &str = "The points have no order, and are scattered points of a surface.";
 
 /// The points as a curve or a surface.
 ///
 /// # Errors
 ///
-/// If they are neither: no order, another number of rows than is asked for, times that do not increase.
+/// If they are neither: no order, another number of rows than requested, times that do not increase.
 pub(super) fn arranged(mut part: Part, hints: &Hints) -> Result<Imported, FileError> {
     let are_sections = part.order == Order::Sections;
     let is_mesh = !part.triangles.is_empty();
@@ -99,7 +99,7 @@ fn grid(part: &mut Part, hints: &Hints) -> Result<Option<Grid>, FileError> {
     })
 }
 
-/// Refuses rows that are no curve, or not as many as are asked for.
+/// Refuses rows that are not curves, or whose number differs from the requested one.
 fn check_rows(grid: Grid, hints: &Hints) -> Result<(), FileError> {
     if hints.kind == Some(Kind::Curve) {
         let detail = "these are rows of a surface, and the fit is one of a curve";
@@ -115,11 +115,11 @@ fn check_rows(grid: Grid, hints: &Hints) -> Result<(), FileError> {
     }
 }
 
-/// Returns true if blank lines part a table into curves of their own, and not into the rows of a surface.
+/// Returns true if blank lines separate curves of a table, and not the rows of a surface.
 pub(super) fn is_several(table: &Part, hints: &Hints) -> bool {
     let surface = hints.kind == Some(Kind::Surface) || hints.size.is_some();
     let rows = hints.kind.is_none() && table.points.dimension() == 3 && rows(table).is_some();
-    // A blank line after each point parts nothing.
+    // A blank line after each point does not separate rows.
     let spaced = table.breaks.len() + 1 == table.points.len();
     !table.breaks.is_empty() && !surface && !rows && !spaced
 }
@@ -150,7 +150,7 @@ pub(super) fn shown(part: &mut Part) -> Option<Grid> {
     }
     let (grid, why) = match rows(part) {
         Some(grid) => (grid, "blank lines are between the rows"),
-        None => (lattice(&part.points)?, "x and y form a lattice"),
+        None => (lattice(&part.points)?, "x and y form a grid"),
     };
     part.notices.push(format!(
         "The points are {} rows of {}: {why}.",

@@ -1,4 +1,4 @@
-//! The first row of a table, and which columns of it are read.
+//! The first row of a table, and the choice of its columns.
 
 use super::choice::{self, Choice, Named};
 use super::columns::MOST_COLUMNS;
@@ -12,7 +12,7 @@ use super::sample::{Below, Sample, has_width};
 /// The most coordinates of points without names.
 const MOST_COORDINATES: usize = 3;
 
-/// The first row of a table, and what stands around it.
+/// The first row of a table, and its context.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Head<'a> {
     /// The number of its line.
@@ -24,7 +24,7 @@ pub(super) struct Head<'a> {
 }
 
 impl Head<'_> {
-    /// How many columns the line above names, if it does.
+    /// The number of columns that the line above names.
     pub(super) fn wanted(&self) -> Option<usize> {
         let (_, words) = self.words?;
         Some(Notation::of_names(words).fields(words).count())
@@ -36,7 +36,7 @@ impl Head<'_> {
         words.is_some_and(|words| words.separates_as(notation))
     }
 
-    /// How the columns are separated: as in a line of numbers, or else as it gives the most numbers.
+    /// The separator of the columns: as in a line of numbers, or else the one that gives the most numbers.
     pub(super) fn notation(&self, plain: Option<Notation>) -> Option<Notation> {
         let wanted = self.wanted();
         let Some(plain) = plain else {
@@ -45,7 +45,7 @@ impl Head<'_> {
         if plain.separator.is_some() || !self.line.contains('\t') {
             return Some(plain);
         }
-        // Of blanks several are one, which loses the gaps between tabs.
+        // Several blanks count as one, which loses the gaps between tabs.
         let tabs = Notation::in_row(self.line, Some('\t'));
         let width = plain.fields(self.line).count();
         let named = self.is_separated(tabs)
@@ -56,7 +56,7 @@ impl Head<'_> {
         }
     }
 
-    /// The names of columns in the line above, if it can be a line of these: as many, and no numbers.
+    /// The names of columns in the line above, if it can be a line of names: the same number, and no numbers.
     pub(super) fn names(&self, notation: Notation, width: usize) -> Option<Names> {
         let (line, words) = self.words?;
         let of_names = Notation::of_names(words);
@@ -73,7 +73,7 @@ impl Head<'_> {
         (!names.iter().any(is_number)).then_some(Names { line, names })
     }
 
-    /// The columns that are read: those of the hints, or else those that the file shows. `None` if the line is no row.
+    /// The columns to read: those of the hints, or else those that the file shows. `None` if the line is not a row.
     ///
     /// # Errors
     ///
@@ -107,12 +107,12 @@ pub(super) struct Chosen {
     pub(super) choice: Choice,
     /// True if the line above has their names.
     pub(super) named: bool,
-    /// True if a user or their names say what they are.
+    /// True if a user or their names determine their kind.
     pub(super) sure: bool,
 }
 
 impl Chosen {
-    /// The columns that a file shows by itself; `None` if its first line has texts, and is no row with two numbers.
+    /// The columns that a file shows by itself; `None` if its first line has texts, and is not a row with two numbers.
     fn by_itself(
         head: &Head<'_>,
         names: Option<&[String]>,
@@ -128,7 +128,7 @@ impl Chosen {
                 sure: true,
             });
         }
-        // Names that say nothing, such as a and b, are names only if they are separated as the numbers are.
+        // Names without a known meaning, such as a and b, are names only if they are separated as the numbers are.
         // Otherwise they are words, such as those of an airfoil.
         let has_x = meant.is_some_and(|it| it.has(Meaning::X));
         let separated = names.is_some_and(|names| names.len() > 1);

@@ -1,36 +1,36 @@
-//! What a file of points becomes, and what is known of it before.
+//! The result of reading a file of points, and the hints for it.
 
 use super::columns::Columns;
 use crate::wgs84::Origin;
 use piad_fit::data::{Grid, Points};
 
-/// What is known of a file beside what is in it.
+/// Hints for reading a file.
 #[derive(Clone, Debug)]
 pub struct Hints {
-    /// Whether it is a curve or a surface; the file shows it where nobody says it.
+    /// Curve or surface; the file decides if `None`.
     pub kind: Option<Kind>,
-    /// How many rows and columns a surface has.
+    /// The number of rows and columns of a surface.
     pub size: Option<Grid>,
-    /// True if a curve is closed; the file shows it where nobody says it.
+    /// True if a curve is closed; the file decides if `None`.
     pub closed: Option<bool>,
-    /// True if the order of points is known to be meant, so that it is not looked at.
+    /// True if the order of points is known to be intended, so that it is not checked.
     pub ordered: bool,
-    /// Which columns of a table are what; the file shows it where nobody says it.
+    /// The roles of a table's columns; the file decides if `None`.
     pub columns: Option<Columns>,
-    /// Which part is read of a file with several.
+    /// The part to read from a file with several.
     pub part: Option<PartChoice>,
-    /// True if the parts of the file are sections of a surface; without it the file shows it.
+    /// True if the parts of the file are sections of a surface; the file decides if `None`.
     pub sections: Option<bool>,
-    /// Which piece of a mesh is read, from 1, the largest first.
+    /// The piece of a mesh to read, from 1, the largest first.
     pub piece: Option<usize>,
     /// True if the times of points are the parameters of a curve.
     pub times: bool,
-    /// The most points that may be in it.
+    /// The most points.
     pub most: usize,
 }
 
 impl Default for Hints {
-    /// Nothing is known, and there may be any number of points.
+    /// No hints, and any number of points.
     fn default() -> Self {
         Self {
             kind: None,
@@ -65,7 +65,7 @@ impl PartChoice {
     }
 }
 
-/// What points are of.
+/// The kind of geometry that points belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Of a curve, in their order.
@@ -85,23 +85,23 @@ pub struct Imported {
     pub sections: Vec<usize>,
     /// The indices of missing points of a surface, increasing.
     pub missing: Vec<usize>,
-    /// True if the curve is closed; its first point is there once.
+    /// True if the curve is closed; its first point is kept once.
     pub closed: bool,
     /// True if the points have no order along a curve.
     pub unordered: bool,
-    /// The parameters of the points of a curve, increasing: their times, where these are asked for.
+    /// The parameters of the points of a curve, increasing: their times, if requested.
     pub parameters: Option<Vec<f64>>,
-    /// The parameters of the rows and of the columns of a grid with gaps, from 0 to 1, if x and y say them.
+    /// The parameters of the rows and of the columns of a grid with gaps, from 0 to 1, if x and y determine them.
     pub line_parameters: Option<[Vec<f64>; 2]>,
     /// The triangles between scattered points that are the vertices of a mesh: the indices of their corners.
     pub triangles: Vec<[u32; 3]>,
-    /// Where the first two coordinates start, if they were longitudes and latitudes.
+    /// The origin of the first two coordinates, if they were longitudes and latitudes.
     pub origin: Option<Origin>,
     /// The line of each point, from 1; empty for files without lines.
     pub lines: Vec<u32>,
-    /// What the part or the file calls itself.
+    /// The name of the part or the file.
     pub name: Option<String>,
-    /// What was found out about it, in sentences.
+    /// Notices about it, in sentences.
     pub notices: Vec<String>,
 }
 

@@ -6,7 +6,7 @@ use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::Part;
 
-/// What such files begin with.
+/// The signature.
 const SIGNATURE: &[u8] = b"LASF";
 
 /// Flags of the point format of compressed files.
@@ -15,7 +15,7 @@ const COMPRESSED: usize = 0b1100_0000;
 /// The fewest bytes of a point of each format, from 0.
 const LEAST_SIZES: [usize; 11] = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
 
-/// Where the fields of the header are.
+/// Offsets of the fields of the header.
 mod at {
     pub(super) const VERSION_MAJOR: usize = 24;
     pub(super) const VERSION_MINOR: usize = 25;
@@ -31,7 +31,7 @@ mod at {
     pub(super) const LARGE_COUNT: usize = 247;
 }
 
-/// What the header says.
+/// The contents of the header.
 struct Header {
     version: String,
     data: usize,
@@ -185,7 +185,7 @@ mod tests {
                 )
             );
         }
-        // Bytes below the points, such as records of version 1.4, are none.
+        // Bytes after the points, such as records of version 1.4, are skipped.
         let more = [&file(4, 6, 30)[..], &[0; 100]].concat();
         assert_eq!(surface(&more).unwrap().points.len(), 3);
     }

@@ -1,4 +1,4 @@
-//! What stands where in the lines of a file, and which lines are words instead of points.
+//! The columns of the lines of a file, and the detection of lines of words.
 
 use super::choice::Choice;
 use super::error::FileError;
@@ -12,15 +12,15 @@ use jiff::Timestamp;
 
 use super::columns::MOST_COLUMNS;
 
-/// Where in a line the coordinates stand.
+/// The columns of a line.
 #[derive(Debug)]
 pub(super) struct Layout {
     notation: Notation,
     /// The number of columns.
     pub(super) width: usize,
-    /// What is read of each column.
+    /// The content of each column.
     slots: Vec<Slot>,
-    /// How many numbers a line has that are read.
+    /// The number of values that are read of a line.
     lanes: usize,
     /// True if the line above names the columns.
     pub(super) named: bool,
@@ -31,11 +31,11 @@ pub(super) struct Layout {
     pub(super) contents: Vec<Content>,
 }
 
-/// What is read of a column.
+/// The content of a column.
 #[derive(Clone, Copy, Debug)]
 enum Slot {
     Nothing,
-    /// A number, and its place among those that are read. What is none is a gap of times that nobody wants.
+    /// A number, and its index among those that are read. Text is a gap where times are not used.
     Number {
         place: usize,
         optional: bool,
@@ -49,7 +49,7 @@ enum Slot {
 }
 
 impl Layout {
-    /// The layout of a file whose first row this is; `None` if it is none.
+    /// The layout of a file with this first row; `None` if it is not a row.
     ///
     /// # Errors
     ///
@@ -118,8 +118,8 @@ impl Layout {
         }
     }
 
-    /// Returns true if the line of a sample with texts or gaps is its first row: the next one is alike, or it is
-    /// known which columns are read, and it has a number there.
+    /// Returns true if the line of a sample with texts or gaps is its first row: the next one is similar, or the
+    /// columns are known and it has a number there.
     fn is_first_row(&self, sample: &Sample<'_>, sure: bool) -> bool {
         let is_point = |row: &&str| self.point(row).is_ok();
         let [first, next] = [0, 1].map(|row| sample.rows.get(row));
@@ -144,7 +144,7 @@ impl Layout {
             .collect()
     }
 
-    /// The numbers that are read of a line: coordinates and times. Those that are missing are not numbers.
+    /// The values that are read of a line: coordinates and times. Missing ones are NaN.
     pub(super) fn point(&self, line: &str) -> Result<Vec<f64>, String> {
         let mut point = vec![0.0; self.lanes];
         let mut width = 0;
@@ -171,7 +171,7 @@ impl Layout {
         ))
     }
 
-    /// The number of a field; what it is else.
+    /// The number of a field, or else its content.
     fn read(&self, slot: Slot, field: &str) -> Result<f64, &'static str> {
         match slot {
             Slot::Nothing => Ok(0.0),
@@ -190,7 +190,7 @@ impl Layout {
         }
     }
 
-    /// How many numbers of each line are read.
+    /// The number of values that are read of each line.
     pub(super) fn lanes(&self) -> usize {
         self.lanes
     }
@@ -214,8 +214,8 @@ impl Layout {
         self.notation.separator == Some('\t')
     }
 
-    /// Reads the numbers of a line without blanks around it that has as many columns as the first one and
-    /// plain numbers or gaps where they are read; `None` for all others, which [`point`](Self::point) looks at.
+    /// Reads the numbers of a trimmed line with the columns of the first one and plain numbers or gaps where they are
+    /// read; `None` for all other lines, which [`point`](Self::point) handles.
     pub(super) fn plain_point(&self, line: &str, point: &mut [f64]) -> Option<()> {
         let mut rest = line;
         for (column, slot) in self.slots.iter().enumerate() {
@@ -258,8 +258,8 @@ impl Layout {
         }
     }
 
-    /// Returns true if a line above the points that is none can be a title. It is no point with a coordinate
-    /// that is not understood: those begin with a number and have as many columns as the points.
+    /// Returns true if a line above the points can be a title. It is not a damaged point: those begin with a number and
+    /// have the columns of the points.
     pub(super) fn is_title(&self, line: &str) -> bool {
         let mut fields = self.notation.fields(line);
         let first = fields.next().unwrap_or("");
@@ -276,9 +276,8 @@ impl Layout {
         self.contents.first() == Some(&Content::Text) && has_width(self.notation, line, self.width)
     }
 
-    /// Returns true if a line that is no point is one that was damaged, and no remark such as a date: it
-    /// consists of what numbers consist of, or has a number and as many columns as the points, or
-    /// begins with a whole point.
+    /// Returns true if a line that is not a point is a damaged one, and not a remark such as a date: it consists of
+    /// characters of numbers, or has a number and the columns of the points, or begins with a whole point.
     pub(super) fn is_damaged(&self, line: &str) -> bool {
         let is_digit = |c: char| c.is_ascii_digit() || "+-.,eEdD".contains(c);
         let is_number: Vec<bool> = self

@@ -3,11 +3,11 @@
 /// What comments begin with.
 const COMMENTS: [&str; 4] = ["#", "//", "%", "!"];
 
-/// The most marks of comments that are looked at in a line: texts have few of them.
+/// The most comment marks that are examined in a line: texts have few of them.
 const MOST_MARKS: usize = 100;
 
-/// What the lines of a text end with. Blanks at their ends are taken away, among them that of `\r\n`. Old
-/// Macintosh files end their lines with it alone.
+/// The line ends of a text. Blanks at their ends are trimmed, among them that of `\r\n`. Old Macintosh files end their
+/// lines with it alone.
 pub(super) fn line_end(text: &str) -> char {
     match text.contains('\n') {
         true => '\n',
@@ -15,7 +15,7 @@ pub(super) fn line_end(text: &str) -> char {
     }
 }
 
-/// What stands around lines.
+/// The blanks around lines.
 pub(super) fn blank_or_tab(c: char) -> bool {
     c.is_whitespace() || c == '\0'
 }

@@ -1,4 +1,4 @@
-//! The parameters of the rows and columns of a grid with gaps, as x and y have them: distances between points say little
+//! The parameters of the rows and columns of a grid with gaps, from x and y: distances between points are unreliable
 //! where some are missing.
 
 use piad_fit::data::{Grid, Points};
@@ -62,7 +62,7 @@ mod tests {
         assert_eq!(v, [0.0, 0.25, 1.0]);
         let whole = read(text.replace("nan", "5").as_bytes(), &HINTS).unwrap();
         assert_eq!(whole.line_parameters, None);
-        // Of heights engines know as much.
+        // Engines compute the same for heights.
         let rows = read(b"[[1, 2, null, 4],\n[5, 6, 7, 8]]", &HINTS).unwrap();
         assert_eq!(rows.line_parameters, None);
     }

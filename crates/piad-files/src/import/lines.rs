@@ -55,10 +55,10 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
         if is_blank {
             reader.pause();
         } else if line.trim().is_empty() {
-            // A line that is a comment parts nothing.
+            // A comment line is no separator.
         } else if let Err(error) = reader.line(number, line, below) {
             reader.errors.push(error);
-            // Of a file without a line of numbers so far all further lines are wrong in the same way.
+            // If a file has no line of numbers so far, all further lines have the same error.
             if reader.layout.is_none() {
                 break;
             }
@@ -70,7 +70,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     reader.end()
 }
 
-/// Whether the first line of numbers is the domain of a grid, as in files of MSES.
+/// The meaning of a first line of two numbers: the domain of a grid, as in files of MSES.
 #[derive(PartialEq)]
 enum Domain {
     None,
@@ -82,24 +82,24 @@ enum Domain {
 struct Reader<'a> {
     hints: &'a Hints,
     most: usize,
-    /// As many points as there can be, by the lines of the file.
+    /// The largest number of points, by the lines of the file.
     possible: usize,
     /// Known from the first line of numbers on.
     layout: Option<Layout>,
     /// The lines of words before the first line of numbers.
     titles: Vec<(usize, String)>,
     domain: Domain,
-    /// What is found out, in sentences.
+    /// Notices, in sentences.
     notices: Vec<String>,
     points: Option<Points>,
     lines: Vec<u32>,
     breaks: Vec<usize>,
-    /// What is wrong with the last lines, if they are words below the points and no points.
+    /// The errors of the last lines, if they are words below the points.
     remarks: Vec<FileError>,
     /// The first of these lines.
     remark: String,
     errors: Vec<FileError>,
-    /// What stands for numbers that are missing, if the lines above the points say it.
+    /// The number that marks missing values, if the lines above the points define it.
     no_data: Option<f64>,
 }
 
@@ -143,7 +143,7 @@ impl<'a> Reader<'a> {
         let before = (lines.len(), breaks.len());
         let mut first = u32::try_from(number).unwrap_or(u32::MAX);
         let put = |pieces: &[Piece]| {
-            // Not before there is a piece: most of a text that has none would never be read.
+            // Only once there is a piece: most of a text without one would never be read.
             if lines.len() == before.0 {
                 lines.reserve_exact(count);
                 points.make_room(count);
@@ -245,7 +245,7 @@ impl<'a> Reader<'a> {
         self.errors.append(&mut self.remarks);
         let points = self.points.get_or_insert_with(|| Points::new(point.len()));
         if self.lines.len() == LONG {
-            // What doubles instead is there three times while it is moved.
+            // Growth by doubling would need three times the memory during the move.
             let more = self.possible.saturating_sub(LONG);
             points.make_room(more);
             self.lines.reserve_exact(more);
@@ -259,7 +259,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Forgets the first line of numbers if it is the domain of a grid, with this line below it.
+    /// Removes the first line of numbers if it is the domain of a grid, with this line below it.
     fn pass_over_domain(&mut self, below: &str) -> bool {
         let columns = Notation::of(below).map(|notation| notation.fields(below).count());
         let (Domain::Possible(domain), 1, Some(2)) = (&self.domain, self.lines.len(), columns)
@@ -277,8 +277,8 @@ impl<'a> Reader<'a> {
         true
     }
 
-    /// Returns true if a line that is no point begins the remarks below the points. Tables with names of
-    /// columns have none; other files have them after a blank line, or below a title.
+    /// Returns true if a line that is not a point begins the remarks below the points. Tables with names of columns
+    /// have none; other files have them after a blank line, or below a title.
     fn is_remark(&self, line: &str) -> bool {
         let Some(layout) = self.layout.as_ref().filter(|layout| !layout.named) else {
             return false;
@@ -342,7 +342,7 @@ impl<'a> Reader<'a> {
         }
         if let Some(line) = self.remarks.first().and_then(|first| first.line) {
             notices.push(format!(
-                "What follows the points from line {line} on, {}, is words, which are not read.",
+                "The text after the points, from line {line} on, {}, is skipped.",
                 quoted(&self.remark)
             ));
         }

@@ -46,7 +46,7 @@ impl Faces {
     }
 }
 
-/// What is wrong with the index of a vertex, from 0, that is not there.
+/// The error for an index of a vertex, from 0, that does not exist.
 pub(super) fn not_there(index: &str, count: usize, format: &str, line: Option<usize>) -> FileError {
     let detail = format!("there is no vertex {index}, the file has {count}, from 0 ({format})");
     FileError::new(line, detail)
@@ -58,12 +58,12 @@ fn renumbered(triangles: &[[u32; 3]], numbers: &[u32]) -> Vec<[u32; 3]> {
     moved.filter(|it| !it.contains(&NONE)).collect()
 }
 
-/// Keeps the vertices and the triangles of one piece of a mesh: the largest one, or that of the hints. Vertices at one place
-/// are one.
+/// Keeps the vertices and the triangles of one piece of a mesh: the largest one, or that of the hints. Vertices at the
+/// same place are merged.
 ///
 /// # Errors
 ///
-/// There are fewer pieces than the hints say.
+/// There are fewer pieces than hints.
 pub(super) fn take_piece(part: &mut Part, hints: &Hints) -> Result<(), FileError> {
     let first = first_there(&part.points);
     let all = renumbered(&part.triangles, &first);
@@ -219,7 +219,7 @@ impl Fans {
         Self((0..count).collect())
     }
 
-    /// The first corner of a fan.
+    /// The notice about a piece.
     fn first(&mut self, mut of: usize) -> usize {
         while let Some(&above) = self.0.get(of).filter(|above| **above != of) {
             let next = self.0.get(above).copied().unwrap_or(above);
@@ -239,7 +239,7 @@ impl Fans {
     }
 }
 
-/// What is said of a piece.
+/// The notice about a piece.
 fn notice(piece: usize, count: usize, (triangles, points): (usize, usize)) -> String {
     match (count, piece) {
         (1, _) => format!(

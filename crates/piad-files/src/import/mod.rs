@@ -1,33 +1,33 @@
-//! Files of points: CSV, tables with blanks, point clouds (XYZ, PTS, PCD, LAS), meshes (PLY, STL, OBJ, OFF), grids of
-//! heights (ESRI), airfoils (`.dat`), JSON arrays, tracks, maps, drawings and paths of tools.
+//! Readers of point files: CSV, whitespace-separated tables, point clouds (XYZ, PTS, PCD, LAS), meshes (PLY, STL, OBJ,
+//! OFF), height grids (ESRI), airfoils (`.dat`), JSON arrays, tracks, maps, drawings and tool paths.
 //!
-//! [`read`] gives one part of a file, and [`read_parts`] all of them. They know nothing of HTTP or of jobs: files become points, and what is
-//! wrong with it is reported at its line. What it is, is seen from what is in it:
+//! [`read`] returns one part of a file, and [`read_parts`] all of them. They do not depend on HTTP or jobs: files
+//! become points, and errors are located by line. The format is detected by the content:
 //!
 //! - `encoding`: text in UTF-16 becomes UTF-8;
-//! - `unread`: files that are not read, and are named;
-//! - `number_format`: what separates columns, and decimals;
-//! - `format`: what the file is;
-//! - `part`: what each reader gives, the parts of a file;
-//! - `columns`: which columns of a table are what, as a user says it; `choice`: as their names (`names`) and what
-//!   they hold (`sample`) say it; `column_notice`: what is said of it;
-//! - `head`: the first row of a table; `layout`: what is read of each line, and what is a title, a remark or a damaged point; `text_column`: tables
-//!   without numbers;
-//! - `line`: the comment and the blanks of a line; `lines`: lines become points of a `part`, with titles above them and remarks below them; `fast_path`: those of
-//!   large files, by all threads;
-//! - `table`: the numbers of these lines become coordinates and times (`timestamps`), and degrees metres;
-//!   `gaps`: what is missing;
+//! - `unread`: file types that are not supported, named in the error;
+//! - `number_format`: separators of columns and decimals;
+//! - `format`: detection of the format;
+//! - `part`: the parts of a file, the output of each reader;
+//! - `columns`: columns as a user chooses them; `choice`: columns by their names (`names`) and contents (`sample`);
+//!   `column_notice`: notices about them;
+//! - `head`: the first row of a table; `layout`: the values of a line, and the detection of titles, remarks and damaged
+//!   points; `text_column`: tables without numbers;
+//! - `line`: comments and blanks of a line; `lines`: lines become points of a `part`, with titles above them and
+//!   remarks below them; `fast_path`: those of large files, by all threads;
+//! - `table`: the numbers of these lines become coordinates and times (`timestamps`), and degrees metres; `gaps`:
+//!   missing values;
 //! - `array`: points, rows of points and rows of heights in JSON;
 //! - `off`, `ply`, `stl`, `obj`: the vertices and faces of meshes, and the polylines of OBJ; `mesh`: one piece of them;
-//! - `pts`, `pcd`, `las`: clouds; `cloud`: what these and the meshes have in common, with `binary` and `byte_lines`;
+//! - `pts`, `pcd`, `las`: clouds; `cloud`: common code of these and the meshes, with `binary` and `byte_lines`;
 //! - `esri_grid`: heights at equal steps;
-//! - `curves`: the curves of a file with several, until each is a part;
+//! - `curves`: the curves of a file with several, before they become parts;
 //! - `geojson`: lines, polygons and points; `xml`, `gpx`, `kml`: tracks, routes and lines, by `tracks`; `degrees`: longitude and latitude as metres in a plane;
-//! - `dxf`, `svg`: drawings; `gcode`: paths of tools; `sampled`: points on their arcs and other curves;
-//! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve around, and what
-//!   MSES has above the points is known;
-//! - `closed_outline`: an outline that comes back to its first point is closed;
-//! - `repeated`: points that equal the one before them are kept once;
+//! - `dxf`, `svg`: drawings; `gcode`: tool paths; `sampled`: points on their arcs and other curves;
+//! - `airfoil`: upper and lower sides one after the other (Lednicer) become one curve, and the header of MSES files is
+//!   recognised;
+//! - `closed_outline`: outlines that return to their first point;
+//! - `repeated`: removal of repeated points;
 //! - `grid_detection`: rows of points become a surface; `sections`: curves that are sections of one.
 
 mod airfoil;
@@ -102,7 +102,7 @@ const MOST_NAMES: usize = 20;
 ///
 /// # Errors
 ///
-/// The first ten errors of the file, each with its line; that there are several parts, if nothing says which one.
+/// The first ten errors of the file, each with its line; or that there are several parts, if the hints choose none.
 pub fn read(file: &[u8], hints: &Hints) -> Result<Imported, FileErrors> {
     let Parts { parts, notices } = parts(file, hints)?;
     let part = one(parts, hints.part.as_ref())?;
@@ -137,7 +137,7 @@ fn parts(file: &[u8], hints: &Hints) -> Result<Parts, FileErrors> {
     Ok(parts)
 }
 
-/// The parts of a file as its format has them, and true if that is a table.
+/// The parts of a file as in its format, and true if that is a table.
 fn parts_of_format(file: &[u8], hints: &Hints) -> Result<(Parts, bool), FileErrors> {
     let file = encoding::as_utf8(file)?;
     if let Some(format) = ByteFormat::of(&file) {
@@ -152,7 +152,7 @@ fn parts_of_format(file: &[u8], hints: &Hints) -> Result<(Parts, bool), FileErro
     }
     unread::check(&file)?;
     let text = unread::without_padding(&file);
-    // Where all of it is UTF-8, which is found out much faster than where it is not.
+    // Validates the whole file at once, which is much faster than line by line.
     let text = str::from_utf8(text)
         .map(Cow::Borrowed)
         .unwrap_or_else(|_| String::from_utf8_lossy(text));
@@ -178,16 +178,16 @@ fn parts_of_format(file: &[u8], hints: &Hints) -> Result<(Parts, bool), FileErro
     Ok((parts?, format == Format::Table))
 }
 
-/// Refuses columns where there is no table.
+/// Refuses columns for data other than tables.
 fn check_no_columns(hints: &Hints) -> Result<(), FileError> {
-    let detail = "columns are chosen in a table, and this file is none";
+    let detail = "columns can be chosen only in a table, and this file is not one";
     match hints.columns {
         None => Ok(()),
         Some(_) => Err(FileError::of_hint(COLUMNS, detail)),
     }
 }
 
-/// A table as one part, or each of its parts between blank lines if they are no rows of a surface.
+/// A table as one part, or each of its parts between blank lines if they are not rows of a surface.
 fn tables(mut table: Part, hints: &Hints) -> Result<Parts, FileErrors> {
     if !grid_detection::is_several(&table, hints) {
         return Ok(table.into());
@@ -232,7 +232,7 @@ fn one(mut parts: Vec<Part>, choice: Option<&PartChoice>) -> Result<Part, FileEr
     Ok(parts.swap_remove(index))
 }
 
-/// What is wrong with a file that has no part, or several where one is wanted.
+/// The error for a file without parts, or with several where one is wanted.
 fn several(parts: &[Part]) -> FileError {
     if parts.is_empty() {
         return FileError::of_file(part::NO_POINTS);
@@ -259,7 +259,7 @@ fn names(parts: &[Part]) -> String {
     }
 }
 
-/// A part as a curve or a surface, with what is said of the whole file.
+/// A part as a curve or a surface, with the notices about the whole file.
 fn finished(part: Part, notices: &[String], hints: &Hints) -> Result<Imported, FileError> {
     let mut imported = grid_detection::arranged(part, hints)?;
     imported.notices.splice(0..0, notices.iter().cloned());

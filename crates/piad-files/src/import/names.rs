@@ -1,6 +1,6 @@
-//! What names of columns mean.
+//! The meaning of column names.
 
-/// What a column is, by its name.
+/// The meaning of a column, by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Meaning {
     X,
@@ -15,11 +15,11 @@ pub(super) enum Meaning {
     V,
     Time,
     Weight,
-    /// What names or counts the points.
+    /// Names or counters of the points.
     Id,
 }
 
-/// Names by what they mean, without units, in lower case.
+/// Names by their meaning, without units, in lower case.
 const MEANINGS: [(Meaning, &[&str]); 12] = [
     (Meaning::X, &["x"]),
     (Meaning::Y, &["y"]),
@@ -56,19 +56,19 @@ const MEANINGS: [(Meaning, &[&str]); 12] = [
     ),
 ];
 
-/// What may stand before a name, as in `pos_x`.
+/// Prefixes of names, as in `pos_x`.
 const PREFIXES: [&str; 12] = [
     "pos", "position", "pose", "coord", "point", "pt", "p", "utm", "gps", "map", "local", "world",
 ];
 
-/// What may stand behind a name, as in `x_mm`: units, and the same words.
+/// Suffixes of names, as in `x_mm`: units, and the same words.
 const SUFFIXES: [&str; 28] = [
     "m", "mm", "cm", "km", "um", "µm", "ft", "in", "inch", "s", "ms", "us", "ns", "sec", "secs",
     "seconds", "min", "h", "deg", "degrees", "rad", "dd", "pos", "position", "coord", "utm",
     "wgs84", "utc",
 ];
 
-/// What a name of a column means, if it says something.
+/// The meaning of a column name, if it is known.
 pub(super) fn meaning(name: &str) -> Option<Meaning> {
     let bare = bare(name);
     let of_word = |word: &str| {
@@ -90,7 +90,7 @@ fn axis(word: &str) -> Option<&str> {
     words.into_iter().find_map(ends).filter(|it| it.len() == 1)
 }
 
-/// A name in lower case, without units and without what stands before it.
+/// A name in lower case, without units and prefixes.
 pub(super) fn bare(name: &str) -> String {
     let name = without_unit(name).to_lowercase();
     let words: Vec<&str> = words(&name).collect();
@@ -125,7 +125,7 @@ fn words(name: &str) -> impl Iterator<Item = &str> {
     words.filter(|word| !word.is_empty())
 }
 
-/// A name without what stands in brackets behind it, unless that is a number.
+/// A name without brackets behind it, unless these contain a number.
 fn without_unit(name: &str) -> &str {
     let at = name.find(['(', '[']).filter(|at| *at > 0);
     let parts = at.and_then(|at| name.split_at_checked(at));
@@ -136,7 +136,7 @@ fn without_unit(name: &str) -> &str {
     }
 }
 
-/// How many seconds the unit of a name of times is, as in `time_ms`.
+/// The unit in seconds of a name of times, as in `time_ms`.
 pub(super) fn seconds_of_unit(name: &str) -> f64 {
     let name = name.to_lowercase();
     match words(&name).skip(1).last() {

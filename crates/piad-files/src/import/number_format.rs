@@ -1,23 +1,23 @@
-//! What separates the columns of a file, and the decimals of its numbers.
+//! Separators of columns and decimals of numbers.
 
-/// How numbers are written in a file.
+/// The number format of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Notation {
-    /// What separates columns; blanks if there is nothing.
+    /// The separator of columns; `None` for blanks.
     pub(super) separator: Option<char>,
-    /// Decimals may follow a comma: it separates no columns, and no point was seen.
+    /// Decimals may follow a comma: it does not separate columns, and no decimal point was seen.
     comma: bool,
 }
 
 impl Notation {
-    /// What separates columns; the first that fits is taken. `1,5 2,5` is only understood with decimal
-    /// commas, and `1,5` are two numbers unless there are semicolons. Tabs are blanks.
+    /// Number formats in order of preference. `1,5 2,5` is only understood with decimal commas, and `1,5` are two
+    /// numbers unless there are semicolons. Tabs are blanks.
     const SEPARATORS: [Option<char>; 3] = [Some(';'), Some(','), None];
 
-    /// What separates the columns of lines that have texts or gaps. Blanks are in texts, so tabs are not blanks here.
+    /// The separators in lines that have texts or gaps. Blanks occur in texts, so tabs are not blanks here.
     const ROW_SEPARATORS: [Option<char>; 4] = [Some(';'), Some(','), Some('\t'), None];
 
-    /// The notation in which a line consists of numbers, if there is one.
+    /// The number format in which a line consists of numbers, if there is one.
     pub(super) fn of(line: &str) -> Option<Self> {
         let mut notations = Self::SEPARATORS.into_iter().map(|separator| Self {
             separator,
@@ -32,8 +32,8 @@ impl Notation {
         notations.find(fits)
     }
 
-    /// The notation in which a line has the most numbers, among texts and gaps; of those that give a wanted number of
-    /// columns, if one does.
+    /// The number format in which a line has the most numbers, among texts and gaps; if some give the wanted number of
+    /// columns, among those.
     pub(super) fn of_row(line: &str, wanted: Option<usize>) -> Option<Self> {
         let notations = Self::ROW_SEPARATORS.into_iter();
         let notations = notations.filter(|it| it.is_none_or(|it| line.contains(it)));
@@ -53,7 +53,7 @@ impl Notation {
             .max_by_key(rank)
     }
 
-    /// The notation of a line with texts, whose points are no points of numbers, with this separator.
+    /// The number format of a line with texts, with this separator.
     pub(super) fn in_row(line: &str, separator: Option<char>) -> Self {
         let plain = Self {
             separator,
@@ -67,7 +67,7 @@ impl Notation {
         }
     }
 
-    /// How names of columns are separated in a line.
+    /// The separator of the names of columns in a line.
     pub(super) fn of_names(line: &str) -> Self {
         let separator = [';', ',', '\t'].into_iter().find(|it| line.contains(*it));
         Self {
@@ -166,8 +166,8 @@ pub(super) fn column_end(text: &str, separator: Option<char>) -> usize {
     end.map_or(text.len(), |end| start + end)
 }
 
-/// The length of what is between quotes at the beginning of a text, and 0 if no quote ends before a separator: that is
-/// no quoted text, but one with a quote in it. A quote in a quoted text is there twice.
+/// The length of a quoted text at the beginning of a text, and 0 if no quote ends before a separator: then it is an
+/// unquoted text that contains a quote. A quote in a quoted text is doubled.
 fn quoted_length(text: &str, separator: Option<char>) -> usize {
     let is_blank = |c: char| c.is_whitespace() && separator != Some(c);
     let bare = match separator {
@@ -198,7 +198,7 @@ fn quoted_length(text: &str, separator: Option<char>) -> usize {
     0
 }
 
-/// Returns true if a field says that there is no number.
+/// Returns true if a field marks a missing number.
 pub(super) fn is_gap(field: &str) -> bool {
     let gaps = ["", "nan", "-nan", "+nan", "null", "na", "n/a"];
     gaps.iter().any(|gap| gap.eq_ignore_ascii_case(field))

@@ -9,24 +9,24 @@ use super::lines;
 use super::mesh::{Faces, not_there};
 use super::part::{Order, Part};
 
-/// What such files begin with; letters before `OFF` name what follows the coordinates of a vertex.
+/// The signature; letters before `OFF` name the values that follow the coordinates of a vertex.
 const KEYWORDS: [&str; 5] = ["OFF", "COFF", "NOFF", "CNOFF", "STOFF"];
 
-/// How many coordinates vertices have.
+/// The number of coordinates of vertices.
 const DIMENSION: usize = 3;
 
 /// The lines of the vertices of a mesh.
 struct Vertices<'a> {
     /// These lines.
     text: &'a str,
-    /// How many lines are above them.
+    /// The number of lines above them.
     above: usize,
-    /// How many vertices and faces the mesh has.
+    /// The numbers of vertices and faces of the mesh.
     count: usize,
     faces: usize,
     /// The lines below the vertices, with the number of those above.
     below: Lines<'a>,
-    /// What is said of the file.
+    /// The notice about the file.
     notice: String,
 }
 
@@ -56,7 +56,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     Ok(part)
 }
 
-/// The vertices of a mesh; `None` if the text is no OFF file. It is an error if there are fewer than the file says.
+/// The vertices of a mesh; `None` if the text is not an OFF file. It is an error if there are fewer than announced.
 fn vertices(text: &str) -> Option<Result<Vertices<'_>, FileError>> {
     let mut lines = Lines {
         rest: Some(text),
@@ -138,7 +138,7 @@ fn faces(mut lines: Lines<'_>, count: usize, vertices: usize) -> Result<Faces, F
 struct Lines<'a> {
     rest: Option<&'a str>,
     end: char,
-    /// How many lines were passed, these included.
+    /// The number of lines passed, including these.
     passed: usize,
 }
 
@@ -208,7 +208,7 @@ mod tests {
             "{:?}",
             cloud.notices
         );
-        // Fewer than are said, one that is none, and a title that looks like it.
+        // Too few lines, a damaged one, and a title that looks like one.
         assert_eq!(
             errors(&format!("OFF\n5 0 0\n{vertices}")),
             [(

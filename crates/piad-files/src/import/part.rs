@@ -1,15 +1,15 @@
-//! The points of a part of a file, before it is known whether they are those of a curve or of a surface.
+//! The points of a part of a file, before it is known to be a curve or a surface.
 
 use super::error::FileError;
 use super::imported::chosen;
 use crate::wgs84::Origin;
 use piad_fit::data::{Grid, Points};
 
-/// What a reader gives: the parts of a file, each a curve, a surface or a cloud of its own.
+/// The output of a reader: the parts of a file, each a curve, a surface or a cloud.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     pub(super) parts: Vec<Part>,
-    /// What was found out about the file as a whole, in sentences.
+    /// Notices about the file as a whole, in sentences.
     pub(super) notices: Vec<String>,
 }
 
@@ -22,7 +22,7 @@ pub(super) struct Part {
     /// The indices of points before which there were blank lines.
     pub(super) breaks: Vec<usize>,
     pub(super) order: Order,
-    /// True if the file says that the curve is closed; its first point is there once.
+    /// True if the curve is closed according to the file; its first point is kept once.
     pub(super) closed: bool,
     /// The indices of points that are missing in a grid, increasing; their coordinates mean nothing.
     pub(super) missing: Vec<usize>,
@@ -30,18 +30,18 @@ pub(super) struct Part {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The time of each point in seconds from the first one, if the file has times.
     pub(super) times: Option<Vec<f64>>,
-    /// True if the times are the parameters without being asked for.
+    /// True if the times are the parameters by default.
     pub(super) times_are_parameters: bool,
-    /// Where the first two coordinates start, if they were longitudes and latitudes.
+    /// The origin of the first two coordinates, if they were longitudes and latitudes.
     pub(super) origin: Option<Origin>,
     pub(super) name: Option<String>,
     pub(super) notices: Vec<String>,
 }
 
-/// What a file says of the order of points.
+/// What a file determines of the order of points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Order {
-    /// Nothing: they are looked at.
+    /// Nothing: their order is detected.
     #[default]
     Unsaid,
     /// They follow each other along a curve.
@@ -92,7 +92,7 @@ impl Part {
         Ok(Self { order, ..part })
     }
 
-    /// Counts the lines of a table that stands below so many lines from the beginning of its file.
+    /// Counts the lines of a table that begins this many lines below the start of its file.
     pub(super) fn move_down(&mut self, lines: usize) {
         let lines = u32::try_from(lines).unwrap_or(u32::MAX);
         for line in &mut self.lines {
@@ -159,7 +159,7 @@ impl From<Part> for Parts {
     }
 }
 
-/// What is wrong with a file without points.
+/// The error for a file without points.
 pub(super) const NO_POINTS: &str = "there are no points in the file";
 
 /// Refuses fewer than two points.

@@ -14,9 +14,9 @@ struct Head<'a> {
     count: usize,
     /// The lines below it.
     table: &'a str,
-    /// How many lines are above these.
+    /// The number of lines above these.
     above: usize,
-    /// How many of the lines are points.
+    /// The number of lines that are points.
     found: usize,
 }
 
@@ -62,7 +62,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Part, FileErrors> {
     Ok(part)
 }
 
-/// The head of a file; `None` if it is no PTS.
+/// The head of a file; `None` if it is not PTS.
 fn head(text: &str) -> Option<Head<'_>> {
     let end = line_end(text);
     let (above, first) = filled_lines(text, end).next()?;

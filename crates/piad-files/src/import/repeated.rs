@@ -1,9 +1,9 @@
-//! Points of a curve that equal the one before them: devices write them where they rest. Each is kept once.
+//! Removes points of a curve that equal the one before them: devices write them while they are at rest.
 
 use super::part::Part;
 
-/// Leaves out the points that equal the one before. Values of functions, which have one coordinate, may be equal; and of
-/// points that are all equal none is left out, as that is no curve.
+/// Leaves out the points that equal the one before. Values of functions, which have one coordinate, may be equal; if
+/// all points are equal none is left out, as that is not a curve.
 pub(super) fn leave_out(part: &mut Part) {
     let points = &part.points;
     let is_repeated = |i: usize| {
@@ -28,9 +28,9 @@ pub(super) fn leave_out(part: &mut Part) {
     };
     part.keep(&kept);
     part.notices.push(match repeated.len() {
-        1 => format!("The point {place} equals the one before, and is there once."),
+        1 => format!("The point {place} equals the one before, and is kept once."),
         count => format!(
-            "{count} points equal the one before, the first of them {place}: each is there once."
+            "{count} points equal the one before, the first of them {place}: each is kept once."
         ),
     });
 }

@@ -1,20 +1,20 @@
-//! What the columns of a table are, by its first rows.
+//! Classifies the columns of a table by its first rows.
 
 use super::line::without_comment;
 use super::number_format::{Notation, is_gap};
 use super::timestamps;
 use jiff::Timestamp;
 
-/// The most rows that are looked at.
+/// The most rows that are examined.
 const MOST_ROWS: usize = 64;
 
 /// The most lines in which they are searched.
 const MOST_LINES: usize = 1000;
 
-/// So many times more texts than numbers are in a column of texts: codes may be numbers, and a number may be damaged.
+/// A column of text has this many times more texts than numbers: codes may be numbers, and a number may be damaged.
 const TEXTS_OF_NUMBER: usize = 4;
 
-/// What a column holds.
+/// The content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Numbers,
@@ -29,7 +29,7 @@ pub(super) enum Content {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Below<'a> {
     pub(super) text: &'a str,
-    /// What lines end with.
+    /// The line ends.
     pub(super) end: char,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Sample<'a> {
     columns: Vec<Tally>,
 }
 
-/// How many fields of a column are what.
+/// The numbers of fields of each kind in a column.
 #[derive(Clone, Debug, Default)]
 struct Tally {
     numbers: usize,
@@ -65,7 +65,7 @@ impl<'a> Sample<'a> {
     ) -> Self {
         let width = notation.fields(line).count();
         let next = below.rows().find(|line| !line.is_empty());
-        // The last field of the first row may be empty: the names say it, or the next row does.
+        // The last field of the first row may be empty: the names show it, or the next row does.
         let is_wider = notation.ends_empty(line)
             && wanted.or_else(|| Some(notation.fields(next?).count())) == Some(width + 1);
         let width = width + usize::from(is_wider);
@@ -126,7 +126,7 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// What a column holds; nothing beyond the last one.
+    /// The content of a column; `Nothing` beyond the last one.
     pub(super) fn content(&self, column: usize) -> Content {
         match self.columns.get(column) {
             Some(it) if it.numbers + it.times + it.texts == 0 => Content::Nothing,
@@ -193,7 +193,7 @@ pub(super) fn is_start(number: f64) -> bool {
     number == 0.0 || number == 1.0
 }
 
-/// Returns true if a line has so many columns, of which the last may be empty, or is followed by a separator.
+/// Returns true if a line has this many columns, of which the last may be empty, or is followed by a separator.
 pub(super) fn has_width(notation: Notation, line: &str, width: usize) -> bool {
     let all = notation.all_fields(line).take(width + 2).count();
     all == width || (all == width + 1 && notation.ends_empty(line))

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::curves::Point;
 
-/// What is said of a part with points of arcs or other curves.
+/// The notice about a part with points of arcs or other curves.
 pub(super) const SAMPLED: &str = "Arcs and curves are sampled: an arc every 5 degrees or less, other curves at 16 places or more of each piece.";
 
 /// The largest angle of an arc between two points.
@@ -13,7 +13,7 @@ const LARGEST_ANGLE: f64 = 5.0 * PI / 180.0;
 /// The fewest pieces of an arc.
 const FEWEST_OF_ARC: usize = 2;
 
-/// The fewest and the most pieces of a curve that is no arc.
+/// The fewest and the most pieces of a curve that is not an arc.
 const FEWEST: usize = 16;
 const MOST: usize = 64;
 
@@ -48,7 +48,7 @@ impl Arc {
 
     /// The parts of the arc where its points are, without its start.
     pub(super) fn parts(&self) -> impl Iterator<Item = f64> + use<> {
-        // As many as a full turn has where the sweep is no number.
+        // The number of a full turn if the sweep is not finite.
         let pieces = self.sweep.abs().min(2.0 * PI) / LARGEST_ANGLE;
         // Rounding makes no piece more.
         let pieces = (pieces - 1e-9).ceil();
@@ -84,7 +84,7 @@ pub(super) fn cubic(control: [Point; 4]) -> impl Iterator<Item = Point> {
     })
 }
 
-/// How many pieces a Bézier curve of these control points has.
+/// The number of pieces of a Bézier curve with these control points.
 fn pieces(control: &[Point; 4]) -> usize {
     let minus = |a: &Point, b: &Point| along(*a, *b, -1.0);
     let length = |[x, y, z]: Point| x.hypot(y).hypot(z);
@@ -99,7 +99,7 @@ fn pieces(control: &[Point; 4]) -> usize {
     (pieces as usize).clamp(FEWEST, MOST).next_multiple_of(2)
 }
 
-/// How many pieces there are between two knots of a spline.
+/// The number of pieces between two knots of a spline.
 pub(super) const PIECES_OF_SPAN: usize = FEWEST;
 
 /// An angle as one from 0 to a full turn, without 0: two equal angles are a full turn apart.

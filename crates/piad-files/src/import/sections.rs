@@ -6,7 +6,7 @@ use super::imported::{Hints, Kind};
 use super::part::{Order, Part, Parts};
 use piad_fit::engine::is_stack;
 
-/// The hint that says it.
+/// The hint for sections.
 const SECTIONS: &str = "surface.sections";
 
 /// The fewest points of a section that is recognised as one.
@@ -17,7 +17,7 @@ const FEWEST: usize = 4;
 ///
 /// # Errors
 ///
-/// If sections are asked for and there is one part, or they have different numbers of coordinates.
+/// If sections are requested and there is one part, or they have different numbers of coordinates.
 pub(super) fn joined(mut parts: Parts, is_table: bool, hints: &Hints) -> Result<Parts, FileError> {
     if let [part] = &mut parts.parts[..] {
         let is_asked = hints.sections == Some(true);
@@ -64,7 +64,7 @@ pub(super) fn joined(mut parts: Parts, is_table: bool, hints: &Hints) -> Result<
     })
 }
 
-/// Returns true if nothing is asked for, and the parts are closed curves one behind the other.
+/// Returns true if nothing is requested, and the parts are closed curves one behind the other.
 fn are_shown(parts: &[Part], hints: &Hints) -> bool {
     let is_open = hints.kind.is_none() && hints.sections.is_none() && hints.part.is_none();
     let in_space = |part: &Part| part.points.dimension() == 3 && part.points.len() >= FEWEST;
@@ -125,7 +125,7 @@ mod tests {
             notice,
             "The file has 3 sections of 8 to 10 points, of one surface."
         );
-        // They are curves if that is said.
+        // They are curves if the hints say so.
         for hints in [
             Hints {
                 kind: Some(Kind::Curve),
@@ -160,7 +160,7 @@ mod tests {
             assert_eq!(file.sections, [8, 9, 10]);
             assert_eq!(read(lines.as_bytes(), &hints).unwrap().sections, [3, 4]);
         }
-        // Rows of the same length are a grid, unless sections are asked for.
+        // Rows of the same length are a grid, unless sections are requested.
         let rows = "0 0 0\n1 0 1\n\n0 1 0\n1 1 2\n";
         let sections = Hints {
             sections: Some(true),

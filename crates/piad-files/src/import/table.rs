@@ -1,4 +1,4 @@
-//! The numbers of a table become the points of a part: times and counters leave them, gaps are looked at, and
+//! Converts the numbers of a table to the points of a part: times and counters are removed, gaps are handled, and
 //! longitude and latitude become metres.
 
 use super::choice::Choice;
@@ -12,8 +12,8 @@ use super::part::Part;
 use super::sample::{Content, is_start};
 use piad_fit::data::Points;
 
-/// The fewest points of which a first column of three is a counter: a curve may begin with x = 1, 2, 3, and it is
-/// less likely that it goes on like that.
+/// The fewest points of which a first column of three is a counter: a curve may begin with x = 1, 2, 3, and a longer
+/// curve is unlikely to continue like that.
 const LEAST_COUNTED: usize = 8;
 
 /// The most coordinates of points if the first column is no counter after all.
@@ -22,9 +22,9 @@ const MOST_COORDINATES: usize = 3;
 /// A table whose lines are read.
 pub(super) struct Table {
     pub(super) layout: Layout,
-    /// What stands for numbers that are missing.
+    /// The number that marks missing values.
     pub(super) no_data: Option<f64>,
-    /// Its points have what is read of each line.
+    /// Its points have the values of each line.
     pub(super) part: Part,
 }
 
@@ -33,7 +33,7 @@ impl Table {
     ///
     /// # Errors
     ///
-    /// If too few points are left without the gaps; if degrees are none, at their lines.
+    /// If too few points are left without the gaps; if degrees are invalid, at their lines.
     pub(super) fn part(self, hints: &Hints) -> Result<Part, FileErrors> {
         let Self {
             layout,
@@ -66,7 +66,7 @@ impl Table {
     }
 }
 
-/// Takes the times away from the coordinates, and the counter if it is one; returns its column.
+/// Removes the times from the coordinates, and the counter if it is one; returns its column.
 fn separate(part: &mut Part, choice: &mut Choice) -> Option<usize> {
     let lanes = part.points.lanes_mut();
     let mut lanes: Vec<_> = lanes.iter_mut().map(std::mem::take).collect();
@@ -89,7 +89,7 @@ fn separate(part: &mut Part, choice: &mut Choice) -> Option<usize> {
     column.filter(|_| counts)
 }
 
-/// Returns true if the first of so many columns counts all points.
+/// Returns true if the first of this many columns counts all points.
 fn counts(lane: &[f64], columns: usize) -> bool {
     let least = if columns > 3 { 2 } else { LEAST_COUNTED };
     let first = lane.first().copied().filter(|first| is_start(*first));
@@ -97,7 +97,7 @@ fn counts(lane: &[f64], columns: usize) -> bool {
     lane.len() >= least && first.is_some_and(goes_on)
 }
 
-/// What is said of coordinates that are times in ISO 8601.
+/// The notice about coordinates that are times in ISO 8601.
 fn in_seconds(choice: &Choice, contents: &[Content]) -> Option<String> {
     let is_time = |it: &&usize| contents.get(**it) == Some(&Content::Times);
     let column = choice.coordinates.iter().find(is_time)?;
@@ -157,7 +157,7 @@ fn in_metres(part: &mut Part, places: (usize, usize)) -> Result<(), FileErrors> 
     Ok(())
 }
 
-/// What is wrong with degrees, at their lines.
+/// The errors of degrees, at their lines.
 fn wrong_degrees(
     part: &Part,
     degrees: &[[f64; 2]],
@@ -183,7 +183,7 @@ fn wrong_degrees(
     wrong.take(MOST_ERRORS).collect()
 }
 
-/// The number that stands for missing ones, if a line above the points says it, as in `# NODATA: -9999`.
+/// The number that marks missing values, if a line above the points defines it, as in `# NODATA: -9999`.
 pub(super) fn no_data(line: &str) -> Option<f64> {
     let lower = line.to_lowercase();
     let names = ["nodata", "no_data", "no data"];

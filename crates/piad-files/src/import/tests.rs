@@ -1,4 +1,4 @@
-//! Files as people have them.
+//! Files as users have them.
 
 use proptest::prelude::*;
 
@@ -79,7 +79,7 @@ fn outlines_that_come_back_are_closed_unless_there_is_a_corner() {
     for (closed, text, expected, notice) in [
         (None, outline, true, "is closed"),
         (Some(true), outline, true, "is closed"),
-        (Some(false), outline, false, "as it was asked for"),
+        (Some(false), outline, false, "as requested"),
         // Three points of which one is on an edge, a corner, and a trailing edge.
         (None, "2 0\n0 .2\n4 .2\n2 0\n", false, "few points"),
         (None, "0 0\n2 0\n2 2\n0 2\n0 0\n", false, "a corner"),
@@ -128,7 +128,7 @@ fn what_is_wrong_is_told_at_its_line() {
     assert!(lonely[0].1.contains("one point"), "{lonely:?}");
     assert!(errors("{\"curve\": 1}")[0].1.contains("JSON"));
     assert!(errors(&"1 ".repeat(2000))[0].1.contains("1000 columns"));
-    // No more of them than anybody reads, and no more points than the limit.
+    // Only a limited number of errors, and no more points than the limit.
     assert_eq!(errors(&"1 2\n3\n".repeat(50)).len(), MOST_ERRORS);
     let many = errors(&"1 2\n".repeat(200));
     assert_eq!(many.len(), 1);
@@ -221,7 +221,7 @@ fn rows_can_be_said() {
 }
 
 proptest! {
-    /// Whatever a file holds, it is points with their lines, or a error.
+    /// Any file gives points with their lines, or an error.
     #[test]
     fn no_file_breaks_it(text in "([-+0-9.,;eD xyz#\\t\"]{0,12}\n|[0-9] [0-9] [0-9]\n|\\PC{0,9}\n){0,12}") {
         match read(&text, &HINTS) {
@@ -301,7 +301,7 @@ fn lines_of_words_stand_above_the_points() {
         let wing = read(&format!("{title}\n{points}by hand\n"), &HINTS).unwrap();
         assert_eq!(wing.name.unwrap(), title.replace('\t', " "));
     }
-    // A point with a coordinate that is none is no title, and many words are another format.
+    // A point with an invalid coordinate is not a title, and many words are another format.
     assert_eq!(
         errors("NACA 23021\n1.0 .....\n1.0 (0.2)\n0.9 0.1\n"),
         [
@@ -402,7 +402,7 @@ fn files_of_mses_have_a_domain_and_one_element() {
     let wrong = errors(&flap);
     assert_eq!((wrong.len(), wrong[0].0), (1, Some(6)));
     assert!(wrong[0].1.contains("another element"), "{wrong:?}");
-    // Points with four columns, and what is no domain.
+    // Points with four columns, and numbers that are no domain.
     let cloud = read("a scan\n1 2 3 4\n5 6 7 8\n", &HINTS).unwrap();
     assert_eq!(cloud.points.len(), 2);
     assert_eq!(errors("N+3\n3 -2 -2.5 3.5\n1 0.5\n0 0\n")[0].0, Some(3));
@@ -473,7 +473,7 @@ fn points_of_curves_that_come_again_are_kept_once() {
         [0.0, 0.0, 1.0, 2.0, 3.0, 1.0, 1.0, 2.0]
     );
     assert_eq!(imported.lines, [2, 3, 6, 7]);
-    let notice = "2 points equal the one before, the first of them in line 4: each is there once.";
+    let notice = "2 points equal the one before, the first of them in line 4: each is kept once.";
     assert_eq!(imported.notices, [notice]);
     let array = read("[[0, 0],\n[1, 2],\n[1, 2],\n[3, 1]]", &HINTS).unwrap();
     assert_eq!((array.points.len(), &array.lines[..]), (3, &[1, 2, 4][..]));

@@ -26,7 +26,7 @@ pub(super) fn text_column(lines: &[(usize, String)]) -> Option<FileError> {
     Some(FileError::at(line, detail))
 }
 
-/// A field of a line that is no line of numbers.
+/// A field of a line that is not a line of numbers.
 struct Field<'a> {
     text: &'a str,
     kind: FieldKind,

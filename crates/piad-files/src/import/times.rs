@@ -8,13 +8,13 @@ use super::part::Part;
 ///
 /// # Errors
 ///
-/// If there are no times where they are asked for, or they do not increase.
+/// If requested times are missing, or do not increase.
 pub(super) fn parameters(part: &mut Part, hints: &Hints) -> Result<Option<Vec<f64>>, FileError> {
     if !hints.times && !part.times_are_parameters {
         return Ok(None);
     }
     let Some(times) = part.times.take() else {
-        let detail = "the file has no times, which are asked for as parameters";
+        let detail = "the file has no times, which are requested as parameters";
         return Err(FileError::of_file(detail));
     };
     let back = times.windows(2).position(|pair| match pair {

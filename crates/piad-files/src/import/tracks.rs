@@ -10,7 +10,8 @@ use super::error::FileErrors;
 use super::imported::Hints;
 use super::part::Parts;
 
-/// The parts of a file with these tracks, in metres. Single points are one if there is nothing else.
+/// The parts of a file with these tracks, in metres. Single points are a part if there is nothing
+/// else.
 pub(super) fn finish(
     mut curves: Curves,
     single: Curve,

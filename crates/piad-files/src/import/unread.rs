@@ -1,11 +1,11 @@
-//! Files that are not read, by what they begin with: each is named, with what to do instead.
+//! Files that cannot be read, detected by their first bytes: the error names the type and an alternative.
 
 use super::error::FileError;
 
-/// How much of a file is looked at for bytes that no text has.
+/// How much of a file is searched for bytes that do not occur in text.
 const LOOKED_AT: usize = 4096;
 
-/// More control characters than one of this number are no text.
+/// A file with more control characters than one in this number is not text.
 const CONTROL_CHARACTERS: usize = 10;
 
 /// Where the signature of a tar archive is.
@@ -14,28 +14,28 @@ const TAR: (usize, &[u8]) = (257, b"ustar");
 /// How long the lines of IGES files are, and what their first one ends with.
 const IGES: (usize, char) = (72, 'S');
 
-/// Instead of archives.
+/// Advice for archives.
 const UNPACK: &str = "unpack it";
 
-/// Instead of tables and arrays of other programs.
+/// Advice for tables and arrays of other programs.
 const SAVE_AS_CSV: &str = "save its points as CSV";
 
-/// Instead of the exact geometry of CAD systems.
+/// Advice for exact geometry of CAD systems.
 const SAVE_AS_MESH: &str = "points are read, not its curves and surfaces: save points as CSV, or a mesh as STL, PLY or OBJ";
 
-/// Instead of other meshes.
+/// Advice for other meshes.
 const CONVERT_MESH: &str = "save the mesh as PLY, STL or OBJ";
 
-/// Instead of images of heights.
+/// Advice for images of heights.
 const CONVERT_GRID: &str = "for heights, convert it to an ASCII grid (gdal_translate -of AAIGrid)";
 
-/// Instead of drawings.
+/// Advice for drawings.
 const CONVERT_DRAWING: &str = "save it as DXF in text, or its points as CSV";
 
-/// Instead of what has no points.
+/// Advice for files without points.
 const NO_POINTS: &str = "it has no points that can be read";
 
-/// What files begin with, what they are and what to do instead.
+/// Signatures, types and advice.
 const SIGNATURES: &[(&[u8], &str, &str)] = &[
     // Archives.
     (
@@ -116,14 +116,14 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
     (b"#VRML V", "a VRML file", CONVERT_MESH),
 ];
 
-/// What web pages begin with, in any case: a server that has no such file may answer with one.
+/// The beginnings of web pages, in any case: a server without the file may answer with one.
 const WEB_PAGES: [&[u8]; 2] = [b"<!doctype html", b"<html"];
 
-/// Refuses a file that is none of points.
+/// Refuses a file that is not a point file.
 ///
 /// # Errors
 ///
-/// What it is.
+/// Its type.
 pub(super) fn check(file: &[u8]) -> Result<(), FileError> {
     let error = match known(file) {
         Some((name, instead)) => format!("this is {name}, which is not read: {instead}"),
@@ -133,7 +133,7 @@ pub(super) fn check(file: &[u8]) -> Result<(), FileError> {
     Err(FileError::of_file(error))
 }
 
-/// What a file is, and what to do instead.
+/// The type of a file, and advice.
 fn known(file: &[u8]) -> Option<(&'static str, &'static str)> {
     let text = file.trim_ascii_start();
     let is_page = |page: &&[u8]| {

@@ -1,5 +1,5 @@
-//! Elements of XML one after the other, with their lines. Nothing is kept of what was read but the names of the elements
-//! around, and entities of the file are not expanded: neither nesting nor they can take more memory than the file.
+//! A pull parser of XML, with lines. It keeps only the names of the enclosing elements, and does not expand entities of
+//! the file, so neither nesting nor entities can take more memory than the file.
 
 use std::borrow::Cow;
 
@@ -10,7 +10,7 @@ use quick_xml::reader::Reader;
 
 use super::error::FileError;
 
-/// What comes next in a file.
+/// The next node of a file.
 pub(super) enum Node<'a> {
     /// An element begins.
     Start(Element<'a>),
@@ -42,9 +42,9 @@ pub(super) struct Nodes<'a> {
     reader: Reader<&'a [u8]>,
     /// Where they begin in the file.
     start: usize,
-    /// How many elements are around.
+    /// The number of enclosing elements.
     depth: usize,
-    /// How many bytes the lines were counted of.
+    /// The number of bytes whose lines were counted.
     counted: usize,
     line: u32,
 }
@@ -69,7 +69,7 @@ impl<'a> Nodes<'a> {
         }
     }
 
-    /// How many bytes were read.
+    /// The number of bytes read.
     pub(super) fn position(&self) -> u64 {
         self.reader.buffer_position()
     }
@@ -78,7 +78,7 @@ impl<'a> Nodes<'a> {
     ///
     /// # Errors
     ///
-    /// If the text is no XML, or ends within an element.
+    /// If the text is not XML, or ends within an element.
     pub(super) fn next(&mut self) -> Result<Option<Node<'a>>, FileError> {
         loop {
             let place = self.reader.buffer_position();
@@ -162,12 +162,12 @@ impl Element<'_> {
     ///
     /// # Errors
     ///
-    /// If what is read of the attributes until then is no XML.
+    /// If the attributes up to it are not XML.
     pub(super) fn attribute(&self, name: &str) -> Result<Option<String>, FileError> {
         let wrong = |error: &dyn std::fmt::Display| {
             FileError::at(self.line as usize, format!("this is no XML: {error}"))
         };
-        // The check for the same name again takes time that grows with the square of the number of attributes.
+        // The check for repeated names takes time quadratic in the number of attributes.
         for attribute in self.start.attributes().with_checks(false) {
             let attribute = attribute.map_err(|error| wrong(&error))?;
             if attribute.key.0 == name {

@@ -1,6 +1,6 @@
-//! How long the lists of a JSON text may get while they are read.
+//! Limits on the length of the lists of a JSON text while it is read.
 
-/// Shorter lists grow as they like.
+/// Shorter lists grow without limits.
 #[doc(hidden)]
 pub const LONG: usize = 1024;
 
@@ -30,12 +30,12 @@ impl ListLimits {
     }
 
     /// Reserves memory for all elements that can follow in a list that has become long, of which `most` are allowed.
-    /// If it doubled instead, it would be in memory three times while it is moved; memory that is not written to
-    /// costs nothing.
+    /// Growth by doubling would need three times the memory during the move; memory that is not written to costs
+    /// nothing.
     pub fn make_room<T>(self, list: &mut Vec<T>, most: usize) {
         if list.len() == list.capacity() && list.len() >= LONG {
             let more = most.min(self.elements).saturating_sub(list.len());
-            // Without so much memory it doubles.
+            // If this much memory is not available, the capacity doubles.
             let _ = list.try_reserve_exact(more);
         }
     }

@@ -1,5 +1,5 @@
-//! Points in JSON: lists of points, rows of points and rows of heights, which are read straight into the arrays that
-//! are computed with.
+//! Points in JSON: lists of points, rows of points and rows of heights, which are read directly into the arrays of the
+//! computation.
 
 mod limits;
 mod points;

@@ -15,7 +15,7 @@ use super::limits::{LONG, ListLimits};
 /// for a missing one.
 #[derive(Clone, Debug)]
 pub struct Rows {
-    /// The points, row by row; what is at missing ones is not looked at.
+    /// The points, row by row; the values of missing ones are undefined.
     pub points: Points,
     /// The indices of missing points, increasing.
     pub missing: Vec<usize>,
@@ -78,8 +78,8 @@ pub fn read_rows<'de, D: Deserializer<'de>>(
     deserializer.deserialize_any(RowsVisitor(limits))
 }
 
-/// Reads sections, `[[[x, y, z], …], …]`, lists of points that need not be of the same length: all points, and how many of
-/// them each section has.
+/// Reads sections, `[[[x, y, z], …], …]`, lists of points that need not be of the same length: all points, and the
+/// number of points of each section.
 ///
 /// # Errors
 ///
@@ -137,7 +137,7 @@ impl Coordinates {
 /// Points beyond the limit are counted up to this multiple of it.
 const COUNTED: usize = 2;
 
-/// Says that there are too many points, if there are.
+/// The error for too many points, if there are.
 pub fn check_count(count: usize, most: usize) -> Result<(), String> {
     let counted = most.saturating_mul(COUNTED);
     let points = match count {
@@ -148,7 +148,7 @@ pub fn check_count(count: usize, most: usize) -> Result<(), String> {
     Err(format!("{points} are more than {most}, the limit"))
 }
 
-/// What points belong to.
+/// The kind of geometry that points belong to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Under {
     List,
@@ -166,7 +166,7 @@ impl Under {
     }
 }
 
-/// What a point is.
+/// The kind of a point.
 impl fmt::Display for Under {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let most = self.most_coordinates();
@@ -177,7 +177,7 @@ impl fmt::Display for Under {
 /// Points that were read so far. Those beyond the limit are only counted.
 struct Gathered {
     limits: ListLimits,
-    /// None before the first point, which says how many coordinates there are.
+    /// `None` before the first point, which determines the number of coordinates.
     points: Option<Points>,
     /// The coordinates of the point that is read.
     coordinates: Vec<f64>,
@@ -204,12 +204,12 @@ impl Gathered {
         Ok(points)
     }
 
-    /// Returns true if there are as many as there may be.
+    /// Returns true if the limit is reached.
     fn is_full(&self) -> bool {
         self.count >= self.limits.points
     }
 
-    /// Refuses to count any more.
+    /// Refuses to count further.
     fn check_counted<E: Error>(&self) -> Result<(), E> {
         match self.count > self.limits.points.saturating_mul(COUNTED) {
             true => check_count(self.count, self.limits.points).map_err(E::custom),
@@ -248,7 +248,7 @@ impl Gathered {
     }
 }
 
-/// Appends a list of points; gives their number.
+/// Appends a list of points; returns their number.
 #[derive(Clone, Copy)]
 struct Row<'a>(&'a RefCell<Gathered>, Under);
 
@@ -286,8 +286,8 @@ impl<'de> Visitor<'de> for Row<'_> {
         }
         if heights.get() && length <= MAX_SURFACE_DIMENSION {
             return Err(A::Error::custom(format_args!(
-                "expected a row of points, found {length} numbers: a list of points is a curve, and rows of so few \
-                 heights are written as points, [[z], …]"
+                "expected a row of points, found {length} numbers: a list of points is a curve, and \
+                 rows of this few heights are written as points, [[z], …]"
             )));
         }
         Ok(length)
@@ -341,7 +341,7 @@ impl<'de> DeserializeSeed<'de> for PointSeed<'_> {
     }
 }
 
-/// Appends the coordinates of a point; gives whether there is one, or it is missing.
+/// Appends the coordinates of a point; returns true if there is one, false if it is missing.
 struct PointVisitor<'a> {
     under: Under,
     heights: &'a Cell<bool>,

@@ -1,8 +1,8 @@
 //! The generalized Ball bases: polynomials that are cheaper to evaluate than Bernstein's.
 //!
 //! Both generalize the cubic that Ball used in aircraft design, `(1−t)², 2t(1−t)², 2t²(1−t), t²`,
-//! to any degree m, with the same span as the Bernstein polynomials of degree m. They differ in
-//! what they do in the middle.
+//! to any degree m, with the same span as the Bernstein polynomials of degree m. They differ in the
+//! middle functions.
 
 use crate::about::About;
 

@@ -54,7 +54,7 @@ pub(crate) fn evaluate(degree: usize, t: f64, values: &mut [f64]) {
     }
     values[..first].fill(0.0);
     values[end..=degree].fill(0.0);
-    // From the small values to the large one, so that the sum is as exact as they are.
+    // Summed from small to large values, for accuracy.
     let left: f64 = values[first..peak].iter().sum();
     let right: f64 = values[peak..end].iter().rev().sum();
     let total = left + right;

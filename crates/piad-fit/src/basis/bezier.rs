@@ -1,8 +1,8 @@
 //! Converts control points of the Ball bases to Bézier points of the same degree.
 //!
-//! CAD kernels know B-splines, which include the Bernstein polynomials, but not the Ball bases. Each
-//! Ball function is a multiple of a `t^a (1−t)^b` with `a + b ≤ m`, and with
-//! `1 = (t + (1−t))^(m−a−b)`, expanded by the binomial theorem,
+//! CAD kernels know B-splines, which include the Bernstein polynomials, but not the Ball bases.
+//! Each Ball function is a multiple of some `t^a (1−t)^b` with `a + b ≤ m`, and with `1 = (t +
+//! (1−t))^(m−a−b)`, expanded by the binomial theorem,
 //!
 //! ```text
 //! t^a (1−t)^b = Σ_k C(m−a−b, k−a) / C(m, k) · B_k(t),   k = a … m−b

@@ -17,8 +17,8 @@
 //!                  ╲──► N_s,2
 //! ```
 //!
-//! All terms are sums of numbers that are not negative, so that nothing cancels: each value is
-//! right to a few times p rounding errors.
+//! All terms are sums of nonnegative numbers, so that nothing cancels: each value is accurate to a few times p rounding
+//! errors.
 
 use crate::about::About;
 
@@ -53,7 +53,7 @@ pub fn evaluate(degree: usize, knots: &[f64], span: usize, t: f64, values: &mut 
     (1..=degree).for_each(|r| raise(r, knots, span, t, values));
 }
 
-/// The same, with the values of degree `degree − 1`, of which derivatives are made, in `lower`.
+/// The same, with the values of degree `degree − 1`, which derivatives need, in `lower`.
 pub(crate) fn evaluate_with_lower(
     degree: usize,
     knots: &[f64],
@@ -70,7 +70,7 @@ pub(crate) fn evaluate_with_lower(
     raise(degree, knots, span, t, values);
 }
 
-/// Makes the values of degree `r` of those of degree `r − 1`.
+/// Makes the values of degree `r` from those of degree `r − 1`.
 fn raise(r: usize, knots: &[f64], span: usize, t: f64, values: &mut [f64]) {
     let mut carried = 0.0;
     for j in 0..r {

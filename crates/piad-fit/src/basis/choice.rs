@@ -1,4 +1,4 @@
-//! What is asked for in one direction of the parameter domain.
+//! Requested settings of one direction of the parameter domain.
 //!
 //! A curve has one direction, a surface two, whose bases, parameters and closedness are independent
 //! of each other.
@@ -12,7 +12,7 @@ use super::knots::Knots;
 use crate::data::corners;
 use crate::parameters::Parametrization;
 
-/// The basis asked for in one direction.
+/// The requested basis of one direction.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -23,7 +23,7 @@ pub enum BasisChoice {
     BSpline {
         /// The degree p ≥ 1.
         degree: usize,
-        /// How the knots are chosen.
+        /// The rule for the knots.
         knots: Knots,
     },
 }
@@ -33,17 +33,17 @@ pub enum BasisChoice {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Corners {
-    /// These, by index, increasing.
+    /// The points with these increasing indices.
     At(Arc<[usize]>),
-    /// Those at which the points turn by more than this angle in degrees, as corners do (`data::corners`).
+    /// Points at which the polygon turns by more than this angle in degrees (`data::corners`).
     Found(f64),
 }
 
 impl Corners {
-    /// Those at which the points turn by more than the usual 30 degrees.
+    /// Points at which the polygon turns by more than the default 30 degrees.
     pub const USUAL: Self = Self::Found(corners::USUAL_ANGLE);
 
-    /// The indices of the points, as far as they are known.
+    /// The indices of the points, if they are known.
     pub fn indices(&self) -> &[usize] {
         match self {
             Self::At(indices) => indices,
@@ -52,7 +52,7 @@ impl Corners {
     }
 }
 
-/// What is asked for in one direction of the parameter domain.
+/// The requested settings of one direction of the parameter domain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DirectionChoice {
     /// The basis.
@@ -63,9 +63,9 @@ pub struct DirectionChoice {
     pub closed: bool,
     /// The number of control points of a least-squares fit; otherwise one for each data point.
     pub control_points: Option<usize>,
-    /// How it ends, with knots at the data; as is usual without it.
+    /// End conditions, with knots at the data; the default if `None`.
     pub ends: Option<Ends>,
-    /// Its corners, or the creases across it, if it may have some.
+    /// Its corners, or the creases across it, if it may have them.
     pub corners: Option<Corners>,
     /// Fixed weights: one for each control point, end copies included, or one for each data point.
     pub weights: Option<Vec<f64>>,
@@ -98,7 +98,7 @@ impl DirectionChoice {
         }
     }
 
-    /// Returns true if its data say where its knots are, with a given number of control points.
+    /// Returns true if its data determine its knots, with a given number of control points.
     pub(crate) fn is_adaptive(&self) -> bool {
         matches!(
             self.basis,
@@ -109,9 +109,9 @@ impl DirectionChoice {
         )
     }
 
-    /// Names the knots and the ends that are usual where nothing is said, for a control point for
-    /// each of `count` data points: knots at the data for odd degrees, whose ends are estimated, and
-    /// averaged knots for even ones. Closed directions have their knots by the data.
+    /// Fills in the default knots and ends for a control point for each of `count` data points: knots at the data for
+    /// odd degrees, whose ends are estimated, and averaged knots for even ones. Closed directions have their knots by
+    /// the data.
     pub(crate) fn settle(&mut self, count: usize) {
         let BasisChoice::BSpline { degree, knots } = &mut self.basis else {
             return;
@@ -139,13 +139,12 @@ impl DirectionChoice {
         }
     }
 
-    /// Names the knots that are usual in a least-squares fit where nothing is said: open directions
-    /// spread them.
+    /// Fills in the default knots of a least-squares fit: open directions spread them.
     pub(crate) fn settle_least_squares(&mut self) {
         self.name_open(Knots::Spread);
     }
 
-    /// Names this rule for the knots of an open direction where nothing is said.
+    /// Fills in this rule for the knots of an open direction.
     pub(crate) fn name_open(&mut self, rule: Knots) {
         if let BasisChoice::BSpline { knots, .. } = &mut self.basis
             && *knots == Knots::Usual
@@ -155,8 +154,7 @@ impl DirectionChoice {
         }
     }
 
-    /// Leaves to least squares what it chooses by itself: knots that are by a rule of other methods,
-    /// and ends.
+    /// Resets knots and ends that belong to other methods to the default of least squares.
     pub fn unsettle(&mut self) {
         if let BasisChoice::BSpline { knots, .. } = &mut self.basis
             && matches!(knots, Knots::Data | Knots::Averaged)
@@ -166,7 +164,7 @@ impl DirectionChoice {
         self.ends = None;
     }
 
-    /// Leaves knots that are by a rule of least squares to a method that is another one.
+    /// Resets knots that belong to least squares to the default of another method.
     pub fn unsettle_least_squares(&mut self) {
         if let BasisChoice::BSpline { knots, .. } = &mut self.basis
             && matches!(knots, Knots::Spread | Knots::Adaptive)
@@ -175,8 +173,8 @@ impl DirectionChoice {
         }
     }
 
-    /// Whether eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors
-    /// are nearly parallel and eigenvalues say little of single levels.
+    /// Returns true if eigenvalues of the collocation matrix may nearly coincide, so that its eigenvectors are nearly
+    /// parallel and eigenvalues predict single levels badly.
     pub(crate) fn is_clustered(&self) -> bool {
         let BasisChoice::BSpline { degree, knots } = &self.basis else {
             return true;

@@ -43,11 +43,11 @@ pub struct Direction {
     sharing: Sharing,
     /// A weight for each basis function of a rational basis.
     weights: Option<Vec<f64>>,
-    /// Whether a least-squares fit starts from equal shares of the data's indices.
+    /// True if a least-squares fit starts from equal shares of the data's indices.
     spread_start: bool,
 }
 
-/// What the copies of the outermost control point on one side are.
+/// The copies of the outermost control point on one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum CopyRule {
     /// They are equal to it.
@@ -65,7 +65,7 @@ enum Sharing {
     /// knots at the data there are more basis functions than data points (LBW05 (3.2)).
     Open {
         front_copies: usize,
-        /// What the copies are on both sides.
+        /// The rules of the copies on both sides.
         copies: [CopyRule; 2],
     },
     /// The first control points follow the last ones, after a period of the parameters.
@@ -153,8 +153,8 @@ impl Direction {
         self
     }
 
-    /// Whether a least-squares fit starts from equal shares of the data's indices, which do not depend
-    /// on the direction of the data, as knots that are spread; otherwise from every so many-th point.
+    /// Returns true if a least-squares fit starts from equal shares of the data's indices, which do not depend on the
+    /// direction of the data, as spread knots do; otherwise it starts from every k-th point.
     pub(crate) fn starts_spread(&self) -> bool {
         self.spread_start
     }
@@ -194,7 +194,7 @@ impl Direction {
         self.period().is_some()
     }
 
-    /// Whether the basis has weights.
+    /// Returns true if the basis has weights.
     pub fn is_rational(&self) -> bool {
         self.weights.is_some()
     }
@@ -219,7 +219,7 @@ impl Direction {
         }
     }
 
-    /// The rule of the copies on one side, if there are some.
+    /// The rule of the copies on one side, if there are any.
     fn rule(&self, side: Side) -> Option<CopyRule> {
         match (&self.sharing, side) {
             (Sharing::Open { copies, .. }, Side::Start) => Some(copies[0]),
@@ -228,7 +228,7 @@ impl Direction {
         }
     }
 
-    /// How many copies the outermost control point has on one side.
+    /// The number of copies of the outermost control point on one side.
     pub(crate) fn copies(&self, side: Side) -> usize {
         match (&self.sharing, side) {
             (Sharing::Open { front_copies, .. }, Side::Start) => *front_copies,
@@ -239,7 +239,7 @@ impl Direction {
         }
     }
 
-    /// Returns true if copies of the end point make the curve stand still on one side.
+    /// Returns true if copies of the end point give the curve a zero derivative on one side.
     pub(crate) fn stands_still(&self, side: Side) -> bool {
         self.copies(side) > 0 && self.rule(side) == Some(CopyRule::Equal)
     }
@@ -385,9 +385,8 @@ impl Direction {
         self.weigh(start, values)
     }
 
-    /// The parameter `t` in the domain of the basis. The knots of closed directions of even degree lie
-    /// between the parameters: where the last one is next to the end of the period, rounding may put
-    /// it behind.
+    /// The parameter `t` in the domain of the basis. The knots of closed directions of even degree lie between the
+    /// parameters: where the last one is next to the end of the period, rounding may put it after that end.
     pub(crate) fn within(&self, t: f64) -> f64 {
         let (low, high) = self.basis.domain();
         match self.period() {
@@ -398,9 +397,8 @@ impl Direction {
         }
     }
 
-    /// Makes the values of the functions from `start` on rational, if the direction has weights;
-    /// returns `start`. Weights of any magnitude are right: products that leave the range of
-    /// numbers are scaled.
+    /// Makes the values of the functions from `start` on rational, if the direction has weights; returns `start`.
+    /// Weights of any magnitude are accurate: products that would over- or underflow are scaled.
     pub fn weigh(&self, start: usize, values: &mut [f64]) -> usize {
         if let Some(weights) = &self.weights {
             // w_j B_j / Σ w_k B_k (LBW05 (3.7)).

@@ -1,14 +1,14 @@
-//! What can be asked for at the ends of a direction, and which of it a B-spline cannot have.
+//! The end conditions of a direction, and which of them a B-spline cannot have.
 
 use std::sync::Arc;
 
 use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place, Side};
 
-/// The highest degree whose ends are estimated: polynomials through more points lose all digits.
+/// The highest degree with estimated ends: polynomials through more points lose all digits.
 pub(crate) const MOST_ESTIMATED: usize = 31;
 
-/// How a direction ends on both sides.
+/// The end conditions of a direction.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ends {
@@ -18,23 +18,23 @@ pub struct Ends {
     pub end: End,
 }
 
-/// How a direction ends on one side. Vectors are derivatives with respect to the parameter: one of
-/// a curve, of a surface one for each data point of that boundary.
+/// An end condition. Vectors are derivatives with respect to the parameter: one of a curve, of a
+/// surface one for each data point of that boundary.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum End {
     /// With the derivatives of the polynomial through the points there.
     Estimated,
-    /// With copies of its last control point, where it stands still (LBW05 (3.2)).
+    /// With copies of its last control point, where its derivative is zero (LBW05 (3.2)).
     Repeated,
     /// Without second derivative; cubic B-splines.
     Natural,
     /// With given derivatives, of the first order and further ones; those that are missing are
     /// estimated.
     Derivatives(Vec<Arc<Points>>),
-    /// With first derivatives of given directions, whose length is that of the line of points over
-    /// the range of its parameters.
+    /// With first derivatives in given directions, whose length is that of the line of points
+    /// divided by the range of its parameters.
     Tangent(Arc<Points>),
 }
 
@@ -71,9 +71,9 @@ impl End {
         }
     }
 
-    /// Refuses an end that a B-spline of this degree, with `copies` control points to choose on that
-    /// side, cannot have: `boundary` is the number of data points on the boundary, and `dimension`
-    /// that of their coordinates.
+    /// Refuses an end that a B-spline of this degree, with `copies` free choices of control points
+    /// on that side, cannot have: `boundary` is the number of data points on the boundary, and
+    /// `dimension` that of their coordinates.
     pub(crate) fn check(
         &self,
         (axis, side): (Axis, Side),
@@ -85,7 +85,7 @@ impl End {
             Self::Repeated => Ok(()),
             Self::Natural if degree != 3 => Err(natural_degree(axis, side, degree)),
             Self::Natural => Ok(()),
-            // Whatever is not given is estimated.
+            // Vectors that are not given are estimated.
             _ if degree > MOST_ESTIMATED => Err(Invalid::at(
                 Place::End(axis, side),
                 format!(

@@ -1,4 +1,4 @@
-//! Which given knots are refused.
+//! Validation of given knots.
 
 use crate::data::monotonic;
 use crate::invalid::{Axis, Invalid, Place};
@@ -158,7 +158,7 @@ fn knot_multiplicity(axis: Axis, index: usize, value: f64, degree: usize) -> Inv
 mod tests {
     use super::*;
 
-    /// Every kind of mistake, with the first knot that shows it.
+    /// Every kind of validation error, with the index of the first knot that causes it.
     #[test]
     fn bad_knots_name_the_index() {
         let check = |knots: &[f64]| check(knots, 2, 5, Axis::U).unwrap_err();

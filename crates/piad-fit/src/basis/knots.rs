@@ -7,10 +7,9 @@
 //! - at the data (LBW05 (3.1)): the parameters between, and n + p control points of which n + 1 are
 //!   free;
 //! - averaged (PT97 (9.8)): means of p successive parameters, and n + 1 control points;
-//! - spread, for least squares: at equal shares of the parameters' indices, so that there is one in
-//!   every span, and reversed parameters have reversed knots;
-//! - adaptive, for least squares: first spread, then where the data ask for them
-//!   (`knot_selection::adaptive`);
+//! - spread, for least squares: at equal shares of the parameters' indices, so that there is a parameter in every span,
+//!   and reversed parameters have reversed knots;
+//! - adaptive, for least squares: first spread, then placed by the data (`knot_selection::adaptive`);
 //! - for as few control points as a tolerance needs (PT97 (9.68)–(9.69)): about as many parameters in
 //!   every span, of which the first ones have fewer;
 //! - periodic: at or midway between the parameters, repeated with their period.
@@ -35,8 +34,8 @@ use crate::data::quantiles::Position;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Knots {
-    /// What suits the method and the degree: at the data for odd degrees, averaged for even ones, and
-    /// spread for open least-squares fits.
+    /// The default of the method and the degree: at the data for odd degrees, averaged for even ones, and spread for
+    /// open least-squares fits.
     Usual,
     /// Interior knots are the interior parameters (LBW05 (3.1), LWD04 (1)).
     Data,
@@ -44,14 +43,14 @@ pub enum Knots {
     Averaged,
     /// At equal shares of the parameters' indices; open least-squares fits.
     Spread,
-    /// Where the data ask for them, at equal shares of their distances; least-squares fits of curves.
+    /// Placed by the data, at equal shares of their distances; least-squares fits of curves.
     Adaptive,
     /// Given knots, clamped at both ends.
     Explicit(Arc<Vec<f64>>),
 }
 
-/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1
-/// knots for n + 1 parameters, and n + p functions. Any degree will do, even one above n.
+/// Interior knots at the interior parameters, ends of multiplicity p + 1 (LBW05 (3.1)): n + 2 p + 1 knots for n + 1
+/// parameters, and n + p functions. Any degree is possible, even one above n.
 pub(crate) fn at_data(t: &[f64], degree: usize) -> Vec<f64> {
     clamped(t, degree, t[1..t.len() - 1].iter().copied())
 }
@@ -100,8 +99,8 @@ pub(crate) fn piegl_tiller(t: &[f64], degree: usize, control_points: usize) -> V
     clamped(t, degree, interior)
 }
 
-/// Knots of a closed B-spline with as many control points as asked for: those of a period, from the
-/// start of the domain, and p more on either side.
+/// Knots of a closed B-spline with the requested number of control points: those of a period, from the start of the
+/// domain, and p more on either side.
 ///
 /// The sites are the parameters, or with fewer control points than parameters interpolated between
 /// them at equal distances. Odd degrees have their knots at the sites, even degrees half a

@@ -13,9 +13,9 @@
 //! | B-spline, degree p | knots − p − 1 | p + 1 | yes |
 //!
 //! - `bernstein`, `ball` and `bspline`: the bases, one file for each family; `bezier`: Ball bases as Bernstein's;
-//! - `knots`: where knots are placed, and `given_knots`: which are refused;
+//! - `knots`: where knots are placed, and `given_knots`: validation of given ones;
 //! - `pieces`: curves in pieces that meet at corners;
-//! - `choice` and `end_conditions`: what is requested of a direction; `direction`: a basis at the parameters of the
+//! - `choice` and `end_conditions`: requested settings of a direction; `direction`: a basis at the parameters of the
 //!   data;
 //! - `functional` and `quadrature`: values, derivatives and integrals of the functions.
 
@@ -97,7 +97,7 @@ pub enum Polynomial {
 }
 
 impl Polynomial {
-    /// What it is called, and where it comes from.
+    /// Its names and source.
     pub fn about(self) -> &'static About {
         match self {
             Self::Bernstein => &bernstein::ABOUT,
@@ -113,7 +113,7 @@ impl Polynomial {
 }
 
 impl Basis {
-    /// What it is called, and where it comes from.
+    /// Its names and source.
     pub fn about(&self) -> &'static About {
         match self {
             Self::Polynomial { kind, .. } => kind.about(),
@@ -149,12 +149,12 @@ impl Basis {
         }
     }
 
-    /// How many consecutive functions can differ from zero at one parameter: `degree + 1`.
+    /// The number of consecutive functions that can differ from zero at one parameter: `degree + 1`.
     pub fn support_width(&self) -> usize {
         self.degree() + 1
     }
 
-    /// About how many multiplications [`evaluate`](Self::evaluate) takes.
+    /// The approximate number of multiplications of [`evaluate`](Self::evaluate).
     pub fn multiplications(&self) -> usize {
         let width = self.support_width();
         match self {
@@ -163,7 +163,7 @@ impl Basis {
         }
     }
 
-    /// Whether only a few functions differ from zero at a parameter.
+    /// Returns true if only a few functions differ from zero at a parameter.
     pub fn is_local(&self) -> bool {
         matches!(self, Self::BSpline { .. })
     }

@@ -11,8 +11,8 @@
 //!
 //! A closed curve begins and ends at its first corner, with the same control point, and is clamped there like an open one.
 //!
-//! A piece of m + 1 ≤ p control points has p + 1 functions all the same: it is the polynomial of degree m, whose degree
-//! is raised (PT97 (5.36)):
+//! A piece of m + 1 ≤ p control points still has p + 1 functions: it is the polynomial of degree m, whose degree is
+//! raised (PT97 (5.36)):
 //!
 //! ```text
 //! c_i = Σ_l C(m, l) C(p − m, i − l) / C(p, i) d_l
@@ -36,8 +36,8 @@ pub(crate) struct Pieces {
 }
 
 impl Pieces {
-    /// Pieces with these numbers of control points. Neighbours share one; on a closed curve, where `first` is the number of
-    /// the first control point, the last piece and the first do, too.
+    /// Pieces with these numbers of control points. Neighbours share one. On a closed curve, where `first` is the
+    /// number of the first control point, the last piece and the first share one, too.
     pub(crate) fn new(degree: usize, control_points: &[usize], first: Option<usize>) -> Self {
         let sums = |each: &dyn Fn(usize) -> usize| {
             let mut sum = 0;
@@ -69,12 +69,12 @@ impl Pieces {
         }
     }
 
-    /// Returns true if each function has a control point of its own.
+    /// Returns true if each function has its own control point.
     pub(crate) fn are_plain(&self) -> bool {
         self.plain && self.first.is_none()
     }
 
-    /// The piece of a function; of that of a corner the one that begins there.
+    /// The piece of a function; at a corner the piece that begins there.
     fn piece(&self, function: usize) -> usize {
         let last = self.functions.len() - 2;
         let after = self.functions.partition_point(|&first| first <= function);
@@ -163,8 +163,8 @@ pub(crate) fn first_number(corner: usize, control_points: usize, data: usize) ->
     corner * control_points / data
 }
 
-/// How many control points each piece has, from the numbers of its data points: two, and a share of all others by how many
-/// data points there are between its ends, larger remainders first. There are at most as many others as those.
+/// The number of control points of each piece, from the numbers of its data points: two, and a share of all others in
+/// proportion to the data points between its ends, larger remainders first. There are at most as many others as those.
 pub(crate) fn shares(data: &[usize], others: usize) -> Vec<usize> {
     let between: usize = data.iter().map(|count| count - 2).sum();
     let share = |&count: &usize| (count - 2) * others / between.max(1);

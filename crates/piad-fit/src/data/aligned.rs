@@ -1,7 +1,7 @@
-//! Arrays of numbers, placed in memory so that vectors of them are quickly loaded.
+//! Arrays of numbers, aligned in memory for fast vector loads.
 //!
-//! What they hold is one coordinate of many points, or one diagonal of a matrix. A sweep reads and
-//! writes a dozen of them side by side, and where they start decides how fast that is.
+//! Each holds one coordinate of many points, or one diagonal of a matrix. A sweep reads and writes a dozen of them side
+//! by side, and their start addresses decide how fast that is.
 
 use std::borrow::Borrow;
 use std::ops::{Deref, DerefMut};
@@ -15,34 +15,33 @@ use serde::de::{Deserialize, Deserializer, Error};
 #[cfg(feature = "serde")]
 use serde::ser::{Serialize, Serializer};
 
-/// The least length of a lane, in numbers, that starts at different places of a memory page.
+/// From this length on, in numbers, lanes start at different offsets of a memory page.
 const LONG: usize = 1024;
 
-/// The least length of a lane, in numbers, that is made by several threads.
+/// From this length on, in numbers, lanes are made by several threads.
 const PARALLEL: usize = 100_000;
 
-/// How many numbers, whole cache lines, a third of a memory page is: long lanes start at the
-/// beginning of a page, after a third of it or after two thirds.
+/// A third of a memory page, in numbers and whole cache lines: long lanes start at the beginning of a page, after a
+/// third of it or after two thirds.
 const THIRD: usize = 168;
 
 /// Zeros to be copied, which is faster than writing numbers one by one.
 static ZEROS: [f64; 1024] = [0.0; 1024];
 
-/// Counts the long lanes, which take turns in where they start.
+/// Counts the long lanes, which take turns in their offsets.
 static LANES: AtomicUsize = AtomicUsize::new(0);
 
 /// All values of a coordinate, or of a diagonal of a matrix: 8 bytes each, and at most 2.7 kB
 /// before them.
 ///
-/// They start at a cache line: a vector of numbers that lies across two of them takes twice as long
-/// to load, which is as much as everything else in a sweep. And long lanes start at different
-/// places of a memory page. Allocators would start all of them with one, but places at the same
-/// distance from the start of a page share few cache lines, and a load waits for an earlier store
-/// to the same place of another page as if it were the same address ("4K aliasing").
+/// Lanes start at a cache line: a SIMD vector that lies across two of them takes twice as long to load, which is as
+/// much as everything else in a sweep. Long lanes start at different offsets of a memory page. Allocators would start
+/// all of them at the same offset, but equal offsets share few cache lines, and a load waits for an earlier store to
+/// the same offset of another page as if it were the same address ("4K aliasing").
 #[derive(Debug)]
 pub struct Lane {
     numbers: AVec<f64>,
-    /// The place of the first number; those before it are not used.
+    /// The index of the first number; those before it are not used.
     start: usize,
 }
 
@@ -55,7 +54,7 @@ impl Lane {
     /// A lane of `count` zeros.
     pub fn zeros(count: usize) -> Self {
         let mut lane = Self::with_room(count);
-        // Copied: what the crate does number by number takes several times as long.
+        // Copied: a loop over numbers takes several times as long.
         let mut left = count;
         while left > 0 {
             let some = left.min(ZEROS.len());
@@ -88,16 +87,16 @@ impl Lane {
 
     /// Makes room for `more` numbers, and for no others.
     pub(crate) fn make_room(&mut self, more: usize) {
-        // Without so much memory it doubles when it is full.
+        // If this much memory is not available, the capacity doubles when it is full.
         let _ = self.numbers.try_reserve_exact(more);
     }
 
-    /// Keeps the first numbers, as many as `count`.
+    /// Keeps the first `count` numbers.
     pub fn truncate(&mut self, count: usize) {
         self.numbers.truncate(self.start + count);
     }
 
-    /// Gives back memory that growing has left over.
+    /// Releases memory that growing has left over.
     pub fn shrink_to_fit(&mut self) {
         self.numbers.shrink_to_fit();
     }

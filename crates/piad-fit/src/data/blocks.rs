@@ -1,10 +1,9 @@
-//! Blocks of consecutive points, and the norms of the distances in each.
+//! Blocks of consecutive points, and the norms of their distances.
 //!
 //! A block has at most 1024 points: its numbers stay in the nearest cache. In a block the squares
 //! of distances are summed up in eight *lanes*, number k in lane k mod 8, then the lanes pairwise,
 //! and then the blocks from the first to the last. That order is the same for every loop,
-//! instruction set and number of threads, so that errors are the same to the last bit whoever
-//! computes them.
+//! instruction set and number of threads, so that errors are reproducible to the last bit.
 
 use std::ops::Range;
 
@@ -37,12 +36,12 @@ impl Blocks {
         }
     }
 
-    /// How many there are.
+    /// Their number.
     pub(crate) fn count(self) -> usize {
         self.grid.rows.div_ceil(self.lines) * self.parts
     }
 
-    /// How many whole lines are how many whole blocks: (lines, blocks), one of which is 1.
+    /// The numbers of whole lines that make whole blocks: (lines, blocks), one of which is 1.
     pub(crate) fn unit(self) -> (usize, usize) {
         (self.lines, self.parts)
     }

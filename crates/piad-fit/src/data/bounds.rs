@@ -1,8 +1,8 @@
 //! The least and the largest of many numbers, and whether all of them are finite, in one pass.
 //!
-//! Every fit looks at all of its coordinates before anything else: for the bounding box, by which
-//! errors are scaled, and for infinite numbers and NaN. These are found by the sum of all numbers
-//! times zero, which needs no branch: it is zero unless one of them is infinite or NaN.
+//! Every fit reads all of its coordinates before anything else: for the bounding box, which scales
+//! errors, and for infinite numbers and NaN. These are found by the sum of all numbers times zero,
+//! which needs no branch: it is zero unless one of them is infinite or NaN.
 
 /// The number of comparisons side by side.
 const LANES: usize = 8;
@@ -15,7 +15,7 @@ pub(crate) struct Extent {
     pub low: f64,
     /// The largest.
     pub high: f64,
-    /// Whether all numbers are finite: none of them is infinite or NaN.
+    /// True if all numbers are finite: none of them is infinite or NaN.
     pub is_finite: bool,
 }
 

@@ -1,7 +1,8 @@
-//! The corners of a polyline: points at which it turns, where sampled arcs and noise do not.
+//! The corners of a polyline: points at which it turns, but not those of sampled arcs or noise.
 //!
-//! A point is a corner if it turns by more than an angle and by more than [`TIMES`] what the points around it turn. These
-//! count as far as they are near: the next corner of an outline is further away than the next sample of an arc.
+//! A point is a corner if it turns by more than an angle and by more than [`TIMES`] the turn of the points around it.
+//! These count the less, the further away they are: the next corner of an outline is further away than the next sample
+//! of an arc.
 //!
 //! ```text
 //! turn_i > angle,   turn_i > 3 turn_j |j − i| h / s_ij,   0 < |j − i| ≤ 2
@@ -13,10 +14,10 @@
 
 use super::points::Points;
 
-/// The angle that is usual, in degrees.
+/// The default angle, in degrees.
 pub(crate) const USUAL_ANGLE: f64 = 30.0;
 
-/// How much more than those around it a corner turns.
+/// The least ratio of a corner's turn to the turn around it.
 const TIMES: f64 = 3.0;
 
 /// Points of arcs turn by less than this angle, in degrees: a circle would have four of them.
@@ -28,7 +29,7 @@ const FEW: usize = 16;
 /// See [`FEW`].
 const PART: usize = 5;
 
-/// How many points on either side are looked at.
+/// The number of neighbours examined on either side.
 const AROUND: usize = 2;
 
 /// The points, in order, at which a polyline turns by more than an angle in radians, as corners do; of an open one not its
@@ -43,7 +44,8 @@ pub(crate) fn find(points: &Points, closed: bool, angle: f64) -> Vec<usize> {
     turning.into_iter().filter(is_corner).collect()
 }
 
-/// The points, in order, at which a polyline turns by more than an angle in radians, whatever those around them do.
+/// The points, in order, at which a polyline turns by more than an angle in radians, whatever the points around them
+/// do.
 pub(crate) fn turns(points: &Points, closed: bool, angle: f64) -> Vec<usize> {
     let polyline = Polyline { points, closed };
     (0..points.len())

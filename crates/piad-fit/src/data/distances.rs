@@ -1,4 +1,4 @@
-//! How far a curve or a surface is from the data.
+//! Distances of a curve or a surface from the data.
 
 use pulp::Arch;
 use rayon::prelude::*;
@@ -6,17 +6,17 @@ use rayon::prelude::*;
 use super::blocks::{BLOCK, Block};
 use super::points::Points;
 
-/// The distances of more data are computed by several threads.
+/// From this number of data on, distances are computed by several threads.
 const PARALLEL: usize = 32_768;
 
-/// Distances of the data, in data units. If one of them is not a number, no norm is.
+/// Distances of the data, in data units. If one of them is NaN, all norms are.
 #[derive(Clone, Debug)]
 pub(crate) struct Distances {
     /// `‖P_i − C(t_i)‖`.
     pub each: Vec<f64>,
     /// The largest.
     pub max: f64,
-    /// The first datum that has it.
+    /// The first datum with the largest distance.
     pub at: usize,
     /// The root of the mean of the squared ones.
     pub rms: f64,
@@ -25,8 +25,8 @@ pub(crate) struct Distances {
 }
 
 impl Distances {
-    /// Of a residual, with lengths that are multiplied with `unit`, a power of two, before they are
-    /// squared.
+    /// The norms of a residual, whose lengths are multiplied with `unit`, a power of two, before
+    /// they are squared.
     pub(crate) fn of_residual(residual: &Points, unit: f64) -> Self {
         Self::by_blocks(vec![0.0; residual.len()], unit, |start, squares| {
             for lane in residual.lanes() {
@@ -37,19 +37,19 @@ impl Distances {
         })
     }
 
-    /// Of squares.
+    /// The norms of squares.
     pub(crate) fn of_squares(squares: Vec<f64>, unit: f64) -> Self {
         Self::by_blocks(squares, unit, |_, _| ())
     }
 
-    /// Those of the first data alone.
+    /// The norms of the first data alone.
     pub(crate) fn of_first(&self, count: usize, unit: f64) -> Self {
         let first = self.each[..count].iter();
         let squares = first.map(|distance| (distance * unit) * (distance * unit));
         Self::of_squares(squares.collect(), unit)
     }
 
-    /// The same without what is free of each.
+    /// The same without the free parts of each.
     pub(crate) fn beyond(&self, freedom: &[f64], unit: f64) -> Self {
         let left = |(distance, free): (&f64, &f64)| match distance - free {
             left if left < 0.0 => 0.0,

@@ -1,4 +1,4 @@
-//! How points are arranged.
+//! The arrangement of points.
 
 use crate::invalid::Axis;
 

@@ -1,4 +1,4 @@
-//! Points and grids of points as callers have them.
+//! Input types for points and grids of points.
 
 use super::grid::Grid;
 use super::points::{MAX_DIMENSION, Points};

@@ -1,8 +1,8 @@
 //! Grids of data points with holes, for least-squares fits.
 //!
 //! Scanned surfaces have points without a measurement. They stay in the grid, as rows and columns
-//! have parameters in common, but their residuals are zero: in `X ← X + D Aᵀ Δ` they pull at
-//! nothing. Parameters by distance leave out steps from and to them. Control points in whose
+//! have parameters in common, but their residuals are zero, so that they have no effect in `X ← X +
+//! D Aᵀ Δ`. Parameters by distance leave out steps from and to them. Control points in whose
 //! support all data are missing stay where they start.
 
 use std::collections::VecDeque;
@@ -15,7 +15,7 @@ use super::points::Points;
 pub struct Missing(Vec<bool>);
 
 impl Missing {
-    /// The points with these indices are missing; `None` if there are none.
+    /// Marks the points with these indices as missing; `None` if there are none.
     pub fn new(indices: &[usize], count: usize) -> Option<Self> {
         let mut missing = vec![false; count];
         for &index in indices {
@@ -24,12 +24,12 @@ impl Missing {
         (!indices.is_empty()).then_some(Self(missing))
     }
 
-    /// Whether point `index` is missing.
+    /// Returns true if point `index` is missing.
     pub fn contains(&self, index: usize) -> bool {
         self.0[index]
     }
 
-    /// Whether each point is there.
+    /// True for each point that is there.
     pub fn present(&self) -> Vec<bool> {
         self.0.iter().map(|missing| !missing).collect()
     }
@@ -44,8 +44,8 @@ impl Missing {
     }
 
     /// Gives missing points the place of the nearest one that is there, counted in steps of the
-    /// grid (a breadth-first search), so that control points that start from them start somewhere
-    /// sensible. O(n) for n points.
+    /// grid (a breadth-first search), so that control points that start there start near the data.
+    /// O(n) for n points.
     pub fn fill(&self, points: &mut Points, grid: Grid) {
         let mut known = self.present();
         let mut front: VecDeque<usize> = (0..known.len()).filter(|&index| known[index]).collect();

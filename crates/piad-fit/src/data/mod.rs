@@ -1,8 +1,8 @@
-//! Data points: what is fitted, and arrays for them.
+//! Data points and their arrays.
 //!
 //! - `points`: ordered points, stored coordinate by coordinate; `grid`: their arrangement; `input`: both as callers
 //!   have them;
-//! - `missing`: grids with missing points; `no_data`: values that stand for them in files of heights;
+//! - `missing`: grids with missing points; `no_data`: values that mark them in files of heights;
 //! - `weights`: weights of rational fits; `point_order`: whether points have an order along a curve; `nearest_order`: that order; `corners`: where a
 //!   polyline has corners; `outliers`: points that are wrong;
 //! - `distances` and `blocks`: lengths of residuals, and their norms in blocks;

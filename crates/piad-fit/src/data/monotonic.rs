@@ -1,32 +1,33 @@
-//! Whether long arrays of numbers are in order, or zero.
+//! Order and zero tests of long arrays of numbers.
 //!
-//! Nearly all of them are, so that every number has to be compared: many at a time, without a
-//! branch for each, and long arrays by several threads. Where the answer is no, the caller looks
-//! for the place. They are explicit parameters and knots, and diagonals of matrices.
+//! Most inputs satisfy these tests, so that every number has to be compared: many at a time,
+//! without a branch for each, and long arrays by several threads. If a test fails, the caller
+//! searches for the index. The arrays are explicit parameters and knots, and diagonals of matrices.
 
 use rayon::prelude::*;
 
 /// The number of comparisons that a thread does at a time.
 const CHUNK: usize = 1 << 16;
 
-/// Whether each number is less than the one after it. If so, two or more numbers have no NaN among
-/// them.
+/// Returns true if each number is less than the one after it. If so, two or more numbers have no
+/// NaN among them.
 pub(crate) fn increases(values: &[f64]) -> bool {
     values.len() < 2 || all_less(&values[..values.len() - 1], &values[1..])
 }
 
-/// Whether each number is at most the one after it. If so, two or more numbers have no NaN among
-/// them.
+/// Returns true if each number is at most the one after it. If so, two or more numbers have no NaN
+/// among them.
 pub(crate) fn never_decreases(values: &[f64]) -> bool {
     values.len() < 2 || all(&values[..values.len() - 1], &values[1..], |a, b| a <= b)
 }
 
-/// Whether each number is less than the other one at its place, as far as both arrays reach.
+/// Returns true if each number is less than the other one at its place, as far as both arrays
+/// reach.
 pub(crate) fn all_less(these: &[f64], others: &[f64]) -> bool {
     all(these, others, |a, b| a < b)
 }
 
-/// Whether all numbers are zero. It stops at the first chunk that has another one.
+/// Returns true if all numbers are zero. It stops at the first chunk that has another one.
 pub(crate) fn is_zero(values: &[f64]) -> bool {
     /// The numbers of a chunk.
     const LOOK: usize = 256;
@@ -34,7 +35,7 @@ pub(crate) fn is_zero(values: &[f64]) -> bool {
     looks.all(|values| values.iter().fold(true, |all, x| all & (*x == 0.0)))
 }
 
-/// Whether a comparison is true for all pairs.
+/// Returns true if a comparison is true for all pairs.
 fn all(these: &[f64], others: &[f64], compare: impl Fn(f64, f64) -> bool + Copy + Sync) -> bool {
     let chunk = |(these, others): (&[f64], &[f64])| {
         let pairs = these.iter().zip(others);

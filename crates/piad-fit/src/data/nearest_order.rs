@@ -1,4 +1,4 @@
-//! Points of a curve in the order in which they follow one another, where they come in any order.
+//! Sorts unordered points along their curve.
 //!
 //! The shortest tree that connects all points (Prim 1957) runs along a curve that is sampled well enough: its longest path is
 //! the order. Points beside the path, as noise has them, come before or after the point of the path that they hang on,
@@ -6,10 +6,10 @@
 
 use super::points::Points;
 
-/// More points would take too long: the tree compares each point with each other one.
+/// The most points: the tree compares each point with each other one.
 pub(crate) const MOST_POINTS: usize = 20_000;
 
-/// The most points of a branch beside the path.
+/// The most points of a branch off the path.
 const LONGEST_BRANCH: usize = 2;
 
 /// The tree branches at a point.
@@ -94,7 +94,7 @@ impl<'a> Tree<'a> {
         path
     }
 
-    /// The point that is farthest from another one along the tree, and for each point the one before it on the way.
+    /// The point that is farthest from another one along the tree, and for each point the one before it on its path.
     fn farthest(&self, from: usize) -> (usize, Vec<Option<usize>>) {
         let mut parents = vec![None; self.neighbours.len()];
         let (mut most, mut end) = (0.0, from);
@@ -113,7 +113,7 @@ impl<'a> Tree<'a> {
         (end, parents)
     }
 
-    /// The branches that hang on a point of the path, each with the point beside the path first.
+    /// The branches that hang on a point of the path, each from the path outwards.
     fn beside(&self, point: usize, on_path: &[bool]) -> Vec<Vec<usize>> {
         let starts = self.neighbours[point].iter().filter(|&&it| !on_path[it]);
         let branch = |&start: &usize| {

@@ -1,20 +1,19 @@
-//! Values that stand for missing data in files of heights.
+//! Values that mark missing data in files of heights.
 
 use super::points::Points;
 
-/// Values that programs write where there are no data, besides -9999 and others of nines: the least integers
+/// Values that programs write for missing data, besides -9999 and others of nines: the least integers
 /// of 16 and 32 bits.
 const LIMITS: [f64; 2] = [-32768.0, -2_147_483_648.0];
 
 /// Programs also write the largest numbers that there are.
 const LARGE: f64 = 1e30;
 
-/// Such a value is away from all others by more than this part of their range.
+/// Such a value differs from all others by more than this part of their range.
 const AWAY: f64 = 0.1;
 
-/// The value of the last coordinate that stands for missing data, and how often it is there: one that
-/// programs use for it, more than once, and away from all others. Points with these indices, which increase,
-/// are not looked at.
+/// The value of the last coordinate that stands for missing data, and how often it is there: one that programs use for
+/// it, more than once, and away from all others. Points with these indices, which increase, are ignored.
 pub(crate) fn no_data(points: &Points, missing: &[usize]) -> Option<(f64, usize)> {
     let values = points.lanes().last()?;
     let is_given = |index: usize| missing.binary_search(&index).is_err();
@@ -40,7 +39,7 @@ pub(crate) fn no_data(points: &Points, missing: &[usize]) -> Option<(f64, usize)
     })
 }
 
-/// Returns true for values that programs write where there are no data.
+/// Returns true for values that programs write for missing data.
 fn stands_for_nothing(value: f64) -> bool {
     let size = value.abs();
     let nines = [999.0, 9999.0, 99999.0, 999_999.0];

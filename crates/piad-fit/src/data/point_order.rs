@@ -1,27 +1,26 @@
-//! Whether points have an order along a curve.
+//! Detects whether points have an order along a curve.
 //!
 //! Along a curve that is sampled well enough to be fitted, the neighbours of a point in the list are among
 //! the points nearest to it. In points without an order hardly any are.
 
 use super::points::Points;
 
-/// The most points that are looked at, at equal distances in the list.
+/// The most points that are examined, at equal distances in the list.
 const MOST_SAMPLES: usize = 96;
 
-/// Of long lists fewer are looked at, with about as many distances as this in all, but at least so many points.
+/// In long lists fewer points are examined, for about this many distances in all, but at least [`LEAST_SAMPLES`].
 const MOST_DISTANCES: usize = 1 << 22;
 const LEAST_SAMPLES: usize = 12;
 
-/// How many of the nearest points of a point count.
+/// The number of nearest points that count.
 const NEAREST: usize = 3;
 
-/// Points have an order if this part of them, one in so many, has a neighbour of the list among its nearest
-/// points.
+/// Points have an order if one in this many has a neighbour of the list among its nearest points.
 const ONE_IN: usize = 3;
 
-/// Returns true if fewer than a third of the points have one of their two neighbours in the list among their
-/// three nearest points. Points of the plane whose x or y increases or decreases throughout are the graph
-/// of a function, however noisy, and values without a place have no distances.
+/// Returns true if fewer than a third of the points have one of their two neighbours in the list among their three
+/// nearest points. Points of the plane whose x or y increases or decreases throughout are the graph of a function,
+/// however noisy, and plain values have no distances.
 pub fn is_unordered(points: &Points) -> bool {
     let count = points.len();
     let is_graph = points.dimension() == 2 && points.lanes().iter().any(|lane| is_monotone(lane));
@@ -101,7 +100,7 @@ mod tests {
         for count in 0..5 {
             assert!(!is_unordered(&spiral(count, 3)), "{count}");
         }
-        // Distances whose squares are beyond the range of numbers say nothing.
+        // Distances whose squares are beyond the range of numbers are ignored.
         let mut far = Points::new(3);
         (0..50).for_each(|i| far.push(&[1e300 * noise(i), -1e300 * noise(2 * i), 0.0]));
         assert!(!is_unordered(&far));

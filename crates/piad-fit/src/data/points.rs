@@ -21,7 +21,7 @@ pub const MAX_DIMENSION: usize = 16;
 /// The most coordinates of a data point of a surface.
 pub const MAX_SURFACE_DIMENSION: usize = 3;
 
-/// The extents of fewer points are found by one thread.
+/// From this number of points on, extents are found by several threads.
 const PARALLEL: usize = 100_000;
 
 /// Points of R^d as `d` arrays of coordinates ("lanes") of equal length.
@@ -105,7 +105,7 @@ impl Points {
         }
     }
 
-    /// Copies the coordinates of the points from `start` on, point by point, as many as there is room for.
+    /// Copies the coordinates of the points from `start` on, point by point, until `numbers` is full.
     pub fn copy_flat(&self, start: usize, numbers: &mut [f64]) {
         let points = start..start + numbers.len() / self.dimension().max(1);
         let part = |c: usize| &self.lanes[c][points.clone()];
@@ -129,7 +129,7 @@ impl Points {
         flat
     }
 
-    /// Appends one point; coordinates beyond the dimension are not looked at.
+    /// Appends one point; coordinates beyond the dimension are ignored.
     pub fn push(&mut self, coordinates: &[f64]) {
         for (lane, &x) in self.lanes.iter_mut().zip(coordinates) {
             lane.push(x);
@@ -146,7 +146,7 @@ impl Points {
         self.lanes.first().map_or(0, |lane| lane.len())
     }
 
-    /// Whether there is no point.
+    /// Returns true if there is no point.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -222,7 +222,7 @@ impl Points {
         }
     }
 
-    /// Whether all coordinates are finite.
+    /// Returns true if all coordinates are finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.extents().iter().all(|extent| extent.is_finite)
     }
@@ -232,8 +232,8 @@ impl Points {
         diagonal(&self.extents())
     }
 
-    /// The diagonal of the box that has the shortest interval of nine tenths of each coordinate. Of
-    /// many points some are looked at, at equal distances.
+    /// The diagonal of the box that has the shortest interval of nine tenths of each coordinate. Of many points a
+    /// sample at equal distances in the list is used.
     pub(crate) fn inner_diagonal(&self) -> f64 {
         let step = self.len().div_ceil(MOST_SORTED).max(1);
         let shortest = |lane: &[f64]| {
@@ -252,14 +252,14 @@ impl Points {
         magnitude(&self.extents())
     }
 
-    /// Puts a point elsewhere; coordinates beyond the dimension are not looked at.
+    /// Moves a point; coordinates beyond the dimension are ignored.
     pub fn set(&mut self, index: usize, coordinates: impl IntoIterator<Item = f64>) {
         for (lane, x) in self.lanes.iter_mut().zip(coordinates) {
             lane[index] = x;
         }
     }
 
-    /// Keeps the first points, as many as `count`.
+    /// Keeps the first `count` points.
     pub fn truncate(&mut self, count: usize) {
         for lane in &mut self.lanes {
             lane.truncate(count);
@@ -271,7 +271,7 @@ impl Points {
         self.lanes.iter_mut().for_each(|lane| lane.make_room(more));
     }
 
-    /// Gives back memory that growing has left over.
+    /// Releases memory that growing has left over.
     pub fn shrink_to_fit(&mut self) {
         self.lanes.iter_mut().for_each(Lane::shrink_to_fit);
     }
@@ -280,7 +280,7 @@ impl Points {
 /// Coordinates lane by lane become coordinates point by point.
 fn interleave<const D: usize>(lanes: [&[f64]; D], numbers: &mut [f64]) {
     let (points, _) = numbers.as_chunks_mut::<D>();
-    // Slices of one length, so that the compiler can leave out bounds checks.
+    // Slices of one length, so that the compiler can omit bounds checks.
     let lanes = lanes.map(|lane| &lane[..points.len()]);
     for (i, point) in points.iter_mut().enumerate() {
         *point = std::array::from_fn(|c| lanes[c][i]);
@@ -358,7 +358,7 @@ pub(crate) fn magnitude(extents: &[Extent]) -> f64 {
     ends.fold(0.0, |largest, end| end.abs().max(largest))
 }
 
-/// Euclidean norm by nested `hypot`: right for every magnitude of the coordinates.
+/// Euclidean norm by nested `hypot`: accurate for every magnitude of the coordinates.
 fn norm(coordinates: impl Iterator<Item = f64>) -> f64 {
     coordinates.fold(0.0, f64::hypot)
 }

@@ -1,4 +1,4 @@
-//! Equal shares of a range of indices, whatever the direction in which it is counted.
+//! Equal shares of a range of indices, the same for both directions of counting.
 //!
 //! Share k of n of the indices 0 … m ends at the position `k m / n`, which is m less that of share
 //! n − k: what lies there is the same for reversed data. Between two indices it is interpolated from
@@ -17,7 +17,7 @@ pub(crate) struct Position {
 }
 
 impl Position {
-    /// Where share `k` of `parts` shares of the indices 0 … `last` ends.
+    /// The end of share `k` of `parts` shares of the indices 0 … `last`.
     pub(crate) fn new(k: usize, parts: usize, last: usize) -> Self {
         Self {
             index: k * last / parts,
@@ -35,7 +35,7 @@ impl Position {
         }
     }
 
-    /// What lies here between the values at both indices.
+    /// Interpolates here between the values at both indices.
     pub(crate) fn between(self, value: impl Fn(usize) -> f64) -> f64 {
         let here = value(self.index);
         if self.part == 0 {

@@ -44,7 +44,7 @@ pub(crate) fn lift(points: &Points, weights: &[f64]) -> Result<Points, Invalid> 
 }
 
 /// Refuses products that have lost digits: near the end of the range of numbers there are few, and
-/// what they lose must be no more than rounding of the largest coordinate.
+/// their loss must be no more than rounding of the largest coordinate.
 fn check_digits(products: &[f64], coordinates: &[f64], weights: &[f64]) -> Result<(), Invalid> {
     let largest = coordinates.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     let lost = |i: usize| (products[i] / weights[i] - coordinates[i]).abs();

@@ -1,4 +1,4 @@
-//! The ends of a direction, as they are asked for, made a part of it.
+//! Applies the requested end conditions to a direction.
 
 use super::copies::Copies;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
@@ -7,8 +7,8 @@ use crate::basis::end_conditions::{End, Ends, natural_degree};
 use crate::basis::knots::Knots;
 use crate::invalid::{Axis, Invalid, Place, Side};
 
-/// The ends that were chosen of a direction, if they can be: those of an open B-spline with knots at
-/// the data and a control point for each data point.
+/// The chosen ends of a direction, if it can have them: an open B-spline with knots at the data and
+/// a control point for each data point.
 ///
 /// # Errors
 ///

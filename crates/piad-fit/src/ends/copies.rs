@@ -22,14 +22,14 @@ use crate::invalid::Side;
 #[derive(Debug)]
 pub(super) struct Copies {
     side: Side,
-    /// How many copies there are, k.
+    /// The number of copies, k.
     pub(super) count: usize,
     /// The number of basis functions, and of data points.
     functions: usize,
     points: usize,
     /// By how much the parameter changes where s changes by one; negative at the end.
     pub(super) unit: f64,
-    /// The parameters of the data points from the end on, as far as they are used.
+    /// The used parameters of the data points from the end on.
     pub(super) parameters: Vec<f64>,
     /// `e_r(s_1 … s_j) / C(p, r)`: r = 1 … j for each j.
     shares: Vec<Vec<f64>>,
@@ -38,7 +38,8 @@ pub(super) struct Copies {
 }
 
 impl Copies {
-    /// The copies on one side of an open direction with knots at the data; none if there are none.
+    /// The copies on one side of an open direction with knots at the data; `None` if there are
+    /// none.
     pub(super) fn new(direction: &Direction, side: Side) -> Option<Self> {
         let count = direction.copies(side);
         if count == 0 {

@@ -54,7 +54,7 @@ fn monomials(nodes: Vec<f64>, newton: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// Polynomials of the degree that is asked for are found again, with coefficients given or not;
+    /// Polynomials of the requested degree are reproduced, with given or estimated coefficients;
     /// gaps of 0.05 between nodes multiply rounding by some hundreds.
     #[test]
     fn polynomials_are_reproduced() {

@@ -19,7 +19,7 @@ pub(crate) struct Fitted<'a> {
     pub points: &'a Points,
     /// Their arrangement.
     pub grid: Grid,
-    /// Whether the last coordinate is a weight.
+    /// True if the last coordinate is a weight.
     pub homogeneous: bool,
 }
 
@@ -88,7 +88,7 @@ pub(super) struct Along<'a> {
     direction: &'a Direction,
     /// The sides with constants.
     sides: Vec<(Copies, &'a End)>,
-    /// Of two points: a natural end beside another one, whose constants it shares by β: its
+    /// For two points: a natural end next to another one, whose constants it shares by β: its
     /// function, the other one, and β.
     follower: Option<(usize, usize, f64)>,
 }
@@ -229,7 +229,7 @@ fn of_side(copies: &Copies, line: Line<'_>, given: Vec<Vec<f64>>) -> Vec<Vec<f64
 }
 
 /// The Taylor coefficients of the product of a coordinate, which is `place` at the end, and the
-/// weight, which is `weight` there: as many as those of the coordinate that are given.
+/// weight, which is `weight` there. There is one for each given coefficient of the coordinate.
 fn lifted(own: &[f64], weights: &[f64], weight: f64, place: f64) -> Vec<f64> {
     let coefficient = |r: usize| {
         let inner = weights.iter().zip(own[..r].iter().rev());

@@ -1,4 +1,4 @@
-//! How a curve with knots at the data ends.
+//! End conditions of curves with knots at the data.
 //!
 //! With knots at the data a B-spline of degree p has p − 1 control points more than there are data
 //! points ([`crate::basis::direction`]). All control points are `c = E x + g` with the free ones x,
@@ -13,14 +13,14 @@
 //!
 //! | end | E | g | the curve at its end |
 //! |---|---|---|---|
-//! | repeated (LBW05 (3.2)) | copies | 0 | stands still: CAD kernels have no tangent there |
+//! | repeated (LBW05 (3.2)) | copies | 0 | zero derivative: CAD kernels have no tangent there |
 //! | derivatives, given or estimated | copies | constant | has these derivatives at every level |
 //! | natural (cubic) | `c_1 = (1 − β) c_0 + β c_2` | 0 | has no second derivative |
 //!
-//! Estimated derivatives are those of the polynomial through the first points: as many as it takes
-//! for one degree more than derivatives are needed, three points for cubics (Bessel).
+//! Estimated derivatives are those of the polynomial through the first points. Its degree is one more than the number
+//! of derivatives needed: three points for cubics (Bessel).
 //!
-//! What can be requested stands in [`crate::basis::end_conditions`]. `chosen`: what a direction makes of it;
+//! Requested ends are in [`crate::basis::end_conditions`]. `chosen`: their effect on a direction;
 //! - `estimate`: derivatives from points; `copies`: control points from derivatives; `line`: both of
 //!   a line of points;
 //! - `offsets`: g of a curve and of a surface.

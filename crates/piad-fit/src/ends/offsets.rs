@@ -167,7 +167,7 @@ impl Offsets {
         }
     }
 
-    /// How many numbers are kept.
+    /// The number of numbers that are kept.
     pub(crate) fn numbers(&self) -> usize {
         let strips = self.rows.iter().chain(&self.columns);
         strips

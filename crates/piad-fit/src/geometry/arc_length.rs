@@ -23,7 +23,7 @@ pub(super) const WEIGHTS: [f64; 5] = [
 /// The difference of a piece from its halves, as a fraction of the length of the curve, with which it is accepted.
 const ACCURACY: f64 = 1e-12;
 
-/// How often a span is halved, at cusps, where the rule converges slowly.
+/// The number of times that a span is halved, at cusps, where the rule converges slowly.
 const MOST_HALVINGS: u32 = 24;
 
 /// The most pieces of a curve that is nowhere smooth; from then on they are not halved any more.

@@ -1,8 +1,8 @@
-//! Between the data: curves and surfaces that leave them between neighbours.
+//! Deviations between the data: curves and surfaces that are far from them between neighbours.
 //!
-//! Errors at the data say nothing of what is between them. There the straight line between two points of a curve, and
-//! the bilinear patch between four of a grid, are what the data say, but for the [`freedom`](super::freedom) that they
-//! leave where they bend. A curve that is further away from them than that leaves its data.
+//! Errors at the data do not bound the deviation between them. The reference is the straight line between two points of
+//! a curve, and the bilinear patch between four of a grid. Where the data bend, they leave some
+//! [`freedom`](super::freedom). A curve that is further away than that deviates from its data.
 
 mod gaps;
 mod line;
@@ -17,25 +17,25 @@ use crate::setup::Setup;
 use gaps::{AT_ONCE, Gaps};
 use line::spans;
 
-/// Gaps and cells in which the fit is away from its data by more than this part of the largest distance, or of what is
-/// allowed, are looked at in small steps: the places that are looked at first miss up to a quarter of a bump.
+/// Gaps and cells whose deviation is above this part of the largest one, or of the allowed one, are sampled in small
+/// steps: the coarse samples miss up to a quarter of a bump.
 const DOUBTFUL: f64 = 0.7;
 
-/// A place between neighbouring data that the fit has left.
+/// A place between neighbouring data at which the fit deviates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Excursion {
     /// The data point before it, of a surface that with the lowest indices.
     pub index: usize,
-    /// How far the fit is from the segment, or the bilinear patch, between the neighbours.
+    /// The distance of the fit from the segment, or the bilinear patch, between the neighbours.
     pub distance: f64,
-    /// How far it may be, but for its distances at the data: the freedom that these leave.
+    /// The allowed distance, apart from the distances at the data: the freedom that these leave.
     pub free: f64,
 }
 
 impl Excursion {
-    /// The place where a fit leaves its neighbours by most beyond their freedom; `None` if it does so nowhere, or if data
-    /// have no neighbours as they are scattered. Places where it is far less than is `allowed` are looked at roughly.
+    /// The place with the largest deviation beyond the freedom; `None` if there is none, or if data have no neighbours
+    /// as they are scattered. Places far below `allowed` are sampled coarsely.
     pub(crate) fn of(setup: &Setup, control_points: &Points, allowed: f64) -> Option<Self> {
         if setup.is_scattered() {
             return None;
@@ -44,8 +44,8 @@ impl Excursion {
         Self::beyond(gaps.freedom(), &gaps, control_points, allowed)
     }
 
-    /// The same, with the part of the freedom that a fit should not need: half of that of curves, and less along long
-    /// edges beside densely sampled bends.
+    /// The same, with the part of the freedom that a fit should use: half for curves, and less along long edges beside
+    /// densely sampled bends.
     pub(crate) fn of_part(setup: &Setup, control_points: &Points, allowed: f64) -> Option<Self> {
         if setup.is_scattered() || setup.v().is_some() {
             return Self::of(setup, control_points, allowed);
@@ -85,7 +85,7 @@ impl Excursion {
         farthest(&distances)
     }
 
-    /// By how much the fit is further away than the data leave it free.
+    /// The deviation beyond the freedom.
     pub fn excess(self) -> f64 {
         self.distance - self.free
     }
@@ -106,8 +106,8 @@ impl fmt::Display for Excursion {
     }
 }
 
-/// By how much a fit leaves its data in each gap between neighbours beyond their freedom, of grids in each cell, row by
-/// row; zero where it does not. Scattered data have no gaps.
+/// The deviation beyond the freedom in each gap between neighbours, of grids in each cell, row by row; zero where there
+/// is none. Scattered data have no gaps.
 pub fn excesses(setup: &Setup, control_points: &Points) -> Vec<f64> {
     if setup.is_scattered() {
         return Vec::new();
@@ -121,7 +121,7 @@ pub fn excesses(setup: &Setup, control_points: &Points) -> Vec<f64> {
     gaps.of_all_data(excesses.collect())
 }
 
-/// How far a surface of scattered data leaves their bounding box, as a part of its diagonal.
+/// The distance of a surface of scattered data from their bounding box, as a part of its diagonal.
 pub(crate) fn outside(setup: &Setup, control_points: &Points) -> f64 {
     let geometry = Geometry::new(setup, control_points);
     let mut places = setup.directions().map(of_spans);

@@ -1,4 +1,4 @@
-//! The curve or surface of some control points: evaluation and sampling.
+//! Evaluation and sampling of the curve or surface of some control points.
 //!
 //! ```text
 //! C(t) = Σ_j X_j B_j(t),   S(u, v) = Σ_i Σ_j X_ij B_i(u) B_j(v)
@@ -8,10 +8,9 @@
 //! one coordinate more, the weight, and points are projected: the first d coordinates of the sum
 //! over the last one.
 //!
-//! Readers see the *complete* control net, as a CAD kernel stores it: with the copies at the ends,
-//! which can differ from their control points ([`crate::ends`]), and on closed curves with the
-//! control points of the next turn, one for each basis function. The iteration has the free ones
-//! only.
+//! Outputs use the *complete* control net, as a CAD kernel stores it: with the copies at the ends, which can differ
+//! from their control points ([`crate::ends`]), and on closed curves with the control points of the next turn, one for
+//! each basis function. The iteration has the free ones only.
 
 use crate::basis::direction::Direction;
 use crate::data::grid::Grid;
@@ -117,7 +116,7 @@ impl<'a> Geometry<'a> {
         Some(differences)
     }
 
-    /// Whether the control points have weights of their own.
+    /// Returns true if the control points have their own weights.
     pub fn is_homogeneous(&self) -> bool {
         self.setup.is_homogeneous()
     }
@@ -201,8 +200,8 @@ impl<'a> Geometry<'a> {
         Points::from_lanes(lanes)
     }
 
-    /// Whether the curve or surface lies in the convex hull of its control points: whether all
-    /// weights are positive.
+    /// Returns true if the curve or surface lies in the convex hull of its control points: whether all weights are
+    /// positive.
     pub fn is_within_hull(&self) -> bool {
         let positive = |weights: &[f64]| weights.iter().all(|weight| *weight > 0.0);
         let mut given = self.setup.directions().filter_map(Direction::weights);
@@ -295,7 +294,7 @@ impl Values {
 
 /// The values of the basis functions of a direction at some parameters.
 struct LineValues {
-    /// How many functions can differ from zero at a parameter.
+    /// The number of functions that can differ from zero at a parameter.
     width: usize,
     /// At each parameter the free control points of these functions.
     indices: Vec<u32>,

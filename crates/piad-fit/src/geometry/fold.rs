@@ -4,7 +4,7 @@
 use crate::data::points::Points;
 use crate::setup::Setup;
 
-/// The points that are looked at, at equal distances in the list.
+/// The points that are examined, at equal distances in the list.
 const SAMPLES: usize = 96;
 
 /// Parameters fold if more than one sample in 16 has a point with nearly the same parameters far away.

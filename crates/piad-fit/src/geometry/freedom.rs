@@ -1,11 +1,11 @@
-//! How far data leave a curve or surface free between neighbours.
+//! The freedom that data leave a curve or surface between neighbours.
 //!
-//! The straight line between two data points, and the bilinear patch between four of a grid, is what the data say
-//! there, as far as they are straight. Where they bend they leave freedom. The measure of it is the *bend* of a gap:
-//! how far a cubic with the derivatives of parabolas through three successive data (Bessel) is from the straight line.
-//! No derivative would lead further than one and a half times the longer of the chords beside it.
-//! An interpolating spline passes a part of a bend on to the next gap, and of that again, by the largest root of the
-//! Euler–Frobenius polynomial of its degree (.268 for cubics: Schoenberg, *Cardinal spline interpolation*, 1973).
+//! The straight line between two data points, and the bilinear patch between four of a grid, are the reference between
+//! the data where these are straight. Where they bend they leave freedom. The measure of it is the *bend* of a gap: how
+//! far a cubic with the derivatives of parabolas through three successive data (Bessel) is from the straight line. No
+//! derivative would lead further than one and a half times the longer of the chords beside it. An interpolating spline
+//! passes a part of a bend on to the next gap, and of that again, by the largest root of the Euler–Frobenius polynomial
+//! of its degree (.268 for cubics: Schoenberg, *Cardinal spline interpolation*, 1973).
 
 use crate::basis::Basis;
 use crate::basis::direction::Direction;
@@ -14,7 +14,7 @@ use crate::data::points::Points;
 /// The freedom of a gap is that many times its bend: so far from straight lines are cubics that interpolate white noise.
 const FACTOR: f64 = 4.0;
 
-/// The first and the last gap of an open line bend by that many times as much: nothing goes on there.
+/// The first and the last gap of an open line bend by this many times as much, as nothing continues there.
 const FACTOR_OF_ENDS: f64 = 2.0;
 
 /// The greatest ratio of a derivative, over the width of a gap, to the chords beside it.
@@ -74,7 +74,7 @@ pub(super) fn pass_on(values: &mut [f64], columns: usize, u: &Direction, v: Opti
     }
 }
 
-/// The same along a line of gaps that begins at a place and goes on in steps.
+/// The same along a line of gaps, from a start index in steps.
 fn pass_on_along(values: &mut [f64], (start, step): (usize, usize), direction: &Direction) {
     let decay = decay(direction);
     let places = || (start..values.len()).step_by(step);
@@ -172,8 +172,8 @@ pub(crate) fn length_of(mut coordinates: impl Iterator<Item = f64>) -> f64 {
 /// Squares that are below this part of another one are so in spite of their rounding errors.
 const SURELY_LESS: f64 = 1.0 - 1e-12;
 
-/// Returns true if a vector with these coordinates is certainly shorter than that, by their squares: roots, which are
-/// slow, say nothing new then.
+/// Returns true if a vector with these coordinates is certainly shorter than that, by their squares: slow square roots
+/// are not needed then.
 pub(crate) fn is_surely_shorter(coordinates: impl Iterator<Item = f64>, than: f64) -> bool {
     let square = than * than;
     square.is_normal() && coordinates.map(|x| x * x).sum::<f64>() < SURELY_LESS * square

@@ -12,8 +12,8 @@
 //!
 //! In a homogeneous fit residuals are those of `(w P, w)`. Then the distances are those of points,
 //! `‖P_i − C(t_i)‖` with the projected curve C (Lin10, section 3.4), and the largest homogeneous
-//! residual is told apart. A point at which the weight of the curve is not positive is at an
-//! infinite distance.
+//! residual is reported separately. A point at which the weight of the curve is not positive is at
+//! an infinite distance.
 
 use crate::data::aligned::Lane;
 use crate::data::blocks::{BLOCK, Block, Blocks};
@@ -41,8 +41,8 @@ pub struct FitError {
     pub homogeneous: Option<f64>,
     /// Least-squares fits: `‖Aᵀr‖² / ‖Aᵀr⁰‖²`, zero at the minimum.
     pub gradient: Option<f64>,
-    /// Extended fits that are asked for it: the largest length of a step, `max_i ‖(U Δ)_i‖`, in data
-    /// units, of homogeneous fits in homogeneous coordinates.
+    /// Extended fits, if requested: the largest length of a step, `max_i ‖(U Δ)_i‖`, in data units,
+    /// for homogeneous fits in homogeneous coordinates.
     pub transformed: Option<f64>,
 }
 
@@ -72,7 +72,7 @@ impl FitError {
         })
     }
 
-    /// Whether all of them are finite.
+    /// Returns true if all of them are finite.
     pub fn is_finite(&self) -> bool {
         let more = [
             self.fixed_max,
@@ -95,11 +95,11 @@ pub(crate) struct Norms {
     scale: f64,
     /// The same for homogeneous coordinates.
     homogeneous_scale: f64,
-    /// Whether the last coordinate is a weight.
+    /// True if the last coordinate is a weight.
     homogeneous: bool,
     /// Which points count; all of them without it.
     counted: Option<Vec<bool>>,
-    /// How many points count.
+    /// The number of points that count.
     count: usize,
     layout: Blocks,
     /// The norms of each block, as it was last measured.
@@ -107,7 +107,7 @@ pub(crate) struct Norms {
 }
 
 impl Norms {
-    /// Of the data of a fit; `counted` says which points count.
+    /// Of the data of a fit, with the points of `counted` only.
     pub(crate) fn new(setup: &Setup, counted: Option<Vec<bool>>) -> Self {
         let (data, homogeneous) = (setup.data(), setup.is_homogeneous());
         let count = counted.as_ref().map_or(data.len(), |counted| {

@@ -1,4 +1,4 @@
-//! The outline of a surface: closed curves in its parameters between which it is.
+//! The outline of a surface: closed curves in its parameters that bound it.
 
 use std::ops::Range;
 
@@ -39,8 +39,8 @@ impl Face {
     }
 }
 
-/// Points along a curve of the plane, at all its knots and so that none is further from the next than a step by its control
-/// polygon, where both coordinates are multiplied by their scales. The first one comes again at the end.
+/// Points along a plane curve: at all its knots, and with steps between them bounded by the control polygon, where both
+/// coordinates are multiplied by their scales. The first point is repeated at the end.
 pub(crate) fn polyline(curve: &Nurbs, scales: [f64; 2], step: f64) -> Vec<[f64; 2]> {
     let [x, y] = [0, 1].map(|axis| curve.points.lane(axis));
     let mut sites = Vec::new();

@@ -1,4 +1,4 @@
-//! Points of a curve or surface at equal steps of its parameters: any of them, at any time.
+//! Points of a curve or surface at equal steps of its parameters, evaluated on demand.
 //!
 //! Clients ask for a polyline or a mesh of every level. Samples are evaluated when they are
 //! written, a few hundred at a time, and none is kept: their number is limited by what the client
@@ -12,8 +12,8 @@ use crate::data::grid::Grid;
 use crate::data::points::Points;
 use crate::setup::Setup;
 
-/// How many samples are evaluated at a time: the values of all basis functions at their parameters,
-/// of which there can be thousands each, are held for that long.
+/// The number of samples evaluated at a time: the values of all basis functions at their parameters, of which there can
+/// be thousands each, are held for that long.
 const AT_ONCE: usize = 256;
 
 /// Parameters at equal distances over the domain of a direction, both ends included.
@@ -32,7 +32,7 @@ impl Uniform {
         }
     }
 
-    /// How many there are.
+    /// Their number.
     pub fn count(self) -> usize {
         self.count
     }
@@ -45,7 +45,7 @@ impl Uniform {
     }
 }
 
-/// A grid of samples of one level, which are evaluated when they are asked for, and not kept.
+/// A grid of samples of one level, which are evaluated on demand and not kept.
 #[derive(Clone, Debug)]
 pub struct Samples {
     setup: Arc<Setup>,
@@ -56,7 +56,7 @@ pub struct Samples {
     pub v: Option<Uniform>,
 }
 
-/// About how many multiplications it takes to evaluate a grid of samples.
+/// The approximate number of multiplications that it takes to evaluate a grid of samples.
 pub fn multiplications(setup: &Setup, grid: Grid) -> usize {
     let Grid { rows, columns } = grid;
     let (count, u) = (grid.count(), &setup.u().basis);
@@ -79,8 +79,7 @@ pub fn multiplications(setup: &Setup, grid: Grid) -> usize {
 }
 
 impl Samples {
-    /// Samples of a level of `setup`, a grid of rows × columns parameters; of a curve, whose grid
-    /// has one column, as many as rows.
+    /// Samples of a level of `setup`, on a grid of rows × columns parameters. A curve has `rows` samples in one column.
     pub fn new(setup: Arc<Setup>, control_points: Arc<Points>, grid: Grid) -> Self {
         let v = setup.v();
         Self {
@@ -91,17 +90,17 @@ impl Samples {
         }
     }
 
-    /// How many there are in a row.
+    /// Their number in a row.
     pub fn columns(&self) -> usize {
         self.v.map_or(1, Uniform::count)
     }
 
-    /// How many there are.
+    /// Their number.
     pub fn count(&self) -> usize {
         self.u.count() * self.columns()
     }
 
-    /// About how many multiplications it takes to evaluate all of them.
+    /// The approximate number of multiplications that it takes to evaluate all of them.
     pub fn multiplications(&self) -> usize {
         let (rows, columns) = (self.u.count(), self.columns());
         multiplications(&self.setup, Grid { rows, columns })
@@ -117,8 +116,8 @@ impl Samples {
         Geometry::new(&self.setup, &self.control_points)
     }
 
-    /// Writes the coordinates of the samples from number `start` on, row by row and point by point,
-    /// as many as `coordinates` has room for.
+    /// Writes the coordinates of the samples from number `start` on, row by row and point by point, until `coordinates`
+    /// is full.
     pub fn fill(&self, start: usize, coordinates: &mut [f64]) {
         let columns = self.columns();
         let dimension = self.dimension();

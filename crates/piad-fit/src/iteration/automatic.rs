@@ -1,6 +1,6 @@
-//! The engine of fits that choose their knots by themselves ([`crate::knot_selection`]).
+//! The engine of fits that choose their knots ([`crate::knot_selection`]).
 //!
-//! Levels come from a schedule. Each has knots of its own, and so a problem of its own: that of the
+//! Levels come from a schedule. Each has its own knots, and so its own problem: that of the
 //! fit with other directions. One level is computed ahead, as only then is known whether a level is
 //! the last one.
 //!
@@ -33,7 +33,7 @@ pub(crate) struct Automatic {
     /// The number of the level, and that of the level at which the knots became what they are.
     number: usize,
     knots_since: usize,
-    /// True if the last level is far from its data where there are none.
+    /// True if the last level deviates from its data in gaps.
     leaves: bool,
 }
 
@@ -101,7 +101,7 @@ impl Automatic {
         settings.is_some_and(|(settings, _)| settings.u < self.whole.grid().rows)
     }
 
-    /// The level after this one: of another schedule where this one has ended with a fit that leaves its data.
+    /// The level after this one, from another schedule if this one has ended with a fit that deviates from its data.
     fn following(&mut self) -> Option<Fit> {
         if let Some(next) = self.schedule.next(&self.whole) {
             return Some(next);

@@ -1,5 +1,4 @@
-//! The knots of a level of a fit that chooses them by itself, apart from its problem: what has to be
-//! kept of them.
+//! The knots of a level of a fit that chooses them, stored apart from its problem.
 
 use std::sync::Arc;
 
@@ -18,7 +17,7 @@ pub struct Bases {
 }
 
 impl Problem {
-    /// The knots of this level, if the fit chooses them by itself.
+    /// The knots of this level, if the fit chooses them.
     pub fn bases(&self) -> Option<Bases> {
         let (_, settings) = self.method().automatic()?;
         let parameters = self.directions().map(|it| Arc::clone(&it.parameters));

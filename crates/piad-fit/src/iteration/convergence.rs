@@ -1,4 +1,4 @@
-//! When a fit will end: what is known before its first step.
+//! Predicts when a fit will end, before its first step.
 //!
 //! Methods say what they know by eigenvalues and trial runs ([`Forecast`](crate::matrix::forecast::Forecast)); clients see it
 //! before they wait. That alone is far too pessimistic, as data has little of the slowest eigenvectors. So a
@@ -15,14 +15,14 @@ use crate::termination::Outcome;
 /// The most multiplications of looking for the end of a fit: a millisecond or two.
 const LOOK: usize = 2_000_000;
 
-/// The fewest steps that say something.
+/// The fewest steps that allow an estimate.
 const LEAST_STEPS: usize = 8;
 
 impl Iteration {
     /// Level 0 of a fit. Where the fit will end is found out before, once for all iterations of a
     /// system.
     pub fn start(system: Arc<System>) -> Self {
-        // Fits that choose their knots end where nobody knows before.
+        // The last level of fits that choose their knots is unknown.
         if !system.problem().is_automatic() {
             system.predict(end);
         }
@@ -30,8 +30,7 @@ impl Iteration {
     }
 }
 
-/// Where a fit will end: short fits are tried, of longer ones the beginning. `None` if that does
-/// not say it.
+/// The predicted end of a fit: short fits are tried, of longer ones the beginning. `None` if that is not enough.
 fn end(system: &Arc<System>) -> Option<Prediction> {
     let problem = system.problem();
     let method = problem.method().scheme();
@@ -39,10 +38,10 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
     if method.ends_when_exact() {
         return exact.map(Prediction::End);
     }
-    // Of the other exact methods nothing better is known on the way.
+    // Of the other exact methods there is no better prediction.
     let exact = exact.map(|end| Prediction::About { end, seen: end });
     let steps = LOOK / problem.step_cost().max(1);
-    // Errors do not fall to zero: fits without a tolerance go on as long as they may.
+    // Errors do not fall to zero: fits without a tolerance run to the last allowed level.
     let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
     if endless || steps < LEAST_STEPS {
         return exact;

@@ -1,4 +1,4 @@
-//! How the errors of a fit fall, and when they will be within its tolerance.
+//! The decay of the errors of a fit, and a prediction of when they will be within its tolerance.
 //!
 //! The error e(k) of level k is a sum of parts `c_i (1 − λ_i)ᵏ`, of which those with large eigenvalues λ
 //! vanish first, so that its rate
@@ -16,7 +16,7 @@
 /// The most errors that are remembered: of long fits every second, fourth … one.
 const MOST: usize = 256;
 
-/// The least number of levels that say something.
+/// The least number of levels that allow an estimate.
 const LEAST: usize = 4;
 
 /// The greatest ratio of a forecast's last level to the last level that is known.
@@ -66,9 +66,8 @@ impl Decay {
         Some(((index * self.stride) as f64, log))
     }
 
-    /// The level at which the error will be within the tolerance, if the errors so far say it. Both
-    /// are in the same unit. In the long run each level reduces the error at least by the factor
-    /// `slowest`, if that is known.
+    /// The level at which the error will be within the tolerance, if the errors so far determine it. Both are in the
+    /// same unit. In the long run each level reduces the error at least by the factor `slowest`, if that is known.
     pub(crate) fn end(
         &self,
         level: usize,
@@ -217,7 +216,7 @@ mod tests {
         assert_eq!(forecast(|k| 0.5_f64.powf(k), 20, 1.0, None), Some(20));
     }
 
-    /// However many levels there are, and wherever one is looked for.
+    /// However many levels there are, and wherever one is searched for.
     #[test]
     fn little_is_remembered_of_long_fits() {
         let mut decay = Decay::default();

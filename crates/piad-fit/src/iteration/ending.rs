@@ -1,11 +1,11 @@
-//! Whether an iteration ends at its level, and why.
+//! The rules that end an iteration at its level, and the reason.
 
 use super::{Engine, Iteration};
 use crate::method::Progress;
 use crate::method::update::Update;
 use crate::termination::{Outcome, Reason};
 
-/// How many rounding errors of the data sums of many terms leave.
+/// The rounding of sums of many terms, in rounding errors of the data.
 const SUMS: f64 = 64.0;
 
 impl Iteration {
@@ -19,9 +19,8 @@ impl Iteration {
         }
     }
 
-    /// Whether all control points have a place. At weight zero they are at infinity; and where
-    /// basis functions vanish but for rounding, control points can overflow although all distances
-    /// are finite.
+    /// Returns true if all control points have a place. At weight zero they are at infinity; and where basis functions
+    /// vanish but for rounding, control points can overflow although all distances are finite.
     fn has_places(&self) -> bool {
         let points = self.control_points();
         if self.system.problem().is_homogeneous()
@@ -37,8 +36,8 @@ impl Iteration {
         points.lanes().iter().all(|lane| finite(lane))
     }
 
-    /// Whether the curve is as near to the data as was asked for. A method may have a larger
-    /// tolerance, and find points that are still to be moved, or make more than distances small.
+    /// Returns true if the curve is as near to the data as requested. A method may have a larger tolerance, may still
+    /// have points to move, or may need more than small distances.
     pub(super) fn is_within(&self) -> bool {
         let (problem, largest) = (self.system.problem(), self.level.error.max);
         let first = problem.method().scheme().first_end();
@@ -63,7 +62,7 @@ impl Iteration {
         }
     }
 
-    /// The same by the distances at the data. A minimum above a tolerance that was asked for is no success.
+    /// The same by the distances at the data. A minimum above a requested tolerance is no success.
     pub(super) fn outcome_at_data(&self) -> Option<Outcome> {
         match self.ending() {
             Some(Outcome::Minimum) if self.system.problem().has_goal() => {
@@ -89,7 +88,7 @@ impl Iteration {
         self.level.error.rms <= SUMS * self.system.problem().rounding()
     }
 
-    /// The same, whether or not a tolerance was asked for.
+    /// The same, whether or not a tolerance was requested.
     fn ending(&self) -> Option<Outcome> {
         let problem = self.system.problem();
         let iteration = self.level.iteration;
@@ -116,15 +115,14 @@ impl Iteration {
         }
     }
 
-    /// Whether the fit ends for a reason of the method's own, by its errors or by what its update
-    /// has measured.
+    /// Returns true if the fit ends for a reason of the method's own, by its errors or by what its update has measured.
     fn rule_of_method(&self) -> Option<Outcome> {
         let rule = self.system.problem().method().scheme();
         let measured = || self.update().and_then(Update::outcome);
         rule.stop(&self.progress()).or_else(measured)
     }
 
-    /// What the stop rule of the method goes by.
+    /// The input of the stop rule of the method.
     fn progress(&self) -> Progress {
         Progress {
             iteration: self.level.iteration,

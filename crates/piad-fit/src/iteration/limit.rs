@@ -29,7 +29,7 @@ pub struct LocalLimit {
     pub differences: Points,
 }
 
-/// Why there is no limit to be had.
+/// Why there is no limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoLimit {
     /// The method is not local.

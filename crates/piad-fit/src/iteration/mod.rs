@@ -1,8 +1,8 @@
 //! The loop `X ← X + U (P − B X)`, its errors and its stop rules.
 //!
-//! A level is told with its errors, and the next one is computed when it is asked for. Two engines
-//! compute levels, the same to the last bit: the plain loop, for every method and basis, and
-//! sweeps, for long banded data. A third one is for fits that choose their knots.
+//! A level is reported with its errors, and the next one is computed on demand. Two engines compute levels, with the
+//! same bits: the plain loop, for every method and basis, and sweeps, for long banded data. A third one is for fits
+//! that choose their knots.
 //!
 //! An iteration ends at the first level at which one of these is true:
 //!
@@ -56,16 +56,16 @@ pub struct Level {
     pub error: FitError,
     /// The largest distance as a multiple of that of the level before.
     pub rate: Option<f64>,
-    /// How many control points the last update moved.
+    /// The number of control points that the last update moved.
     pub moved: usize,
     /// Homogeneous fits: the first control point whose weight is not positive, and that weight.
     pub bad_weight: Option<(usize, f64)>,
-    /// The level at which the fit will end, by what is known at this level.
+    /// The predicted last level, as of this level.
     pub predicted: Option<usize>,
     /// At the last level of curves and grids: by how much it leaves its data between neighbours, beyond the freedom that
     /// these leave, in data units.
     pub between: Option<f64>,
-    /// At the last level: what is doubtful about it, where the data do not show it.
+    /// At the last level: warnings about deviations that the data do not show.
     pub found: Option<Warning>,
 }
 
@@ -83,7 +83,7 @@ pub struct Iteration {
     decrease: f64,
     /// The errors of the levels so far, for the prediction.
     decay: Decay,
-    /// Where this level leaves its data between neighbours, once that has been looked for.
+    /// Where this level leaves its data between neighbours, once that has been computed.
     excursion: OnceLock<Option<Excursion>>,
 }
 
@@ -167,8 +167,8 @@ impl Iteration {
         iteration
     }
 
-    /// The same iteration at the same level, which goes on like this one, to the last bit. `None` for fits that
-    /// choose their knots: what these have tried is too much to be kept.
+    /// A copy of the iteration at its level, which continues with the same bits. `None` for fits that choose their
+    /// knots: their search state is too large to copy.
     pub fn copy(&self) -> Option<Self> {
         let engine = match &self.engine {
             Engine::Plain(plain) => Engine::Plain(Box::new(plain.copy())),
@@ -204,8 +204,7 @@ impl Iteration {
         }
     }
 
-    /// The problem with the bases of the current level: that of the system, unless the fit chooses its
-    /// knots by itself.
+    /// The problem with the bases of the current level: that of the system, unless the fit chooses its knots.
     pub fn problem(&self) -> &Arc<Problem> {
         match &self.engine {
             Engine::Automatic(automatic) => automatic.problem(),
@@ -221,7 +220,7 @@ impl Iteration {
         }
     }
 
-    /// The same control points, to be kept while the iteration goes on. The plain loop copies them, a sweep shares
+    /// Shares the control points, which stay while the iteration continues. The plain loop copies them, a sweep shares
     /// them.
     pub fn shared_control_points(&self) -> Arc<Points> {
         match &self.engine {
@@ -231,7 +230,7 @@ impl Iteration {
         }
     }
 
-    /// Takes back shared control points, for a level to come once nobody else has them any more.
+    /// Takes shared control points back, to reuse their memory if nothing else holds them.
     pub fn take_back(&mut self, control_points: Arc<Points>) {
         if let Engine::Sweep(sweep) = &mut self.engine {
             sweep.take_back(control_points);
@@ -283,9 +282,9 @@ impl Iteration {
         self.level
     }
 
-    /// Moves on by `count` levels, or to the first one at which the iteration ends, and tells each
-    /// of them. Nobody sees the control points of the levels between, so that several levels can be
-    /// computed at once. They are the same as by single steps, to the last bit.
+    /// Advances by `count` levels, or to the first one at which the iteration ends, and visits each of them. The
+    /// control points of the levels between are not visible, so that several levels can be computed at once. They are
+    /// the same as by single steps, to the last bit.
     pub fn steps(&mut self, count: usize, visit: &mut impl FnMut(Level)) {
         let mut left = count;
         while left > 0 {
@@ -302,8 +301,8 @@ impl Iteration {
         }
     }
 
-    /// How many of the next levels are computed in one pass: not far beyond the one at which the
-    /// fit will be within the tolerance if the error goes on shrinking as in the last step.
+    /// The number of levels to compute in one pass: not far beyond the one at which the fit will be within the
+    /// tolerance if the error keeps shrinking as in the last step.
     fn at_once(&self, left: usize) -> usize {
         let Engine::Sweep(sweep) = &self.engine else {
             return 1;
@@ -320,7 +319,7 @@ impl Iteration {
         sweep.levels().min(left).min(allowed).min(expected as usize)
     }
 
-    /// At the last level, looks at what the fit does between its data, and at what keeps it from its tolerance.
+    /// At the last level, measures the deviation between its data, and the obstacles to its tolerance.
     pub fn look_closer(&mut self) {
         let problem = self.problem();
         let fold = || match self.level.error.max > problem.tolerance() {
@@ -433,7 +432,7 @@ impl Iteration {
         }
     }
 
-    /// The level at which the errors will be within the tolerance if they go on falling as they do.
+    /// The level at which the errors will be within the tolerance if they keep falling at the current rate.
     pub(super) fn end_of_decay(&self) -> Option<usize> {
         let problem = self.system.problem();
         let method = problem.method().scheme();

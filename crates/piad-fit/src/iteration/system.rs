@@ -1,8 +1,7 @@
 //! A problem ready to be iterated.
 //!
-//! Making one is what takes time before the first level: the collocation matrix, the transform of
-//! the method, and the forecast. Iterations of the same problem share it, however many readers
-//! there are.
+//! Making one takes most of the time before the first level: the collocation matrix, the transform
+//! of the method, and the forecast. Iterations of the same problem share it, for all readers.
 
 use std::sync::{Arc, OnceLock};
 
@@ -15,13 +14,13 @@ use crate::problem::Problem;
 
 use crate::matrix::forecast::Forecast;
 
-/// A problem ready to be iterated: with its collocation matrix, its transform, and what is known of
+/// A problem ready to be iterated: with its collocation matrix, its transform, and the forecast of
 /// its convergence. Iterations of the same problem share one.
 #[derive(Debug)]
 pub struct System {
     problem: Arc<Problem>,
     equations: Equations,
-    /// Where the fit will end, once that has been looked for.
+    /// Where the fit will end, once that has been computed.
     prediction: OnceLock<Option<Prediction>>,
 }
 
@@ -84,7 +83,7 @@ impl System {
         &self.equations.collocation
     }
 
-    /// What is known of the convergence.
+    /// The forecast of the convergence.
     pub fn forecast(&self) -> Forecast {
         self.equations.forecast
     }

@@ -1,6 +1,6 @@
 //! The best knots for a given number of control points: rounds of redistribution by the distances ([`super::monitor`])
-//! come to rest at about equal distances in all spans; of few knots each then goes where the sum of squares is smallest
-//! ([`super::knot_step`]).
+//! converge to about equal distances in all spans; few knots then move, one by one, to where the sum of squares is
+//! smallest ([`super::knot_step`]).
 
 use std::sync::Arc;
 

@@ -1,18 +1,18 @@
-//! An attempt with some number of control points: what its redistributions have brought so far.
+//! An attempt with a number of control points: the results of its redistributions so far.
 
 use std::sync::Arc;
 
 use super::Level;
 use super::monitor::Monitor;
 
-/// So many redistributions without gain end an attempt.
+/// This many redistributions without gain end an attempt.
 const PATIENCE: usize = 6;
 
 /// A gain is a largest distance below this part of the lowest before.
 const GAIN: f64 = 0.98;
 
-/// An attempt that is still so many tolerances away ends after [`ENOUGH`] redistributions, unless
-/// the last ones have brought the largest distance to [`FAST`] of what it was.
+/// An attempt that is still this many tolerances away ends after [`ENOUGH`] redistributions, unless
+/// the last ones have reduced the largest distance to [`FAST`] of what it was.
 const HOPELESS: f64 = 4.0;
 
 /// See [`HOPELESS`].
@@ -25,11 +25,11 @@ const FAST: f64 = 0.75;
 #[derive(Debug)]
 pub(super) struct Attempt {
     count: usize,
-    /// What the next knots come from.
+    /// The source of the next knots.
     monitor: Monitor,
-    /// The level with the lowest largest distance, and what its distances ask for.
+    /// The level with the lowest largest distance, and the knot density of its distances.
     lowest: Option<(Arc<Level>, Monitor)>,
-    /// The last level of the weights.
+    /// The last level with weights.
     weighed: Option<Arc<Level>>,
     tries: usize,
     /// Redistributions since the last gain.
@@ -57,12 +57,12 @@ impl Attempt {
         self.count
     }
 
-    /// Whether nothing was tried yet.
+    /// Returns true if nothing was tried yet.
     pub(super) fn is_fresh(&self) -> bool {
         self.tries == 0
     }
 
-    /// What the next knots come from.
+    /// The source of the next knots.
     pub(super) fn monitor(&self) -> &Monitor {
         &self.monitor
     }
@@ -79,8 +79,8 @@ impl Attempt {
         self.lowest.as_ref().map(|(level, _)| level)
     }
 
-    /// Takes the outcome of a redistribution, and what its distances ask for; returns whether it is
-    /// the lowest so far.
+    /// Takes the outcome of a redistribution, and the knot density of its distances; returns true
+    /// if it is the lowest so far.
     pub(super) fn take(&mut self, level: &Arc<Level>, monitor: Monitor) -> bool {
         let (largest, before) = (level.distances.max, self.lowest());
         self.tries += 1;
@@ -102,36 +102,36 @@ impl Attempt {
         lower
     }
 
-    /// Whether more redistributions are not worth it. With the `most` control points that are
-    /// allowed there is no other way to get closer.
+    /// Returns true if more redistributions are not worth it. With the largest allowed number of
+    /// control points, `most`, there is no other way to get closer.
     pub(super) fn is_over(&self, tolerance: f64, most: usize) -> bool {
         let elsewhere = self.count < most && self.is_hopeless(tolerance);
         self.without_gain >= PATIENCE || elsewhere && self.tries >= ENOUGH && self.slow > 1
     }
 
-    /// Whether the tolerance is so far away that distances tell little about how many control
-    /// points are needed.
+    /// Returns true if the tolerance is so far away that distances are no guide to the number of
+    /// control points needed.
     pub(super) fn is_hopeless(&self, tolerance: f64) -> bool {
         self.lowest() > HOPELESS * tolerance
     }
 
-    /// The last level of the weights.
+    /// The last level with weights.
     pub(super) fn weighed(&self) -> Option<&Arc<Level>> {
         self.weighed.as_ref()
     }
 
-    /// Remembers a level of the weights.
+    /// Remembers a level with weights.
     pub(super) fn with_weighed(mut self, level: Arc<Level>) -> Self {
         self.weighed = Some(level);
         self
     }
 
-    /// What the distances of the last redistribution ask for.
+    /// The knot density of the last redistribution.
     pub(super) fn into_last_monitor(self) -> Monitor {
         self.monitor
     }
 
-    /// What the distances of the lowest level ask for.
+    /// The knot density of the lowest level.
     pub(super) fn into_lowest_monitor(self) -> Monitor {
         match self.lowest {
             Some((_, monitor)) => monitor,

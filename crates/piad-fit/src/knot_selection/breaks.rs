@@ -1,5 +1,4 @@
-//! Knots of one direction while they are looked for: simple ones, between both ends of the
-//! parameters.
+//! Knots of one direction during the search: simple ones, between both ends of the parameters.
 //!
 //! *Breaks* are the ends and the knots between them, each once; successive ones bound a *span*.
 //!
@@ -55,7 +54,7 @@ impl Breaks {
         self.degree
     }
 
-    /// Whether the last span is followed by the first.
+    /// Returns true if the last span is followed by the first.
     pub(crate) fn is_closed(&self) -> bool {
         self.closed
     }
@@ -75,7 +74,7 @@ impl Breaks {
         self.spans() + control_points_beyond_spans(self.degree, self.closed)
     }
 
-    /// How many control points are fixed at each end: those of an open line, which passes through its ends.
+    /// The number of control points that are fixed at each end: those of an open line, which passes through its ends.
     pub(super) fn fixed_ends(&self) -> usize {
         usize::from(!self.closed)
     }
@@ -85,8 +84,8 @@ impl Breaks {
         if self.closed { j % self.spans() } else { j }
     }
 
-    /// Knot `i` of the clamped or periodic vector, of which index p is the start of the parameters.
-    /// Beyond both ends a closed line goes on periodically, an open one repeats its ends.
+    /// Knot `i` of the clamped or periodic vector, of which index p is the start of the parameters. Beyond both ends a
+    /// closed line continues periodically, an open one repeats its ends.
     pub(crate) fn knot(&self, i: isize) -> f64 {
         let (spans, k) = (self.spans() as isize, i - self.degree as isize);
         if self.closed {
@@ -117,9 +116,8 @@ impl Breaks {
         starts
     }
 
-    /// Whether every control point has a parameter of its own (Schoenberg–Whitney), so that least
-    /// squares have one solution. The ends of an open line count for its first and last control
-    /// point.
+    /// Returns true if every control point has its own parameter (Schoenberg–Whitney), so that least squares have
+    /// one solution. The ends of an open line count for its first and last control point.
     pub(crate) fn is_determined(&self, t: &[f64]) -> bool {
         let count = self.control_points();
         if count > t.len() {
@@ -146,7 +144,7 @@ impl Breaks {
         let count = self.control_points();
         let period = self.breaks[self.spans()] - self.breaks[0];
         let turned = |i: usize| t[i % t.len()] + (i / t.len()) as f64 * period;
-        // Whichever parameter the first function takes, a greedy choice does for the others.
+        // For any choice of the first parameter, a greedy choice works for the others.
         let first = t.partition_point(|&t| t <= self.knot(self.degree as isize));
         (0..=self.degree).any(|skip| {
             let mut i = first + skip;
@@ -165,13 +163,13 @@ impl Breaks {
     }
 }
 
-/// How many more control points than spans there are.
+/// The number of control points beyond that of spans.
 pub(crate) fn control_points_beyond_spans(degree: usize, closed: bool) -> usize {
     if closed { 0 } else { degree }
 }
 
-/// How many of increasing parameters satisfy a condition, which the first ones do. Most runs are
-/// short beside what is left: steps that double find about where one ends.
+/// The number of increasing parameters that satisfy a condition, which the first ones do. Most runs are short compared
+/// with the rest: doubling steps find where one ends.
 fn run_length(t: &[f64], is_within: impl Fn(f64) -> bool) -> usize {
     let mut step = 1;
     while step < t.len() && is_within(t[step]) {

@@ -1,5 +1,5 @@
-//! Knots of curves with corners, as [`Breaks`](super::breaks::Breaks) of others: both ends and the knots between, of which
-//! those at corners come p times.
+//! Knots of curves with corners, as [`Breaks`](super::breaks::Breaks) of others: both ends and the knots between, of
+//! which those at corners occur p times.
 //!
 //! ```text
 //! knots, p = 3      0 0 0 0  1  2 2 2  3  4 4 4 4
@@ -33,7 +33,7 @@ pub(crate) fn joined<'a>(degree: usize, pieces: impl Iterator<Item = &'a [f64]>)
     breaks
 }
 
-/// The breaks of a direction with clamped knots, if functions have control points of their own.
+/// The breaks of a direction with clamped knots, if each function has its own control point.
 pub(crate) fn of(direction: &Direction) -> Option<Vec<f64>> {
     let (degree, knots) = (direction.basis.degree(), direction.basis.knots()?);
     let functions = direction.basis.functions();

@@ -1,4 +1,4 @@
-//! Points along the edges of a polyline, all of which a fit is to be near.
+//! Points along the edges of a polyline, to which the fit must be near.
 
 use std::sync::Arc;
 
@@ -8,10 +8,10 @@ use crate::data::points::Points;
 /// The fewest parts of an edge.
 const PARTS: usize = 8;
 
-/// About how many more parts there are in all, longer edges having more of them.
+/// The approximate number of further parts in all, longer edges having more of them.
 const SHARED: usize = 2000;
 
-/// No more than these for each edge, where there are few.
+/// The most points of each edge, if there are few edges.
 const SHARED_BY_EDGE: usize = 200;
 
 /// The points along the edges of a polyline.

@@ -1,4 +1,4 @@
-//! Least squares over given knots: what the schedule asks for, and knows nothing more about.
+//! Least squares over given knots: the minimization behind the schedule.
 //!
 //! ```text
 //! min Σ_i w_i ‖P_i − C(t_i)‖² + ε Ω/k Σ_spans h^(2r−1) ∫_span ‖C^(r)‖²,   C(t_0) = P_0 and C(t_n) = P_n on open curves
@@ -21,8 +21,8 @@ use super::values::Values;
 use crate::basis::quadrature::{Row, node_rows};
 use crate::data::points::Points;
 
-/// A minimum over some knots. What else it has to obey or to weigh, as constraints or fairness, is
-/// the business of an implementation: the schedule only compares distances.
+/// A minimum over some knots. Constraints and fairness are up to the implementation: the schedule only compares
+/// distances.
 pub(crate) trait Minimum {
     /// The control points that are nearest to the data by the sum of squared distances, each
     /// multiplied with its weight, or `None` if the data do not determine them.
@@ -45,7 +45,7 @@ pub(crate) trait Minimum {
 pub(crate) struct LeastSquares {
     /// The data.
     pub points: Arc<Points>,
-    /// How much each datum counts, without it all alike.
+    /// The weight of each datum; `None` means equal weights.
     pub data_weights: Option<Arc<Vec<f64>>>,
     /// ε, how fair the curve is.
     pub fairness: f64,

@@ -4,21 +4,21 @@
 //! on a circle that is pressed flat, in which they have twice the bandwidth. The factorization
 //! `L Lᵀ` takes n b² operations and stays within the band.
 //!
-//! What is added to the equations, as the energy of a fairness term, goes through [`Gram::add`].
+//! Additions to the equations, such as the energy of a fairness term, go through [`Gram::add`].
 
 use super::values::Values;
 use crate::basis::quadrature::Row;
 use crate::linear::folded;
 
-/// A pivot below this part of its diagonal entry is a control point that the data say nothing
-/// about: beyond it a solution has no digits left.
+/// A pivot below this part of its diagonal entry is a control point that the data do not determine:
+/// beyond it a solution has no digits left.
 const SINGULAR: f64 = 1e-13;
 
 /// The lower half of a symmetric banded matrix.
 #[derive(Clone, Debug)]
 pub(super) struct Gram {
     order: Order,
-    /// How many entries are kept beside the diagonal.
+    /// The number of entries that are kept beside the diagonal.
     band: usize,
     /// Row by row entries (i, i − band) … (i, i).
     rows: Vec<f64>,

@@ -8,9 +8,9 @@ use super::monitor::span_maxima;
 const SHARE: f64 = 0.05;
 
 /// A knot in the middle of every span whose largest distance is above the tolerance and not far
-/// below the worst; of the worst ones alone, as far as the `most` control points go that were asked
-/// for. `None` if no knot can be inserted: if the data would not determine the fit, or there would
-/// be more than `limit` control points.
+/// below the worst. If that exceeds the requested maximum of `most` control points, only the worst
+/// spans get one. `None` if no knot can be inserted: if the data would not determine the fit, or
+/// there would be more than `limit` control points.
 pub(crate) fn grown(
     line: &Breaks,
     t: &[f64],

@@ -1,17 +1,17 @@
-//! Points between the data, for curves that would leave them there.
+//! Points between the data, for curves that deviate there.
 //!
-//! A curve with hardly fewer control points than data can be within the tolerance at all of them and far away between.
-//! Where one is, the fit begins again with three points between each two data points. They lie between two curves, both
-//! cubic between the data with a common derivative at each datum:
+//! A curve with nearly as many control points as data can be within the tolerance at all of them and deviate far
+//! between them. In that case the fit is repeated with three points between each two data points. They lie between two
+//! curves, both cubic between the data with a common derivative at each datum:
 //!
 //! - that of the parabola through three data (Bessel), which follows circles;
-//! - that of the chord between both neighbours, shorter the more the data turn back: it goes straight along long
-//!   edges, and stops at sharp corners.
+//! - that of the chord between both neighbours, shorter the more the data turn back: it is straight along long edges,
+//!   and has a small derivative at sharp corners.
 //!
-//! The points lie between both: each derivative is that of the second curve and a quarter of the difference to the first,
-//! or less at an end of a long edge beside a densely sampled bend: such edges are straight. So much of the difference again is *freedom* that the data leave: it counts as no
-//! distance, and the more of it there is, the less a point counts in the sum of squares.
-//! Neither curve is further from the edge between two data than the edge is long.
+//! The points lie between both: each derivative is that of the second curve and a quarter of the difference to the
+//! first, or less at an end of a long edge beside a densely sampled bend: such edges are straight. The same part of the
+//! difference is *freedom* that the data leave: distances within it count as zero, and it lowers the weight of a point
+//! in the sum of squares. Neither curve is further from the edge between two data than the edge is long.
 
 use std::sync::Arc;
 
@@ -29,13 +29,14 @@ const PARTS_OF_STRAIGHT: usize = 12;
 /// The largest part of the first curve in the points, and of the difference of both that is freedom.
 const MOST_OF_FIRST: f64 = 0.25;
 
-/// How many more control points than data there are at most.
+/// The most control points beyond the number of data.
 const MOST_MORE: usize = 1000;
 
 /// The greatest ratio of a derivative to the chord of either side.
 const LONGEST: f64 = 1.5;
 
-/// A point counts at least as much as this part of a datum, so that it determines the fit where there is nothing else.
+/// The least weight of a guide point as a part of a datum's weight, so that it determines the fit where there is
+/// nothing else.
 const LEAST_WEIGHT: f64 = 1e-6;
 
 /// Data with points between them.
@@ -54,8 +55,8 @@ pub(crate) struct Guide {
 }
 
 impl Guide {
-    /// The most control points of a curve through so many data with points between them: more than data, as few data
-    /// say little of corners, and long lists of data hardly need them.
+    /// The most control points of a curve through `data` data with points between them. It is more than the number of
+    /// data, as few data do not resolve corners, and long lists hardly need more.
     pub(crate) fn most_control_points(data: usize) -> usize {
         data.saturating_add(MOST_MORE.min((PARTS - 1) * data))
     }
@@ -91,7 +92,7 @@ impl Guide {
         }
     }
 
-    /// How much each point counts, where the data have these weights.
+    /// The weight of each point, where the data have these weights.
     pub(crate) fn weights(&self, tolerance: f64, of_data: Option<&[f64]>) -> Vec<f64> {
         let weight = |(k, freedom): (usize, &f64)| {
             let share = tolerance / (tolerance + freedom);
@@ -202,8 +203,8 @@ impl<'a> Line<'a> {
         })
     }
 
-    /// The parts of its freedom that a gap has at both of its ends; where there is no other one beside it, that of the
-    /// other end.
+    /// The parts of its freedom that a gap has at both of its ends; where there is no gap beside it, that of the other
+    /// end.
     fn parts_of_freedom(&self, gap: usize) -> [f64; 2] {
         let count = self.data.len();
         let is_closed = self.period.is_some();
@@ -213,7 +214,7 @@ impl<'a> Line<'a> {
         [before.or(after), after.or(before)].map(|part| part.unwrap_or(1.0))
     }
 
-    /// How many parts the points of a gap divide it into.
+    /// The number of parts into which the points divide a gap.
     fn parts(&self, gap: usize) -> usize {
         let [before, after] = self.parts_of_freedom(gap);
         match before.min(after) < 1.0 {

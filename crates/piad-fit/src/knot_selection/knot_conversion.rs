@@ -1,4 +1,4 @@
-//! Between the knots of a schedule and the directions of a problem.
+//! Conversion between the knots of a schedule and the directions of a problem.
 //!
 //! Both have the same curves. On closed ones function j belongs to control point `j mod n` here, and
 //! to `(j − ⌊p/2⌋) mod n` in a direction, whose control points are counted from the first datum on.
@@ -45,12 +45,12 @@ impl Breaks {
         }
     }
 
-    /// The control point here that is this one of a direction.
+    /// The control point of the schedule that is this one of a direction.
     pub(crate) fn of_direction(&self, control_point: usize) -> usize {
         (control_point + self.turn()) % self.control_points()
     }
 
-    /// Where the control points of a direction begin among those here.
+    /// The index in the schedule at which the control points of a direction begin.
     pub(super) fn turn(&self) -> usize {
         match self.is_closed() {
             true => self.degree() / 2 % self.control_points(),

@@ -38,7 +38,7 @@ pub(super) fn can_move(line: &Breaks, data: usize) -> bool {
     line.spans() <= MOST_SPANS && (2..=MOST_DEGREE).contains(&line.degree()) && data <= MOST_DATA
 }
 
-/// How far a knot goes towards its neighbours at most, as a part of the way.
+/// The largest move of a knot towards its neighbours, as a part of the way.
 const PART: f64 = 0.4;
 
 /// The derivative of a curve by one of its knots, at the data where it is not zero.
@@ -49,7 +49,7 @@ struct Slope {
     lanes: Vec<Vec<f64>>,
 }
 
-/// The knots after a step, and how far it goes is less with more `damping`. `None` where the data do not determine it.
+/// The knots after a step, which is shorter with more `damping`. `None` where the data do not determine it.
 pub(super) fn moved(
     values: &Values,
     points: &Points,
@@ -91,7 +91,7 @@ pub(super) fn moved(
     Breaks::new(line.degree(), line.is_closed(), moved)
 }
 
-/// The matrix S and the right side of the step, by what the slope of each knot has to do with the residual.
+/// The matrix S and the right side of the step, from the products of the slope of each knot and the residual.
 fn without_control_points(
     values: &Values,
     weights: Option<&[f64]>,
@@ -284,14 +284,14 @@ mod tests {
                 for (&i, value) in slope.data.iter().zip(&slope.lanes[0]) {
                     expected[i] -= value;
                 }
-                // Next to the knot the quotient of a quadratic curve is one of two pieces.
+                // Next to the knot the quotient of a quadratic curve is that of one of two pieces.
                 let off = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
                 assert!(off < 1e-4, "{degree} {closed} {q}: {off}");
             }
         }
     }
 
-    /// From knots beside those of a curve steps lead to them.
+    /// From knots near those of a curve, steps converge to them.
     #[test]
     fn steps_find_the_knots_of_a_curve() {
         let t: Arc<Vec<f64>> = Arc::new((0..400).map(|i| i as f64 / 399.0).collect());

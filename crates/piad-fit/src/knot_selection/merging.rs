@@ -1,8 +1,8 @@
-//! One knot in place of two beside each other, or of a crowd of them.
+//! One knot in place of two neighbours, or of a cluster.
 //!
-//! Growth surrounds a place where the p-th derivative jumps with knots on either side, of which one at that place would
-//! do. With jumps `J_a` and `J_b` at a and b the knot that takes the place of both is at `(J_a a + J_b b) / (J_a + J_b)`:
-//! then what changes is of second order in b − a.
+//! Growth surrounds a place where the p-th derivative jumps with knots on either side, although one at that place would
+//! suffice. With jumps `J_a` and `J_b` at a and b the knot that replaces both is at `(J_a a + J_b b) / (J_a + J_b)`:
+//! then the change of the curve is of second order in b − a.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ pub(super) fn merged<'a>(
             let [before, after] = [&jumps[q - 1], &jumps[q]];
             let sum: Vec<f64> = before.iter().zip(after).map(|(a, b)| a + b).collect();
             let all = size(&sum);
-            // How much of the sum the second one is.
+            // The share of the second knot in the sum.
             let unit = sum.iter().map(|x| x / all);
             let part: f64 = unit.zip(after).map(|(unit, b)| unit * b).sum::<f64>() / all;
             let part = Some(part)
@@ -52,11 +52,11 @@ fn cost(line: &Breaks, q: usize, part: f64, jump: f64) -> f64 {
     jump * part * (1.0 - part) * apart * apart * around.powi(power)
 }
 
-/// Knots form a crowd, in place of which one knot may do, if their spans are at least this many times shorter than the
-/// spans on either side.
+/// Knots form a cluster, which one knot may replace, if their spans are at least this many times shorter than the spans
+/// on either side.
 const CROWDED: f64 = 4.0;
 
-/// The knots with one in place of those of each crowd, if there are crowds.
+/// The knots with one in place of each cluster, if there are clusters.
 pub(super) fn thinned(line: &Breaks) -> Option<Breaks> {
     let breaks = line.breaks();
     let gaps: Vec<f64> = breaks.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -5,9 +5,8 @@
 //! w_i ← w_i (e_i / max e + ε)
 //! ```
 //!
-//! The weighted least-squares fits go to the one whose largest distance is as small as it can be.
-//! They do so slowly, and not monotonically; a few steps bring most of what there is, a part of a
-//! tenth to a third.
+//! The weighted least-squares fits converge to the one with the smallest largest distance, slowly
+//! and not monotonically; a few steps bring most of the gain, a tenth to a third.
 
 /// Keeps weights of points that the curve goes through from vanishing.
 const LEAST: f64 = 1e-3;

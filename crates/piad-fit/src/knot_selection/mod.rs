@@ -1,47 +1,45 @@
-//! As few control points as a tolerance needs.
+//! The fewest control points for a tolerance.
 //!
-//! What users of CAD systems mean by fitting: the fewest control points with which the largest
-//! distance is within a tolerance. No rule gives them at once, so the fit goes there by *levels*,
-//! each of which is a whole B-spline through the ends of the data:
+//! This is what users of CAD systems mean by fitting: the fewest control points with which the largest distance is
+//! within a tolerance. No rule gives them at once, so the fit gets there by *levels*, each of which is a whole B-spline
+//! through the ends of the data:
 //!
-//! 1. **Growth.** From p + 1 control points on: steps of conjugate gradients towards the
-//!    least-squares fit ([`steps`]); then a knot in the middle of every span whose largest distance
-//!    is above the tolerance ([`growth`]). Insertion is exact ([`insertion`]): the fit goes on from
-//!    the same curve, until it is within the tolerance.
-//! 2. **Redistribution and removal.** The distances of the spans are a density of knots
-//!    ([`monitor`]). Knots at equal shares of it make these distances equal, and then far fewer do:
-//!    the number of control points falls as long as some round of redistribution stays within the
-//!    tolerance ([`schedule`]).
-//! 3. **The last control point.** Least squares make the sum of squares small and not the largest
-//!    distance. Where one control point less comes close to the tolerance, weights that grow with
-//!    the distances (Lawson) often bring it there ([`minimax`]).
-//! 4. **Single knots.** Where there are hardly more data than control points, distances do not say
-//!    where knots are needed. There knots whose removal changes the curve least leave it one by one,
-//!    as long as the fit without them is within the tolerance ([`pruning`]).
-//! 5. **Places of knots.** Of few knots two beside each other become one where all of them, moved to where they are
-//!    needed ([`knot_step`]), keep the tolerance ([`merging`]).
+//! 1. **Growth.** From p + 1 control points on: steps of conjugate gradients towards the least-squares fit ([`steps`]);
+//!    then a knot in the middle of every span whose largest distance is above the tolerance ([`growth`]). Insertion is
+//!    exact ([`insertion`]): the fit continues from the same curve, until it is within the tolerance.
+//! 2. **Redistribution and removal.** The distances of the spans are a density of knots ([`monitor`]). Knots at equal
+//!    shares of it make these distances equal, so that far fewer suffice: the number of control points falls as long as
+//!    some round of redistribution stays within the tolerance ([`schedule`]).
+//! 3. **The last control point.** Least squares make the sum of squares small and not the largest distance. Where one
+//!    control point fewer comes close to the tolerance, weights that grow with the distances (Lawson) often reach it
+//!    ([`minimax`]).
+//! 4. **Single knots.** Where there are hardly more data than control points, distances do not show where knots are
+//!    needed. There the knots whose removal changes the curve least are removed one by one, as long as the fit without
+//!    them is within the tolerance ([`pruning`]).
+//! 5. **Positions of knots.** Where there are few knots, two neighbours become one if the knots, after moving to better
+//!    positions ([`knot_step`]), keep the tolerance ([`merging`]).
 //!
-//! A fit that is within the tolerance and leaves its data between neighbours goes on with points there ([`guide`]).
+//! A fit that is within the tolerance but deviates from its data between neighbours continues with points there
+//! ([`guide`]).
 //!
 //! Of polylines the points along their edges are data, too ([`edges`]). Between corners pieces of a curve do this by themselves ([`clamped_breaks`]).
 //!
-//! Parameters stay where they are, or move to the foot points of the data if asked for (Hoschek;
-//! [`correction`]).
+//! Parameters stay where they are, or move to the foot points of the data if requested (Hoschek; [`correction`]).
 //!
-//! Surfaces do the same with whole knot lines ([`surface`]). For a given number of control points the knots come to
-//! rest where they are best ([`adaptive`]).
+//! Surfaces do the same with whole knot lines ([`surface`]). For a given number of control points the knots converge to
+//! the best ones ([`adaptive`]).
 //!
-//! What is minimized is behind [`equations::Minimum`]: constraints and fairness are the business of
-//! the equations, knots that of the schedule.
+//! The minimization is behind [`equations::Minimum`]: it handles constraints and fairness, and the schedule handles
+//! knots.
 //!
-//! # What can be relied on
+//! # Guarantees
 //!
 //! - Levels are pure functions of data, parameters and options, the same to the last bit.
 //! - The first level has p + 1 control points (of fewer data than that one for each datum raised to
 //!   the degree), and the last one is within the tolerance if any was, with the fewest control
 //!   points found.
-//! - Insertion does not change the curve, but for rounding. While knots stay where they are, and in
-//!   redistribution while their number does, the largest distance never rises.
+//! - Insertion does not change the curve, but for rounding. The largest distance never rises while the knots stay, nor
+//!   in redistribution while their number stays.
 //! - A level costs O(n p²) for n data, and their number does not grow with n.
 //!
 //! Sources: de Boor, *Good approximation by splines with variable knots* (1973); Deng, Lin,
@@ -83,7 +81,7 @@ use self::breaks::Breaks;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 
-/// What is asked for.
+/// Options of a fit that chooses its knots.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
     /// The degree p ≥ 1.
@@ -94,18 +92,18 @@ pub(crate) struct Options {
     pub tolerance: f64,
     /// The most control points; never more than data.
     pub max_control_points: usize,
-    /// Whether parameters move to the foot points of their data.
+    /// True if parameters move to the foot points of their data.
     pub correct_parameters: bool,
-    /// The curve to begin with; without it one of p + 1 control points.
+    /// The initial curve; `None` means one of p + 1 control points.
     pub first: Option<(Breaks, Points)>,
-    /// Whether levels are minima alone, without steps of plain least squares between them: where
-    /// more is to be obeyed or weighed than these do.
+    /// True if all levels are minima, without steps of plain least squares between them: needed for constraints,
+    /// fairness or weights.
     pub minima_alone: bool,
-    /// For each datum how far away the curve may be without a distance; none of them without it.
+    /// For each datum the distance that counts as zero; `None` if there is none.
     pub freedom: Option<Arc<[f64]>>,
 }
 
-/// A B-spline on the way.
+/// A B-spline during the search.
 #[derive(Clone, Debug)]
 pub(crate) struct Level {
     /// The knots.

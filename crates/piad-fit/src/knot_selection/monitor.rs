@@ -1,4 +1,4 @@
-//! Where knots are needed: equal shares of what the distances ask for.
+//! The density of knots: equal shares of a measure by the distances.
 //!
 //! The distance of a spline from a smooth curve on a span of length h is about `c h^(p+1)`. So a
 //! span with the largest distance e would be within a tolerance τ if it were `(e/τ)^(1/(p+1))` times
@@ -20,7 +20,7 @@ use super::breaks::{Breaks, control_points_beyond_spans};
 use crate::data::bounds::Extent;
 
 /// Spans count as if their distance were at least this part of the largest, so that none grows
-/// without bounds.
+/// without bound.
 const LEAST: f64 = 0.02;
 
 /// A density of knots, constant on spans.
@@ -66,7 +66,7 @@ impl Monitor {
         self.degree
     }
 
-    /// Whether the last span is followed by the first.
+    /// Returns true if the last span is followed by the first.
     pub(crate) fn is_closed(&self) -> bool {
         self.closed
     }
@@ -81,8 +81,8 @@ impl Monitor {
         self.breaks[self.breaks.len() - 1]
     }
 
-    /// Knots for so many control points, at equal shares; `None` if they are too close to be told
-    /// apart.
+    /// Knots for this many control points, at equal shares; `None` if they are too close to be
+    /// distinct.
     pub(crate) fn place(&self, control_points: usize) -> Option<Breaks> {
         let beyond = control_points_beyond_spans(self.degree, self.closed);
         let spans = control_points.checked_sub(beyond)?;
@@ -116,8 +116,8 @@ pub(crate) fn span_maxima(starts: &[usize], distances: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// How many control points would have distances of at most `tolerance`, if each span were divided
-/// by itself.
+/// The number of control points with distances of at most `tolerance`, if each span were divided by
+/// itself.
 pub(crate) fn needed(line: &Breaks, maxima: &[f64], tolerance: f64) -> usize {
     let power = 1.0 / (line.degree() + 1) as f64;
     let shares: f64 = maxima.iter().map(|e| (e / tolerance).powf(power)).sum();

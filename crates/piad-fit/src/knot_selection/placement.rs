@@ -1,4 +1,4 @@
-//! Knots from a density, which the data must be able to determine.
+//! Knots by a density, adjusted so that the data determine the fit.
 
 use super::breaks::{Breaks, control_points_beyond_spans};
 use super::monitor::Monitor;
@@ -8,8 +8,8 @@ use crate::basis::knots;
 /// determine the fit.
 const TOWARDS_DATA: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Knots for so many control points, as the density asks for; where it asks for more knots than
-/// there are data, nearer to the data.
+/// Knots for this many control points that follow the density; where it needs more knots than there
+/// are data, nearer to the data.
 pub(crate) fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<Breaks> {
     if control_points == t.len() {
         // One for each datum: other knots hardly determine the fit.

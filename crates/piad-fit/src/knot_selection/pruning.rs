@@ -1,9 +1,8 @@
-//! Removal of single knots, those first whose removal changes the curve least.
+//! Removal of single knots, in order of increasing change of the curve.
 //!
-//! Equal distances on all spans say where knots are needed as long as a span has many data. Where
-//! there are hardly more data than control points they say little: a span without a datum has no
-//! distance. There a curve with more control points than needed is taken as it is, and knots leave
-//! it one by one.
+//! Equal distances on all spans determine the knots as long as a span has many data. Where there are hardly more data
+//! than control points they do not: a span without a datum has no distance. There, knots are removed one by one from a
+//! curve that has more control points than needed.
 //!
 //! A simple knot is a jump of the p-th derivative. The B-spline over it and p + 1 knots around it
 //! has such a jump, too:
@@ -12,8 +11,8 @@
 //! N⁽ᵖ⁾ jumps at t_q by  p! (t_last − t_first) / Π_{i ≠ q} |t_q − t_i|
 //! ```
 //!
-//! So much of it as cancels the jump of the curve is what the removal costs (Lyche, Mørken, *Knot
-//! removal for parametric B-spline curves and surfaces*, CAGD 4 (1987)).
+//! The cost of a removal is the multiple of it that cancels the jump of the curve (Lyche, Mørken, *Knot removal for
+//! parametric B-spline curves and surfaces*, CAGD 4 (1987)).
 
 use super::breaks::Breaks;
 use crate::data::points::Points;
@@ -109,7 +108,7 @@ mod tests {
     use super::*;
     use crate::knot_selection::insertion::refine;
 
-    /// A knot that was inserted costs nothing, and is the first to leave; in any unit.
+    /// A knot that was inserted costs nothing, and is removed first; in any unit.
     #[test]
     fn inserted_knots_leave_first() {
         for (degree, closed) in [

@@ -1,9 +1,10 @@
-//! From p + 1 control points to as few as the tolerance needs: which level comes next.
+//! From p + 1 control points to the fewest for the tolerance: the choice of the next level.
 //!
-//! Growth ends with more control points than needed, between `low`, which is known to fail, and
-//! `high`, which is known to do. Each *attempt* has a number of control points, and redistributes
-//! its knots until it is within the tolerance, stands still, or is hopeless. What the distances ask
-//! for, `(e/τ)^(1/(p+1))` as many spans, leads to the next number; near the end it is one less.
+//! Growth ends with more control points than needed, between `low`, which is known to be too few,
+//! and `high`, which is known to suffice. Each *attempt* has a number of control points, and
+//! redistributes its knots until it is within the tolerance, makes no progress, or is hopeless. The
+//! next number follows from the distances, by `(e/τ)^(1/(p+1))` times as many spans; near the end
+//! it is one fewer.
 
 mod growing;
 mod merging;
@@ -28,7 +29,7 @@ use crate::termination::Outcome;
 /// The most steps of conjugate gradients over the same knots.
 const STEPS: usize = 6;
 
-/// The same where the data do not determine the fit, so that nothing else leads to them.
+/// The same where the data do not determine the fit, so that there is no other method.
 const STEPS_ALONE: usize = 60;
 
 /// Steps end when the rms falls to no less than this part.
@@ -37,29 +38,29 @@ const SLOW: f64 = 0.9;
 /// The largest distance may rise by this part, which is rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Levels that gain less than this part are not worth a level.
+/// Gains below this part are not worth a level.
 const GAIN: f64 = 1e-6;
 
 /// How far knots go towards equal distances in a redistribution.
 const DAMPING: f64 = 0.7;
 
-/// Attempts are worth weights if their largest distance is below this number of tolerances.
+/// Attempts use weights if their largest distance is below this number of tolerances.
 const NEAR: f64 = 1.5;
 
 /// Steps of the weights.
 const WEIGHINGS: usize = 10;
 
-/// Numbers of control points that differ by less than this part of them are as good as the same: of
-/// a thousand the last three would take as long to be spared as all others.
+/// Numbers of control points that differ by less than this part of them count as equal: of a
+/// thousand the last three would take as long to save as all others.
 const RESOLUTION: usize = 256;
 
 /// Least-squares fits after growth: enough for every number of control points that is tried.
 const BUDGET: usize = 120;
 
-/// Data points of all fits with single knots less that are tried together: a fraction of a second.
+/// The number of data points times fits with single knots fewer: a fraction of a second.
 const WORK: usize = 1_000_000;
 
-/// With fewer fits than these hardly a knot would leave.
+/// With fewer fits than these hardly any knot would be removed.
 const WORTHWHILE: usize = 64;
 
 /// A fit with as few control points as its tolerance needs, level by level.
@@ -79,15 +80,15 @@ pub(crate) struct Schedule<M> {
     best: Option<Arc<Level>>,
     /// The level with the smallest largest distance.
     closest: Option<Arc<Level>>,
-    /// What the distances of the best level ask for.
+    /// The knot density of the best level.
     within: Option<Monitor>,
-    /// This many control points, or fewer, are known not to do.
+    /// This many control points, or fewer, are known to be too few.
     low: usize,
-    /// This many are known to do, or too many.
+    /// This many are known to suffice, or too many.
     high: usize,
     /// Least-squares fits since the end of growth.
     spent: usize,
-    /// The most knots that are tried to be left out at once.
+    /// The most knots that are tried to be removed at once.
     batch: usize,
     /// Least-squares fits that are left for the removal of single knots.
     prunings: usize,
@@ -96,7 +97,7 @@ pub(crate) struct Schedule<M> {
     outcome: Option<Outcome>,
 }
 
-/// What the next level comes from.
+/// The source of the next level.
 #[derive(Debug)]
 enum Stage {
     /// Nothing: the first level.
@@ -173,7 +174,7 @@ impl<M: Minimum> Schedule<M> {
         }
     }
 
-    /// The first attempt, with as many control points as the distances ask for.
+    /// The first attempt, with the number of control points that follows from the distances.
     fn begin_search(&mut self, nearest: &Level, values: &Values) {
         let each = &nearest.distances.each;
         let maxima = span_maxima(values.starts(), each);
@@ -186,7 +187,7 @@ impl<M: Minimum> Schedule<M> {
         self.next_attempt(asked, monitor);
     }
 
-    /// An attempt with about so many control points, if there are numbers left to be tried.
+    /// Starts an attempt with about `asked` control points, if there are numbers left to try.
     fn next_attempt(&mut self, asked: usize, monitor: Monitor) {
         let coarse = self.best.as_ref().map_or(0, |_| self.high / RESOLUTION);
         let (least, most) = (self.low + 1, self.high - 1 - coarse);
@@ -225,7 +226,7 @@ impl<M: Minimum> Schedule<M> {
         }
     }
 
-    /// The least-squares fit over the knots that an attempt asks for.
+    /// The least-squares fit over the knots of an attempt.
     fn redistributed(&mut self, attempt: &Attempt) -> Option<(Arc<Level>, Values)> {
         let line = place(attempt.monitor(), &self.parameters, attempt.count())?;
         let mut values = Values::new(&line, &self.parameters);
@@ -272,7 +273,7 @@ impl<M: Minimum> Schedule<M> {
         }
     }
 
-    /// Goes on with fewer control points.
+    /// Continues with fewer control points.
     fn succeed(&mut self, level: &Level, monitor: Monitor) {
         self.high = level.line.control_points();
         self.within = Some(monitor.clone());
@@ -282,7 +283,7 @@ impl<M: Minimum> Schedule<M> {
         self.next_attempt(asked, monitor);
     }
 
-    /// Goes on with more control points.
+    /// Continues with more control points.
     fn fail(&mut self, attempt: Attempt) {
         let count = attempt.count();
         self.low = self.low.max(count);
@@ -290,7 +291,7 @@ impl<M: Minimum> Schedule<M> {
             Some(level) => self.asked(&level.line, level.distances.max),
             None => count + 1,
         };
-        // Before anything is known to do, in steps that get there.
+        // Before a sufficient number is known, in steps towards one.
         let least = if self.best.is_none() {
             count + count / 4
         } else {
@@ -299,7 +300,8 @@ impl<M: Minimum> Schedule<M> {
         self.next_attempt(asked.max(least), attempt.into_lowest_monitor());
     }
 
-    /// How many control points a largest distance asks for, if it is the same everywhere.
+    /// The number of control points that follows from a largest distance, if it is the same
+    /// everywhere.
     fn asked(&self, line: &Breaks, largest: f64) -> usize {
         let beyond = control_points_beyond_spans(line.degree(), line.is_closed());
         let power = 1.0 / (line.degree() + 1) as f64;
@@ -350,13 +352,13 @@ impl<M: Minimum> Schedule<M> {
         })
     }
 
-    /// Makes a level and hands it out.
+    /// Makes a level and returns it.
     fn issue_new(&mut self, line: Breaks, values: &Values, control_points: Points) {
         let level = self.level(line, values, control_points);
         self.issue(level);
     }
 
-    /// Hands out a level, and remembers it if it is the best or the closest.
+    /// Returns a level, and remembers it if it is the best or the closest.
     fn issue(&mut self, level: Arc<Level>) {
         let count = level.line.control_points();
         let fewer = |best: &Arc<Level>| count <= best.line.control_points();
@@ -372,7 +374,7 @@ impl<M: Minimum> Schedule<M> {
     }
 }
 
-/// How many fits with single knots less are tried of this number of data.
+/// The number of fits with single knots fewer that are tried for this number of data.
 fn prunings(points: usize) -> usize {
     let fits = WORK / points.max(1);
     if fits < WORTHWHILE { 0 } else { fits }

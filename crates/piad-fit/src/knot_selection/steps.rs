@@ -1,8 +1,8 @@
 //! Steps towards the least-squares fit over fixed knots, by conjugate gradients.
 //!
-//! The same step as that of least-squares PIA ([`crate::method::least_squares`]), with fixed
-//! ends: CGLS for each coordinate, preconditioned with the diagonal 1 / column sums of A. It starts
-//! from any curve, so that a fit goes on after knots were inserted.
+//! The same step as that of least-squares PIA ([`crate::method::least_squares`]), with fixed ends:
+//! CGLS for each coordinate, preconditioned with the diagonal 1 / column sums of A. It starts from
+//! any curve, so that a fit can continue after knots were inserted.
 
 use super::values::Values;
 use crate::data::blocks::{LANES, add_up};

@@ -1,4 +1,4 @@
-//! The values of all functions at all parameters, and sums of them: where a fit spends its time.
+//! The values of all functions at all parameters, and sums of them: the most expensive part of a fit.
 //!
 //! Several threads share the data of long curves; sums are added up part by part, in an order that does
 //! not depend on how many threads there are. The innermost loops are [`kernels`].
@@ -15,10 +15,10 @@ use crate::data::blocks::{BLOCK, Block};
 use crate::data::distances::{Distances, measure};
 use kernels::{add, evaluate, invert_widths, multiply, multiply_all, with_width};
 
-/// Fewer data are one group: what they take is less than sharing it among threads.
+/// Fewer data are one group: sharing them among threads would take longer.
 pub(crate) const MANY: usize = 16_384;
 
-/// About how many groups more data have.
+/// About the number of groups of more data.
 const GROUPS: usize = 12;
 
 /// The values of the functions of a knot line at increasing parameters: p + 1 numbers for each of
@@ -323,7 +323,7 @@ fn groups(parts: &[Part], count: usize) -> Vec<Group> {
     groups
 }
 
-/// Cuts an array into pieces for the groups, of so many elements.
+/// Cuts an array into one piece for each group, with these numbers of elements.
 fn cut<'a, T>(
     groups: &[Group],
     mut array: &'a mut [T],

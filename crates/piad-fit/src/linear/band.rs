@@ -1,4 +1,4 @@
-//! Square matrices on their way into a factorization: cyclic ones are folded flat.
+//! Square matrices before their factorization: cyclic ones are folded flat.
 //!
 //! The matrix of a closed curve has entries around the corners, which elimination would spread over
 //! whole columns. If its indices are ordered 0, n−1, 1, n−2, …, as on a circle that is pressed
@@ -50,7 +50,7 @@ pub(super) struct Band {
     pub upper: usize,
     /// Row by row the entries in columns `i − lower ..= i + upper`.
     pub rows: Vec<f64>,
-    /// Whether the order is the folded one.
+    /// True if the order is the folded one.
     pub folded: bool,
 }
 

@@ -1,8 +1,8 @@
 //! Matrices whose rows hold a few consecutive entries each, possibly around the end.
 //!
 //! Nearly everywhere the entries of the next row start one column further on. Such *stretches* of
-//! rows are multiplied many rows at a time: entry k of all rows stands in one array, a *diagonal*,
-//! so that each product is one of arrays:
+//! rows are multiplied many rows at a time: entry k of all rows is in one array, a *diagonal*, so
+//! that each product is one of arrays:
 //!
 //! ```text
 //! row i:   columns i + s … i + s + W − 1,   offset s of its stretch
@@ -27,7 +27,7 @@ pub struct Banded {
     entries: Vec<Lane>,
     /// Increasing by their first row; the first one starts with row 0.
     stretches: Vec<Stretch>,
-    /// Whether some row goes around the end.
+    /// True if some row goes around the end.
     cyclic: bool,
     /// The largest distance of an entry from the diagonal.
     reach: usize,
@@ -114,7 +114,7 @@ impl Banded {
         self.width
     }
 
-    /// Whether some row goes around the end.
+    /// Returns true if some row goes around the end.
     pub fn is_cyclic(&self) -> bool {
         self.cyclic
     }
@@ -203,8 +203,8 @@ impl Banded {
         })
     }
 
-    /// The entries of column `j` that differ from zero: rows, increasing, and values. Only rows near
-    /// it are looked at, as far from the diagonal as entries reach.
+    /// The entries of column `j` that differ from zero: rows, increasing, and values. Only rows
+    /// near it are examined, as far from the diagonal as entries reach.
     pub fn column(&self, j: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let (rows, columns) = (self.rows as i64, self.columns as i64);
         let (low, high) = (j as i64 - self.reach as i64, (j + self.reach + 1) as i64);

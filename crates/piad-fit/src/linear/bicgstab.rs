@@ -12,7 +12,7 @@ use crate::interrupt;
 /// The most steps.
 const STEPS: usize = 1000;
 
-/// A residual that is this part of the right-hand side is none.
+/// A residual that is this part of the right-hand side counts as zero.
 const DONE: f64 = 1e-13;
 
 /// A residual up to this part is a solution where rounding ends the steps before.

@@ -52,7 +52,7 @@ struct Shape {
     left: usize,
     /// The number of columns of a window.
     window: usize,
-    /// How many rows at the bottom have entries around the corner.
+    /// The number of rows at the bottom that have entries around the corner.
     wrapped: usize,
     /// The first column of the border.
     core: usize,
@@ -95,8 +95,8 @@ impl Shape {
         }
     }
 
-    /// A row of the matrix when `pivot` is the first column that matters: entries in columns before
-    /// it there are none.
+    /// A row of the matrix when `pivot` is the first column that matters: it has no entries in
+    /// columns before it.
     fn row(&self, matrix: &Banded, index: usize, pivot: usize) -> Row {
         let mut row = Row {
             index: index as u32,

@@ -81,7 +81,7 @@ const ROWS: usize = 64;
 /// Products of matrices with more entries are computed by several threads.
 const PARALLEL: usize = 100_000;
 
-/// With so many lines, products are those of matrices with matrices.
+/// From this number of lines on, products are those of matrices with matrices.
 const LINES: usize = 8;
 
 impl Dense {
@@ -133,7 +133,7 @@ impl Dense {
         entries.filter(|&(_, value)| value != 0.0)
     }
 
-    /// The matrix as nalgebra has it.
+    /// The matrix in nalgebra's form.
     pub fn to_matrix(&self) -> DMatrix<f64> {
         self.transposed.transpose()
     }
@@ -232,7 +232,7 @@ impl NullaryFnOnce for Product<'_> {
     }
 }
 
-/// How many sums are added up side by side: the numbers of the widest vector.
+/// The number of sums that are added up side by side: the numbers of the widest vector.
 const SUMS: usize = 8;
 
 /// `Σ a_j b_j`

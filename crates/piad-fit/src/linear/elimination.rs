@@ -14,9 +14,8 @@
 //! of n dependent steps; hence reciprocals rather than quotients, rows of a fixed number of
 //! entries, and as many lines side by side as registers hold: several lines take as long as one.
 //!
-//! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle:
-//! read backwards a totally positive matrix is one, too. A dense system of 2 H unknowns is left
-//! there.
+//! Long matrices are eliminated from both ends at a time, by two threads that meet in the middle: reversed, a totally
+//! positive matrix is still one. A dense system of 2 H unknowns is left there.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -90,7 +89,7 @@ struct Before<const H: usize> {
 }
 
 impl<const H: usize> Before<H> {
-    /// In place of rows before the first one: it changes nothing.
+    /// Placeholder for rows before the first one: it changes nothing.
     fn none() -> Self {
         Self {
             entries: [0.0; H],
@@ -199,7 +198,7 @@ impl<const H: usize> Elimination<H> {
         }
     }
 
-    /// Solves for N lines, of which the compiler is told that all have the same length.
+    /// Solves for N lines, which the compiler knows to have the same length.
     fn solve_lines<const N: usize>(&self, lines: &mut [&mut [f64]], others: Option<&[&[f64]]>) {
         let n = self.front.lower.len() + self.back.lower.len();
         // One length for all, so that places need no checks.
@@ -268,7 +267,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
                 } = before[k];
                 // Entry j of that row is k − j columns left of the diagonal.
                 for (j, entry) in entries.into_iter().enumerate() {
-                    // The reciprocal is what all wait for.
+                    // The reciprocal is on the critical path.
                     let product = factor * entry * reciprocal;
                     match k.cmp(&j) {
                         std::cmp::Ordering::Greater => lower[k - j - 1] -= product,
@@ -300,7 +299,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// Applies `L⁻¹` to N lines in place.
+    /// The nearest one, which is on the critical path, comes last.
     fn forward<const N: usize>(&self, lines: &mut [&mut [f64]; N]) {
         let mut before = [[0.0; N]; H];
         for (

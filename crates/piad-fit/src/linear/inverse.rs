@@ -1,4 +1,4 @@
-//! The inverse of a collocation matrix, by the factorization that suits it.
+//! The inverse of a collocation matrix, by the fastest suitable factorization.
 //!
 //! - Banded and totally positive (open B-splines): elimination without pivots, the quickest;
 //! - banded otherwise (closed B-splines, wide bands): LU with partial pivoting, cyclic bands folded

@@ -28,7 +28,7 @@ pub struct BandedLu {
     l: Vec<f64>,
     /// The row with which each row was swapped before it was eliminated.
     pivots: Vec<u32>,
-    /// Whether rows and columns are in the folded order.
+    /// True if rows and columns are in the folded order.
     folded: bool,
 }
 
@@ -87,7 +87,7 @@ impl BandedLu {
         }
     }
 
-    /// Solves `B x = b` in place; `at` says which index stands at each place of the order of rows.
+    /// Solves `B x = b` in place; `at` says which index is at each place of the order of rows.
     fn solve(&self, x: &mut [f64], at: impl Fn(usize) -> usize) {
         let n = self.n;
         for k in 0..n {

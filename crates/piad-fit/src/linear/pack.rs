@@ -1,4 +1,4 @@
-//! From the rows of a matrix as they come to a matrix of the least width, with long stretches.
+//! Packs the rows of a matrix into one of the least width, with long stretches.
 //!
 //! B-splines of degree p have p + 1 functions at a parameter, but with knots at the data one of
 //! them vanishes at each, sometimes the first and sometimes the last. Packing leaves out places at
@@ -19,11 +19,11 @@ use crate::data::monotonic;
 /// If stretches have fewer rows than this on average, they are joined by zeros.
 const LONG: usize = 64;
 
-/// So many stretches are few, whatever their length: rows at the ends of a curve have stretches of
-/// their own.
+/// This many stretches are few, whatever their length: rows at the ends of a curve have stretches
+/// of their own.
 const FEW: usize = 16;
 
-/// Consecutive rows whose entries that differ from zero stand at the same places.
+/// Consecutive rows with nonzero entries at the same offsets.
 #[derive(Clone, Copy)]
 struct Run {
     /// The first row.
@@ -37,9 +37,9 @@ struct Run {
 }
 
 impl Banded {
-    /// Packs rows with `columns` columns. Entry k of all rows stands in `lanes[k]`, and the entries
-    /// of each stretch start at its offset from the diagonal, reduced by the period or not. Zeros
-    /// at either end of a stretch are left out, unless a few of them make the stretches long.
+    /// Packs rows with `columns` columns. Entry k of all rows is in `lanes[k]`, and the entries of
+    /// each stretch start at its offset from the diagonal, reduced by the period or not. Zeros at
+    /// either end of a stretch are left out, unless a few of them make the stretches long.
     pub fn pack(mut lanes: Vec<Lane>, given: &[Stretch], columns: usize) -> Self {
         let rows = lanes.first().map_or(0, |lane| lane.len());
         let runs = || parts(given, rows).map(|(stretch, rows)| Run::new(stretch, rows, &lanes));

@@ -12,7 +12,7 @@ pub(crate) struct Rows {
     kept: Kept,
 }
 
-/// What is kept of rows.
+/// The stored form of rows.
 #[derive(Debug)]
 enum Kept {
     Rows {

@@ -1,8 +1,8 @@
 //! Symmetric matrices over the functions of a grid, each of which meets those within p lines and q columns.
 //!
-//! There are (2p + 1)(2q + 1) diagonals, and a product with them runs along lines. Around a closed direction the first p
-//! functions follow the last ones once more, as a margin: an entry stands at one of its places, and products with a
-//! vector whose margin repeats its beginning are added up in the end.
+//! There are (2p + 1)(2q + 1) diagonals, and a product with them runs along lines. Around a closed direction the first
+//! p functions follow the last ones once more, as a margin: an entry is at one of its places, and products with a
+//! vector whose margin repeats its beginning are added up at the end.
 
 use rayon::prelude::*;
 
@@ -53,7 +53,7 @@ pub(crate) struct Stencil {
 }
 
 impl Stencil {
-    /// How many numbers there are.
+    /// The number of numbers.
     pub(crate) fn numbers([u, v]: [Reach; 2]) -> usize {
         u.count * u.width() * v.width() * v.count
     }

@@ -1,12 +1,12 @@
 //! Least-squares factorizations of matrices with few consecutive entries in a row: `AᵀA = RᵀR`, with
 //! an upper triangular R that is as narrow as A.
 //!
-//! R comes from rotations (Givens) of the rows of A, in the order of their first columns, so that the
-//! condition of A is that of R and not, as with a Cholesky decomposition of AᵀA, its square. That
-//! takes O(m w²) for m rows of w entries, and a solution O(n w) for n columns.
+//! R comes from rotations (Givens) of the rows of A, in the order of their first columns, so that the condition of A is
+//! that of R, and not its square as with a Cholesky decomposition of AᵀA. That takes O(m w²) for m rows of w entries,
+//! and a solution O(n w) for n columns.
 //!
-//! Where that is too much, as with the many rows of the fairness of a surface, the products `AᵀA` are summed up while
-//! rows come, and decomposed (Cholesky) in O(n w²): what is lost by that comes back in steps of refinement.
+//! Where that is too much, as with the many rows of the fairness of a surface, the products `AᵀA` are summed up as rows
+//! arrive, and decomposed (Cholesky) in O(n w²); steps of refinement recover the lost digits.
 //!
 //! Columns that depend on those before them are left out: their unknowns stay zero. Columns that do so
 //! only together, a little each, make solutions grow without bound from one to the next; small rows of
@@ -154,7 +154,7 @@ impl Triangular {
         for place in 0..n {
             let diagonal = self.rows[place * width].abs();
             if given[place] || diagonal <= DEPENDENT * lengths[place] {
-                // What the row says about later columns is said by their rows.
+                // The part of the row in later columns is in their rows.
                 let row = &mut self.rows[place * width..(place + 1) * width];
                 let mut line = row.to_vec();
                 row.fill(0.0);
@@ -178,8 +178,8 @@ impl Triangular {
         squares.iter().map(|square: &f64| square.sqrt()).collect()
     }
 
-    /// Whether R with columns of length one has a singular value below [`DEPENDENT`], as far as one
-    /// solution shows it: that of a right side whose signs alternate, as solutions that grow do.
+    /// Returns true if R with columns of length one has a singular value below [`DEPENDENT`], as far as one solution
+    /// shows it: that of a right side whose signs alternate, as solutions that grow do.
     pub(super) fn is_nearly_singular(&self) -> bool {
         let lengths = self.lengths();
         let signs = [1.0, -1.0].into_iter().cycle();

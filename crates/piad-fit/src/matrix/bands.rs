@@ -107,7 +107,7 @@ impl Chunk<'_> {
         }
     }
 
-    /// How many rows from `row` on lie in knot spans that advance with them, `row + k` in
+    /// The number of rows from `row` on that lie in knot spans that advance with them, `row + k` in
     /// `span + k`, and have functions each of which has a control point of its own.
     fn run(&self, knots: &[f64], row: usize, span: usize, degree: usize) -> usize {
         let own = self.direction.own_functions();

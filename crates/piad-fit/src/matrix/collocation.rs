@@ -18,7 +18,8 @@ use crate::linear::banded::Banded;
 use crate::linear::qr::Orthogonal;
 use crate::linear::{Dense, Inverse};
 
-/// Eigenvalues of matrices with more columns are known to fewer digits, as nobody needs them.
+/// Above this number of columns, eigenvalues are computed to fewer digits, which is enough for
+/// forecasts.
 pub(crate) const LONG: usize = 1000;
 
 /// The least values of a dense matrix that another thread is woken up for.
@@ -52,7 +53,7 @@ impl Collocation {
         }
     }
 
-    /// How many bytes the matrix of a direction takes, before it is made.
+    /// The number of bytes that the matrix of a direction takes, before it is made.
     pub fn memory(direction: &Direction) -> usize {
         let (rows, columns) = (direction.parameters.len(), direction.free());
         if direction.basis.is_local() {

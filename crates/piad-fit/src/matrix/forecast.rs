@@ -1,6 +1,6 @@
-//! What is known of the convergence of a fit.
+//! The forecast of the convergence of a fit.
 
-/// What is known of the convergence before the first step. Rates are factors per level, without a
+/// The forecast of the convergence, before the first step. Rates are factors per level, without a
 /// unit; lengths are in the unit of the data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -29,9 +29,9 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// How many iterations of a local fit reduce an error to the tolerance, both in data units, by
-    /// the least eigenvalue of its block: `ln(tolerance / error) / ln(rate)`, rounded up. The block
-    /// is small, so that its least eigenvalue soon dominates.
+    /// The number of iterations of a local fit that reduce an error to the tolerance, both in data
+    /// units, by the least eigenvalue of its block: `ln(tolerance / error) / ln(rate)`, rounded up.
+    /// The block is small, so that its least eigenvalue soon dominates.
     pub(crate) fn iterations_of_block(&self, error: f64, tolerance: f64) -> Option<usize> {
         let rate = self.rate.filter(|_| self.block.is_some())?;
         let count = (tolerance / error).ln() / rate.ln();
@@ -39,16 +39,17 @@ impl Forecast {
     }
 }
 
-/// Where a fit will end.
+/// The predicted end of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Prediction {
-    /// It was tried: at this level, but for rounding.
+    /// By a trial run: at this level, but for rounding.
     End(usize),
-    /// The beginning was tried: at about this level, as long as no more is known.
+    /// By a trial run of the beginning: at about this level, unless later errors give a better
+    /// prediction.
     About {
         /// The level at which it ends.
         end: usize,
-        /// The level up to which that is the best that is known.
+        /// The level up to which this prediction is the best one.
         seen: usize,
     },
 }

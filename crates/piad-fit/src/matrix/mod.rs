@@ -4,7 +4,7 @@
 //!   `sparse`: that of scattered points; `operator`: any of them;
 //! - `transform`: the transform U, where it is a fixed linear map;
 //! - `spectrum`: eigenvalues and rates; `stability`: whether a transform diverges; `rates`: classical PIA with each
-//!   basis; `forecast`: what is known of the convergence of a fit.
+//!   basis; `forecast`: the forecast of the convergence of a fit.
 
 mod bands;
 pub(crate) mod collocation;

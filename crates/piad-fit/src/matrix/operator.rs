@@ -44,7 +44,7 @@ impl Operator {
         }
     }
 
-    /// How many numbers of scratch space the maps of this matrix need.
+    /// The scratch space, in numbers, that the maps of this matrix need.
     pub fn scratch(&self) -> usize {
         match self {
             Self::Tensor(tensor) => tensor.scratch(),

@@ -27,10 +27,10 @@ pub const MOST_DEGREE: usize = 100;
 /// Least eigenvalues of dense matrices below this are spoilt by rounding.
 const LEAST_KNOWN: f64 = 1e-10;
 
-/// More iterations than this nobody makes.
+/// More iterations than this are not reported.
 const MOST_ITERATIONS: f64 = 1e15;
 
-/// What is known of classical PIA with a basis.
+/// The convergence of classical PIA with a basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BasisRate {
     /// The name of the basis.
@@ -45,8 +45,9 @@ pub struct BasisRate {
 }
 
 impl BasisRate {
-    /// How many iterations reduce an error to the part `tolerance` of it, by the rate:
-    /// `ln(tolerance) / ln(rate)`, rounded up. `None` if errors do not fall, or nobody could wait.
+    /// The number of iterations that reduce an error to the part `tolerance` of it, by the rate:
+    /// `ln(tolerance) / ln(rate)`, rounded up. `None` if errors do not fall, or the number is
+    /// unreasonably large.
     pub fn iterations(&self, tolerance: f64) -> Option<u64> {
         // Near one the rate has lost the digits that the eigenvalue has.
         let exact = self

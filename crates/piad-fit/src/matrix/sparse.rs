@@ -40,7 +40,7 @@ struct Line {
     control_points: Vec<u32>,
     /// The first of them.
     starts: Vec<u32>,
-    /// How many there are.
+    /// Their number.
     width: usize,
     /// Their values, point by point.
     values: Vec<f64>,
@@ -83,7 +83,7 @@ impl Sparse {
         }
     }
 
-    /// About how many bytes it takes: the matrix, and what solving its normal equations does.
+    /// The approximate number of bytes that it takes: the matrix, and what solving its normal equations does.
     pub(crate) fn memory(u: &Direction, v: &Direction) -> usize {
         let widths = [u, v].map(|direction| direction.basis.support_width());
         let count = u.parameters.len();
@@ -108,7 +108,7 @@ impl Sparse {
         self.control
     }
 
-    /// How many functions of u and of v can differ from zero at a point.
+    /// The numbers of functions of u and of v that can differ from zero at a point.
     pub(crate) fn widths(&self) -> [usize; 2] {
         [self.u.width, self.v.width]
     }
@@ -152,7 +152,7 @@ impl Sparse {
         self.u.control_points.len() != self.control.rows
     }
 
-    /// Returns true if each function has a control point of its own.
+    /// Returns true if each function has its own control point.
     fn is_open(&self) -> bool {
         let functions = self.u.control_points.len() * self.v.control_points.len();
         functions == self.control.count()

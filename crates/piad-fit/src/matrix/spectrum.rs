@@ -24,8 +24,8 @@ const BLOCK_STEPS: usize = 500;
 /// The relative accuracy at which they end.
 const BLOCK_ACCURACY: f64 = 1e-9;
 
-/// When a power iteration ends: its relative accuracy, and the most steps. Of long curves nobody
-/// needs more than a few digits.
+/// When a power iteration ends: its relative accuracy, and the most steps. A few digits are enough
+/// for long curves.
 fn effort(matrix: &Collocation) -> (f64, usize) {
     let n = matrix.columns();
     let accuracy = if n <= LONG { 1e-13 } else { 1e-9 };
@@ -58,8 +58,8 @@ pub(crate) fn singular_value_cost(direction: &Direction) -> usize {
 /// is a non-negative matrix, whose largest eigenvalue 1/λ_min has a positive eigenvector (Perron).
 /// Of matrices that are not totally positive it is the eigenvalue of least absolute value.
 pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
-    // Quadratic B-splines with knots at the data: the diagonal tells, and with equal knot spans
-    // all eigenvalues coincide in one Jordan block, which iterations approach very slowly.
+    // Quadratic B-splines with knots at the data: the diagonal suffices. With equal knot spans all
+    // eigenvalues coincide in one Jordan block, which iterations approach very slowly.
     if let Some(diagonal) = matrix.diagonal_if_triangular() {
         return diagonal.into_iter().fold(1.0, f64::min);
     }
@@ -69,8 +69,8 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 
 /// When Noda's iteration ends: the relative step below which it does, and the most shifts. Near the
 /// end each shift doubles the digits, unless eigenvalues nearly coincide, as they do for even
-/// degrees. Of long curves nobody needs more than a few digits: the step after one of 3 in 100 is
-/// less than 1 in 100.
+/// degrees. A few digits are enough for long curves: the step after one of 3 in 100 is less than 1
+/// in 100.
 fn patience(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
         n if n <= LONG => (1e-13, 100),
@@ -96,8 +96,8 @@ const NEARLY: f64 = 1e-7;
 /// ```
 ///
 /// Then y is positive as well, and as `M y = σ y − x` its bound is `σ − min_i x_i / y_i`: the
-/// bounds fall to the eigenvalue, in the end quadratically. What is not found to the last digit is
-/// too large, so that λ_min is too small, and steps that are chosen by it are safe.
+/// bounds fall to the eigenvalue, finally quadratically. What is not found to the last digit is too
+/// large, so that λ_min is too small, and steps that are chosen by it are safe.
 ///
 /// `None` if a matrix that is not totally positive spoils a sign.
 fn by_shifts(matrix: &Collocation) -> Option<f64> {
@@ -117,7 +117,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
         matrix.shifted_inverse(upper, exact)?.apply(&mut w);
         let (least, largest) = extremes(&z, &w);
         if !(least > 0.0 && largest.is_finite()) {
-            // Where the shift is the eigenvalue but for rounding, signs are a matter of luck.
+            // Where the shift is the eigenvalue but for rounding, signs are arbitrary.
             return (step < NEARLY).then_some(upper);
         }
         step = least / upper;
@@ -127,7 +127,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
             break;
         }
     }
-    // The bound of the vector that was found holds whatever rounding there was on the way.
+    // The bound of the vector holds whatever the rounding before.
     w.copy_from_slice(&z);
     inverse.apply(&mut w);
     let (least, largest) = extremes(&w, &z);
@@ -194,8 +194,8 @@ pub(crate) fn of_block(matrix: &Tensor, points: &[usize]) -> Option<BlockSpectru
     (least > 0.0).then_some(BlockSpectrum { least, largest })
 }
 
-/// By which factor a map makes vectors grow in the long run, by power iteration from `x`. `None`
-/// where it has no value.
+/// The factor by which a map makes vectors grow in the long run, by power iteration from `x`.
+/// `None` if there is no such factor.
 fn growth(mut x: DVector<f64>, map: impl Fn(&DVector<f64>) -> Option<DVector<f64>>) -> Option<f64> {
     let mut largest = 0.0;
     for _ in 0..BLOCK_STEPS {
@@ -330,7 +330,7 @@ mod tests {
     /// 1/3.
     #[test]
     fn shifts_find_the_least_eigenvalue_of_long_curves() {
-        // As accurate as `patience` has it for so many points.
+        // As accurate as `patience` allows for this number of points.
         for (count, accuracy) in [(20_000, 1e-5), (120_000, 1e-2)] {
             let knots = Knots::Usual;
             let cubic = BasisChoice::BSpline { degree: 3, knots };

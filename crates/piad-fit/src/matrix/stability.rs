@@ -1,4 +1,4 @@
-//! Whether `X ← X + U (P − B X)` diverges, by the eigenvalues of `M = U B`.
+//! Decides whether `X ← X + U (P − B X)` diverges, by the eigenvalues of `M = U B`.
 //!
 //! The iteration contracts by `ρ(I − M) = max |1 − λ|` over the eigenvalues λ of M; on surfaces
 //! they are the products of those of both directions. Computed eigenvalues of a matrix that is not
@@ -14,15 +14,15 @@
 //! 7.2.2).
 //!
 //! The QR algorithm takes about 25 n³ operations, and each condition number two complex LU
-//! decompositions: for n = 500 less than a second in all. What is in doubt is accepted, and shows
-//! itself as the fit goes on.
+//! decompositions: for n = 500 less than a second in all. Doubtful cases are accepted; divergence
+//! then shows during the fit.
 
 use nalgebra::{Complex, DMatrix, DVector, Schur};
 
 /// The most steps of the QR algorithm for each eigenvalue.
 const MOST_QR_STEPS: usize = 100;
 
-/// The most eigenvalues that are looked at closely: those that seem to diverge the most.
+/// The most eigenvalues that are examined: those that seem to diverge the most.
 const SUSPECTS: usize = 4;
 
 /// Steps of the inverse iteration for an eigenvector.
@@ -34,7 +34,7 @@ const WELL_KNOWN: f64 = 1e-9;
 /// One, as a complex number.
 const ONE: Complex<f64> = Complex::new(1.0, 0.0);
 
-/// An eigenvalue of each direction, and what their product is worth.
+/// An eigenvalue of each direction, and the distance of their product from one.
 struct Suspect {
     /// The eigenvalue of each direction.
     values: Vec<Complex<f64>>,
@@ -52,8 +52,8 @@ pub(crate) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
 /// ρ(I − M), if that is certainly not less than one.
 ///
 /// An eigenvalue λ with `|1 − λ| > 1` by more than its error diverges. One with `|1 − λ| = 1` but
-/// for a small error oscillates if it is far from zero; near zero its part of the error comes to
-/// rest, as that of a selection does.
+/// for a small error oscillates if it is far from zero; near zero its part of the error stays
+/// constant, as that of a selection does.
 pub(crate) fn diverging_rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
     let suspects = suspects(matrices)?;
     let certain = suspects.into_iter().take(SUSPECTS).find(|suspect| {

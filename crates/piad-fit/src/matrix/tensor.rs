@@ -93,7 +93,7 @@ impl Tensor {
         block
     }
 
-    /// How many numbers of scratch space the maps of this matrix need: none of a curve, of a
+    /// The scratch space, in numbers, that the maps of this matrix need: none of a curve, of a
     /// surface those of the largest grid between both directions.
     pub fn scratch(&self) -> usize {
         self.v.as_ref().map_or(0, |_| {

@@ -35,7 +35,7 @@ pub(crate) enum Transform {
 }
 
 impl Transform {
-    /// How many numbers of scratch space [`Self::apply`] needs, with this collocation matrix of
+    /// The scratch space, in numbers, that [`Self::apply`] needs, with this collocation matrix of
     /// `count` data points.
     pub(crate) fn scratch(&self, collocation: &Operator, count: usize) -> usize {
         let image = matches!(self, Self::Transposed { .. });

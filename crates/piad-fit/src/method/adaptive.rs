@@ -4,12 +4,12 @@
 //! X⁰ = P,   X ← X + ω Sᵏ (P − B X),   Sᵏ = diag(1 where ‖Δ_i‖ > threshold, else 0)
 //! ```
 //!
-//! (Lin10, section 6), with ω = 1 unless another relaxation is given, 0 < ω < 2. The points are chosen anew at every level: points that were near enough can
-//! move away again, and freezing them for ever does not converge. Each point can have a threshold of
-//! its own. A level costs as much as the
-//! supports of the points that move, fewer and fewer of them. The rate of weighted PIA with this ω,
-//! `max(|1 − ω λ_min|, |1 − ω|)` and `1 − λ_min` for ω = 1, is an upper bound. The fit ends when no point is further away than its
-//! threshold, even if the tolerance is less, or when all are within the tolerance.
+//! (Lin10, section 6), with ω = 1 unless another relaxation is given, 0 < ω < 2. The points are chosen anew at every
+//! level: points that were near enough can move away again, and freezing them forever does not converge. Each point can
+//! have a threshold of its own. A level costs as much as the supports of the points that move, fewer and fewer of them.
+//! The rate of weighted PIA with this ω, `max(|1 − ω λ_min|, |1 − ω|)` and `1 − λ_min` for ω = 1, is an upper bound.
+//! The fit ends when no point is further away than its threshold, even if the tolerance is less, or when all are within
+//! the tolerance.
 
 use super::eigenvalues;
 use super::equations::Equations;
@@ -60,7 +60,7 @@ impl Scheme for Adaptive {
         &ABOUT
     }
 
-    /// At 0 all points would move for ever.
+    /// At 0 all points would move forever.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         self.threshold.check(scope.grid.count())?;
         Omega::Given(self.omega).check()
@@ -72,7 +72,7 @@ impl Scheme for Adaptive {
         asked.max(self.threshold.largest())
     }
 
-    /// As other methods, and the thresholds of points.
+    /// Checks of other methods, and of the thresholds of points.
     fn demand(&self) -> Demand {
         let each = match &self.threshold {
             Threshold::All(_) => 0,
@@ -84,7 +84,7 @@ impl Scheme for Adaptive {
         }
     }
 
-    /// That of all points, as an upper bound: principal blocks have larger eigenvalues.
+    /// The rate of all points, as an upper bound: principal blocks have larger eigenvalues.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         eigenvalues::relaxed(setup, collocation, Omega::Given(self.omega))
     }
@@ -102,7 +102,7 @@ impl Scheme for Adaptive {
         false
     }
 
-    /// The largest distance says little of points with thresholds of their own.
+    /// The largest distance does not decide for points with thresholds of their own.
     fn decays(&self) -> bool {
         !self.threshold.is_each()
     }

@@ -38,10 +38,10 @@ pub(super) const ABOUT: About = About {
     source: "Golub, Varga, Numer. Math. 3 (1961)",
 };
 
-/// Chebyshev steps that have made the residual grow by this factor will not make it fall any more.
+/// Once Chebyshev steps have made the residual grow by this factor, it does not fall any more.
 const HOPELESS: f64 = 1e4;
 
-/// More iterations than this to a hundredth of the error are many.
+/// More iterations than this to a hundredth of the error get a warning.
 const SLOW: usize = 200;
 
 /// The method, which has no settings.
@@ -77,7 +77,7 @@ impl Scheme for Chebyshev {
         }
     }
 
-    /// Takes shorter intervals, unless steps by the least eigenvalue keep distances low.
+    /// Uses shorter intervals, unless steps by the least eigenvalue keep distances low.
     fn complete(&self, equations: &mut Equations) {
         for interval in trial_run::safe_intervals(equations) {
             if trial_run::stays_low(self, equations) {
@@ -99,13 +99,14 @@ impl Scheme for Chebyshev {
         Some(Relaxation::chebyshev(recurrence(&equations.forecast)))
     }
 
-    /// Residuals that have grown so far will not fall any more.
+    /// Residuals that have grown this much will not fall any more.
     fn stop(&self, progress: &Progress) -> Option<Outcome> {
         let hopeless = progress.length > HOPELESS * progress.first_length;
         hopeless.then_some(Outcome::Stalled(Reason::Diverging))
     }
 
-    /// A shorter interval, which takes more iterations, ill-conditioned bases, and slow steps.
+    /// Warns of a shorter interval, which takes more iterations, ill-conditioned bases, and slow
+    /// steps.
     fn warnings(
         &self,
         forecast: &Forecast,

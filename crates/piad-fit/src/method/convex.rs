@@ -29,7 +29,7 @@ pub(super) const ABOUT: About = About {
     source: "LWD04, Algorithm 1",
 };
 
-/// Most halvings of each search; taken literally, both could go on for ever in floating point.
+/// Most halvings of each search; taken literally, both could run forever in floating point.
 const HALVINGS: usize = 60;
 
 /// A step that moves the polygon by less than this part of the plain step is no progress.
@@ -76,7 +76,7 @@ impl Scheme for Convex {
         let found = if scope.is_surface {
             "this is a surface"
         } else if scope.dimension != 2 {
-            "the points have not two coordinates"
+            "the points do not have two coordinates"
         } else if scope.is_homogeneous {
             "the weights are homogeneous"
         } else {
@@ -110,12 +110,12 @@ impl Scheme for Convex {
     }
 }
 
-/// Plain steps where they keep the turns, else the part of a step that does.
+/// Plain steps where they keep the turns, else the largest fraction of a step that does.
 #[derive(Clone, Debug)]
 struct Steps {
     /// How near to the turning point the search goes, in steps.
     step_tolerance: f64,
-    /// Whether the polygon turns at its ends, too.
+    /// True if the polygon turns at its ends, too.
     closed: bool,
     /// The constants of control points beside the first and the last one, by which they differ from
     /// these, in the order of the polygon.
@@ -128,7 +128,7 @@ struct Steps {
     step: Points,
     /// The signs of the turns of that polygon.
     turns: Vec<i8>,
-    /// How many steps in a row were no progress.
+    /// The number of steps in a row that were no progress.
     idle: usize,
 }
 
@@ -148,7 +148,7 @@ impl Steps {
         }
     }
 
-    /// Places the polygon at `X + ε Δ` and says whether it turns as `X` did.
+    /// Moves the polygon to `X + ε Δ` and returns true if its turns are those of `X`.
     fn keeps_turns(&self, epsilon: f64, control_points: &mut Points) -> bool {
         for ((x, before), step) in control_points
             .lanes_mut()
@@ -181,7 +181,7 @@ impl Steps {
                 return 0.0;
             }
         }
-        // Back towards the whole step, as near as the turns allow.
+        // Back towards the whole step, as far as the turns allow.
         let mut lost = 1.0;
         for _ in 0..HALVINGS {
             if lost - kept <= self.step_tolerance {

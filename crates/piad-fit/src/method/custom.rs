@@ -10,9 +10,8 @@
 //! solution, Bᵀ/ρ(B Bᵀ) the transpose. On surfaces `U = U_u ⊗ U_v`, with one matrix for both
 //! directions or one for each.
 //!
-//! Fits of up to 100 points in a direction that certainly diverge are refused ([`stability`] says how
-//! that is decided). A singular U, such as a selection, has `ρ = 1` and is accepted: the fit comes to
-//! rest, though not at the data.
+//! Fits of up to 100 points in a direction that certainly diverge are refused ([`stability`] says how that is decided).
+//! A singular U, such as a selection, has `ρ = 1` and is accepted: the fit converges, though not to the data.
 //!
 //! U is n × n of n control points in a direction, at most [`LARGEST`]. A level of a curve costs n²
 //! multiplications for each coordinate, one of an n × m surface `n m (n + m)`.
@@ -45,8 +44,8 @@ pub(super) const ABOUT: About = About {
 /// The most rows and columns of a matrix.
 pub const LARGEST: usize = 500;
 
-/// Up to this number of rows all eigenvalues are computed, to refuse what diverges and to forecast the
-/// rate: it takes some milliseconds for 100 rows, and a second for 500, for which nobody else waits.
+/// Up to this number of rows all eigenvalues are computed, to refuse what diverges and to forecast the rate: this takes
+/// some milliseconds for 100 rows, and a second for 500.
 const SMALL: usize = 100;
 
 /// The multiplications of finding all eigenvalues of an n × n matrix are about this number times
@@ -78,8 +77,8 @@ pub struct Custom {
 }
 
 impl Custom {
-    /// The method with the rows of U, or of U_u and U_v; on surfaces `u` is for both directions if
-    /// there is no `v`. Whether the matrices fit a problem is found out when there is one.
+    /// The method with the rows of U, or of U_u and U_v; on surfaces `u` is for both directions if there is no `v`. The
+    /// matrices are checked together with a problem.
     pub fn new(u: Vec<Vec<f64>>, v: Option<Vec<Vec<f64>>>) -> Self {
         Self {
             u: Arc::new(u),
@@ -111,7 +110,7 @@ impl Custom {
     }
 }
 
-/// Whether all eigenvalues are computed.
+/// Returns true if all eigenvalues are computed.
 fn is_small(setup: &Setup) -> bool {
     let grid = setup.grid();
     grid.rows.max(grid.columns) <= SMALL
@@ -182,7 +181,7 @@ impl Scheme for Custom {
         }
     }
 
-    /// The rate of small ones; of others errors are foretold as they fall.
+    /// The rate of small ones; for others the decay of errors predicts the end.
     fn forecast(&self, setup: &Setup, collocation: &Tensor) -> Forecast {
         let rate = || stability::rate(&self.products(setup, collocation));
         Forecast {

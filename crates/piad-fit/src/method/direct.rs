@@ -64,7 +64,7 @@ impl Scheme for Direct {
         Some(Relaxation::Transformed { once: true })
     }
 
-    /// There is nothing to be foretold.
+    /// There is nothing to predict.
     fn ends_when_exact(&self) -> bool {
         true
     }

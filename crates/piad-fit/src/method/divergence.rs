@@ -1,4 +1,4 @@
-//! Whether relaxations converge, where that is in doubt: by all eigenvalues.
+//! Tests by all eigenvalues whether relaxations converge, where theory does not guarantee it.
 
 use nalgebra::{Complex, Schur};
 
@@ -29,7 +29,7 @@ pub(crate) fn check_relaxation(
     if !is_doubtful(setup) {
         return Ok(());
     }
-    // Of extreme weights nothing is known.
+    // Nothing is known for extreme weights.
     let Some(values) = eigenvalues(setup) else {
         return Ok(());
     };
@@ -73,9 +73,9 @@ fn check_rate(values: &[Complex<f64>], method: &'static str, omega: f64) -> Resu
     Ok(())
 }
 
-/// Whether the eigenvalues of the collocation matrix have to be looked at: only those of the
-/// Wang–Ball basis are in doubt. The other bases are totally positive, or periodic with a positive
-/// diagonal that dominates.
+/// Returns true if the eigenvalues of the collocation matrix must be computed. Only the Wang–Ball
+/// basis needs that. The other bases are totally positive, or periodic with a diagonally dominant,
+/// positive matrix.
 fn is_doubtful(setup: &Setup) -> bool {
     let wang_ball = |direction: &Direction| {
         matches!(

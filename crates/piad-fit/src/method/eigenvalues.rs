@@ -1,4 +1,4 @@
-//! The least eigenvalue of the collocation matrix, as the methods that converge by it need it.
+//! The least eigenvalue of the collocation matrix, for the methods that converge by it.
 //!
 //! Weighted PIA with its best ω and the Chebyshev semi-iteration choose their steps by λ_min, and
 //! always compute it; others only for their forecast, unless there are many points. An edit of a
@@ -15,7 +15,7 @@ use crate::setup::Setup;
 /// that need it always have it.
 const FORECAST: usize = 100_000;
 
-/// Whether λ_min is computed for the forecast alone: of polynomials up to [`DENSE`] points.
+/// Returns true if λ_min is computed for the forecast alone: of polynomials up to [`DENSE`] points.
 pub(super) fn is_small(setup: &Setup) -> bool {
     setup.directions().all(|direction| {
         let most = match direction.basis.is_local() {

@@ -11,8 +11,8 @@ use crate::matrix::operator::Operator;
 use crate::matrix::transform::Transform;
 use crate::setup::Setup;
 
-/// What does not change from level to level: data P, collocation matrix B, transform U, and what is
-/// known of the convergence.
+/// What does not change from level to level: data P, collocation matrix B, transform U, and the
+/// forecast of the convergence.
 #[derive(Debug)]
 pub(crate) struct Equations {
     /// The data and the bases.
@@ -21,7 +21,7 @@ pub(crate) struct Equations {
     pub collocation: Operator,
     /// The transform U.
     pub transform: Transform,
-    /// What is known of the convergence.
+    /// The forecast of the convergence.
     pub forecast: Forecast,
 }
 

@@ -47,7 +47,7 @@ pub(super) const ABOUT: About = About {
 pub struct Extended {
     /// The control points of level 0.
     pub start: Start,
-    /// Whether the error is told in transformed coordinates, too: `max_i ‖(U Δ)_i‖`, which is how far
+    /// True if the error is also reported in transformed coordinates, `max_i ‖(U Δ)_i‖`: how far
     /// control points move in the next update.
     pub transformed_error: bool,
 }
@@ -84,7 +84,7 @@ impl Scheme for Extended {
         &ABOUT
     }
 
-    /// The step, if its length is told.
+    /// The step, if its length is reported.
     fn demand(&self) -> Demand {
         let usual = Demand::default();
         Demand {
@@ -112,7 +112,7 @@ impl Scheme for Extended {
         equations.forecast.rounding = trial_run::left_by_rounding(self, equations);
     }
 
-    /// `U P`, which is one level ahead, unless the data are asked for.
+    /// `U P`, which is one level ahead, unless a start from the data is requested.
     fn start(&self, equations: &Equations) -> Arc<Points> {
         match self.start {
             Start::Data => Arc::clone(equations.setup.data()),
@@ -124,7 +124,7 @@ impl Scheme for Extended {
         }
     }
 
-    /// It stalls when nothing is left of `(I − U B)ᵏ`: what remains is rounding.
+    /// It stalls when `(I − U B)ᵏ` has vanished: what remains is rounding.
     fn update(&self, equations: &Equations) -> Box<dyn Update> {
         let update = Linear::nilpotent_after(equations.forecast.exact_after);
         Box::new(match self.transformed_error {
@@ -133,7 +133,7 @@ impl Scheme for Extended {
         })
     }
 
-    /// Rounding that leaves more than the tolerance.
+    /// Warns of rounding that leaves more than the tolerance.
     fn warnings(
         &self,
         forecast: &Forecast,

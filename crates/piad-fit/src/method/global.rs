@@ -69,7 +69,7 @@ impl Scheme for Global {
         Some(Relaxation::Scale(1.0))
     }
 
-    /// Ill-conditioned bases, whose slowest part of the error would hardly change.
+    /// Warns of ill-conditioned bases, whose slowest part of the error would hardly change.
     fn warnings(
         &self,
         forecast: &Forecast,

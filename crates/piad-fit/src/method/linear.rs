@@ -1,9 +1,9 @@
 //! `X ← X + U Δ` with a fixed linear map U, shared by all methods that have one.
 //!
 //! The residual becomes the step in place, so that no other vector is needed, and is computed anew
-//! from the next control points. A level costs one application of U and one of B. Where the error is
-//! to be told in transformed coordinates, too, `max_i ‖(U Δ)_i‖` (Deng13), the step is computed when
-//! the residual is, and kept in a vector of its own until it is taken: no more work.
+//! from the next control points. A level costs one application of U and one of B. Where the error
+//! is also reported in transformed coordinates, `max_i ‖(U Δ)_i‖` (Deng13), the step is computed
+//! when the residual is, and kept in a vector of its own until it is taken: no more work.
 
 use super::equations::Equations;
 use super::update::{Change, State, Update};
@@ -16,12 +16,12 @@ use crate::termination::Reason;
 pub(super) struct Linear {
     /// Updates that are left until `(I − U B)ᵏ` has vanished, if it does.
     left: Option<usize>,
-    /// The step from the current level, if its length is asked for.
+    /// The step from the current level, if its length is reported.
     step: Option<Points>,
 }
 
 impl Linear {
-    /// An update that goes on as long as it is asked to.
+    /// An update that never stalls.
     pub(super) fn endless() -> Self {
         Self {
             left: None,
@@ -29,7 +29,7 @@ impl Linear {
         }
     }
 
-    /// An update that stalls after so many levels, as `(I − U B)ᵏ` is zero from there on.
+    /// An update that stalls after `levels` levels, as `(I − U B)ᵏ` is zero from there on.
     pub(super) fn nilpotent_after(levels: Option<usize>) -> Self {
         Self {
             left: levels,
@@ -37,7 +37,7 @@ impl Linear {
         }
     }
 
-    /// The same, which tells the largest distance in transformed coordinates.
+    /// The same, which also reports the largest distance in transformed coordinates.
     pub(super) fn with_transformed_error(self, equations: &Equations) -> Self {
         let data = equations.setup.data();
         let step = Some(Points::zeros(data.dimension(), data.len()));
@@ -73,7 +73,7 @@ impl Update for Linear {
         }
     }
 
-    /// Prepares the step, if its length is asked for.
+    /// Prepares the step, if its length is reported.
     fn measured(&mut self, equations: &Equations, state: &mut State) {
         let Some(step) = &mut self.step else {
             return;

@@ -4,13 +4,13 @@
 //! X⁰ = P,   X ← X + ω S (P − B X),   U = ω S,   S = diag(0 or 1)
 //! ```
 //!
-//! (Lin10, sections 2–5, with ω = 1; section 6 proposes a relaxation, 0 < ω < 2). The difference vectors of the selected points I fall to zero, those of
-//! the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2; [`crate::iteration::limit`]).
-//! Errors and the stop rule are those of the selected points; the largest difference vector of the
-//! others is told apart. The rate is `max |1 − ω λ|` over the eigenvalues λ of `B_II`: for ω = 1 it is
-//! `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger eigenvalues
-//! than the matrix; for one point l it is `|1 − ω B_l(t_l)|`. The best ω for eigenvalues up to one
-//! is `2 / (1 + λ_min(B_II))`. A level costs as much as the supports of the selected points.
+//! (Lin10, sections 2–5, with ω = 1; section 6 proposes a relaxation, 0 < ω < 2). The difference vectors of the
+//! selected points I fall to zero, those of the others J converge to `Δ_J⁰ − B_JI B_II⁻¹ Δ_I⁰` (Lin10, Theorem 2;
+//! [`crate::iteration::limit`]). Errors and the stop rule are those of the selected points; the largest difference
+//! vector of the others is reported separately. The rate is `max |1 − ω λ|` over the eigenvalues λ of `B_II`: for ω = 1
+//! it is `1 − λ_min(B_II)`, where principal blocks of totally positive matrices have larger eigenvalues than the
+//! matrix; for one point l it is `|1 − ω B_l(t_l)|`. The best ω for eigenvalues up to one is `2 / (1 + λ_min(B_II))`. A
+//! level costs as much as the supports of the selected points.
 //!
 //! On surfaces the points can also be adjusted row by row (Lin10, Theorem 9), or column by column: a
 //! line until it is within the tolerance, then the next one. One pass is not enough, as later lines
@@ -41,7 +41,7 @@ pub(super) const ABOUT: About = About {
 /// Up to this number of adjusted points the least eigenvalue of their block is computed, in O(n³).
 const BLOCK: usize = 200;
 
-/// Local PIA. Which points are selected is a part of the request, as there can be many.
+/// Local PIA. The selected points are a part of the request, as there can be many.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Local {
@@ -52,7 +52,7 @@ pub struct Local {
     pub sweeps: Option<Sweeps>,
 }
 
-/// The lines of points that sweeps go by.
+/// The order of the lines in sweeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -123,8 +123,8 @@ impl Scheme for Local {
 }
 
 impl Sweeps {
-    /// The lines of these points, given in increasing order, of a grid with so many columns. Those
-    /// of each line increase, too.
+    /// The lines of these points, given in increasing order, of a grid with `columns` columns. The points of each line
+    /// increase, too.
     fn lines(self, mut points: Vec<usize>, columns: usize) -> Vec<Vec<usize>> {
         let line = |index: usize| match self {
             Self::Rows => index / columns,
@@ -146,12 +146,12 @@ fn adjusted(setup: &Setup) -> Vec<usize> {
     indices
 }
 
-/// Refuses indices that there are not, or that are given twice; there must be one at least.
+/// Refuses indices that are out of range, or given twice; there must be at least one.
 fn check_indices(indices: &[usize], count: usize) -> Result<(), Invalid> {
     if indices.is_empty() {
         return Err(Invalid::at(
             Place::Setting(Setting::Indices),
-            "there is no index to adjust",
+            "indices is empty; expected at least one",
         ));
     }
     let mut seen = vec![false; count];

@@ -22,9 +22,8 @@
 //
 // # To add a method
 //
-// Write a file with a type that implements `Scheme`, whose documentation gives its formula and its
-// source, and add a line to each of `Method`, `Method::scheme` and `METHODS`. Nothing else in
-// the crate tells methods apart.
+// Write a file with a type that implements `Scheme`, whose documentation gives its formula and its source, and add a
+// line to each of `Method`, `Method::scheme` and `METHODS`. Nothing else in the crate distinguishes methods.
 //
 // # What methods share
 //
@@ -32,7 +31,7 @@
 //   semi-iteration;
 // - `selection`: updates that move only some control points;
 // - `update` and `relaxation`: how the plain loop and the sweeps take a method's steps;
-// - `equations`: `B X = P` and the transform of a method; `plain`: the loop as it is written down;
+// - `equations`: `B X = P` and the transform of a method; `plain`: the loop in its basic form;
 // - `eigenvalues`: forecasts by the least eigenvalue; `divergence`: whether a relaxation diverges;
 // - `trial_run`: fits in advance.
 
@@ -138,7 +137,7 @@ pub const METHODS: [&About; 11] = [
 ];
 
 impl Method {
-    /// What the method is for the rest of the crate: the only place that tells methods apart.
+    /// The algorithm of the method: the only place in the crate that distinguishes methods.
     pub(super) fn scheme(&self) -> &dyn Scheme {
         match self {
             Self::Global => &global::Global,
@@ -155,7 +154,7 @@ impl Method {
         }
     }
 
-    /// The same without matrices, constraints, and thresholds and weights of points, as lists of fits show it.
+    /// The same without matrices, constraints, and thresholds and weights of points, for lists of fits.
     #[must_use]
     pub fn outline(&self) -> Self {
         match self {
@@ -166,7 +165,7 @@ impl Method {
         }
     }
 
-    /// The settings of a fit that chooses its knots by itself.
+    /// The settings of a fit that chooses its knots.
     pub(crate) fn automatic(&self) -> Option<(&LeastSquares, &Automatic)> {
         match self {
             Self::LeastSquares(settings) => Some((settings, settings.automatic.as_ref()?)),
@@ -174,17 +173,17 @@ impl Method {
         }
     }
 
-    /// Whether it chooses its knots by itself.
+    /// Returns true if it chooses its knots.
     pub fn is_automatic(&self) -> bool {
         self.automatic().is_some()
     }
 
-    /// Whether there are fewer control points than data points.
+    /// Returns true if there are fewer control points than data points.
     pub fn has_fewer_control_points(&self) -> bool {
         self.scheme().control_points().is_some()
     }
 
-    /// What it is called, what it does, and where it comes from.
+    /// Its names, what it does, and its source.
     pub fn about(&self) -> &'static About {
         self.scheme().about()
     }
@@ -197,7 +196,7 @@ impl Method {
         }
     }
 
-    /// What to do where a least-squares fit is at its minimum, and further from the data than was asked for.
+    /// What to do if a least-squares fit is at its minimum, and further from the data than requested.
     pub fn advice_at_minimum(&self) -> String {
         match self {
             Self::LeastSquares(method) => method.advice_at_minimum(),
@@ -210,8 +209,8 @@ impl Method {
         self.about().name
     }
 
-    /// What is doubtful about a fit by what was found out before the first step, if it will end at
-    /// level `predicted`, as far as is known at level 0, and is computed up to level `iterations`.
+    /// Warnings by what is known before the first step. The fit is predicted to end at level `predicted`, and is
+    /// computed up to level `iterations`.
     pub fn warnings(
         &self,
         forecast: &Forecast,

@@ -7,7 +7,7 @@ use crate::invalid::Invalid;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Omega {
-    /// This one.
+    /// The given number.
     Given(f64),
     /// The best one for eigenvalues between λ_min and one, `2 / (1 + λ_min)`.
     Best,
@@ -21,7 +21,7 @@ impl Default for Omega {
 }
 
 impl Omega {
-    /// The one that is given, unless it is the default.
+    /// The given number, unless it is the default.
     pub fn other_than_one(self) -> Option<Self> {
         (self != Self::default()).then_some(self)
     }
@@ -34,7 +34,7 @@ impl Omega {
         }
     }
 
-    /// ω = 0 would stand still, and ω = 2 oscillate where 1 is an eigenvalue.
+    /// ω = 0 would make no progress, and ω = 2 oscillate where 1 is an eigenvalue.
     pub(super) fn check(self) -> Result<(), Invalid> {
         match self {
             Self::Given(value) if !(value > 0.0 && value < 2.0) => Err(Invalid::omega(value)),

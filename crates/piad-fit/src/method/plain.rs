@@ -1,12 +1,12 @@
-//! The loop as it is written down: residual, update and errors one after the other.
+//! The plain loop: residual, update and errors one after the other.
 //!
 //! ```text
 //! Δ = P − B X
 //! X ← X + U Δ
 //! ```
 //!
-//! It does for every method and every basis; the [sweeps](crate::iteration::sweep) are held to it, to the last
-//! bit. A level costs an application of B and one of U, and three passes over memory.
+//! It works for every method and every basis; the [sweeps](crate::iteration::sweep) must match it to the last bit. A
+//! level costs an application of B and one of U, and three passes over memory.
 
 use std::sync::Arc;
 
@@ -90,7 +90,7 @@ impl Plain {
         (moved, error)
     }
 
-    /// How the control points are moved.
+    /// The update of the control points.
     pub(crate) fn update(&self) -> &dyn Update {
         &*self.update
     }

@@ -17,7 +17,7 @@ pub(crate) struct Recurrence {
     delta: f64,
     /// ρ of the last step.
     rho: f64,
-    /// Whether there was a step.
+    /// True if there was a step.
     begun: bool,
 }
 

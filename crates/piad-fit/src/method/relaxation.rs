@@ -1,4 +1,4 @@
-//! What a sweep does with the adjusting vectors of a level.
+//! The use of the adjusting vectors of a level in a sweep.
 //!
 //! A sweep computes `Δ = P − B X` block by block. Of some methods every control point can move at
 //! once, by its own adjusting vector,
@@ -7,8 +7,7 @@
 //! d ← momentum d + gain Δ,   X' = X + d
 //! ```
 //!
-//! of others the adjusting vectors of all points are needed first, and are transformed together
-//! afterwards.
+//! for others all adjusting vectors are needed first, and are transformed together afterwards.
 
 use super::recurrence::Recurrence;
 
@@ -21,7 +20,7 @@ pub(crate) struct Coefficients {
     pub gain: f64,
 }
 
-/// What a pass does with the residual of a level.
+/// The use of the residual of a level in a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Step {
     /// The control points stay: the level is only measured.
@@ -50,8 +49,8 @@ pub(crate) enum Relaxation {
     },
     /// `X ← X + U Δ`, with the transform of the equations.
     Transformed {
-        /// Direct: hardly ever is there a second step, so that the residual of the next level is
-        /// not kept.
+        /// Direct: there is rarely a second step, so that the residual of the next level is not
+        /// kept.
         once: bool,
     },
 }
@@ -66,22 +65,22 @@ impl Relaxation {
         }
     }
 
-    /// Whether all adjusting vectors are transformed together.
+    /// Returns true if all adjusting vectors are transformed together.
     pub(crate) fn is_transformed(&self) -> bool {
         matches!(self, Self::Transformed { .. })
     }
 
-    /// Whether the fit hardly ever goes on after a step, so that no further step is prepared.
+    /// Returns true if the fit rarely continues after a step, so that no further step is prepared.
     pub(crate) fn is_done_at_once(&self) -> bool {
         matches!(self, Self::Transformed { once: true })
     }
 
-    /// Whether the last step matters for the next one.
+    /// Returns true if the last step matters for the next one.
     pub(crate) fn has_momentum(&self) -> bool {
         matches!(self, Self::Chebyshev { .. })
     }
 
-    /// What leads from the current level to the next.
+    /// The step from the current level to the next.
     pub(crate) fn step(&self) -> Step {
         match self {
             Self::Scale(gain) => Step::Move(Coefficients {

@@ -1,4 +1,4 @@
-//! What a method is: everything that the rest of the crate asks of one.
+//! The interface of a method to the rest of the crate.
 //!
 //! Functions are called once for each fit, or once for each level, never for each point. In the
 //! order in which they are called:
@@ -34,19 +34,19 @@ use crate::warning::Warning;
 pub(crate) struct Scope<'a> {
     /// The arrangement of the data points.
     pub grid: Grid,
-    /// Whether there is a second direction.
+    /// True if there is a second direction.
     pub is_surface: bool,
-    /// Whether the points of the surface are scattered: they are in a grid of one column.
+    /// True if the points of the surface are scattered: they are in a grid of one column.
     pub is_scattered: bool,
     /// The number of coordinates of the data points.
     pub dimension: usize,
-    /// Whether the fit is made in homogeneous coordinates.
+    /// True if the fit is made in homogeneous coordinates.
     pub is_homogeneous: bool,
     /// The indices of the control points that may move, if they were given.
     pub selected: Option<&'a [usize]>,
 }
 
-/// What a method needs of memory besides data, control points and residual.
+/// The memory of a method besides data, control points and residual.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Demand {
     /// Vectors with as many points as the data.
@@ -112,23 +112,23 @@ pub(crate) trait Scheme: Debug {
         None
     }
 
-    /// Whether data points of the grid may be missing.
+    /// Returns true if data points of the grid may be missing.
     fn fits_holes(&self) -> bool {
         false
     }
 
-    /// Whether the points of a surface may be scattered.
+    /// Returns true if the points of a surface may be scattered.
     fn fits_scattered(&self) -> bool {
         false
     }
 
-    /// The largest distance at which the fit may end, in data units, if this tolerance is asked
-    /// for.
+    /// The largest distance at which the fit may end, in data units, if this tolerance is
+    /// requested.
     fn tolerance(&self, asked: f64) -> f64 {
         asked
     }
 
-    /// What it needs of memory.
+    /// Its memory.
     fn demand(&self) -> Demand {
         Demand::default()
     }
@@ -144,8 +144,8 @@ pub(crate) trait Scheme: Debug {
         0
     }
 
-    /// What is known of the convergence before the first step. It may take as long as some
-    /// factorizations of the collocation matrix.
+    /// The forecast before the first step. It may take as long as some factorizations of the
+    /// collocation matrix.
     fn forecast(&self, _setup: &Setup, _collocation: &Tensor) -> Forecast {
         Forecast::default()
     }
@@ -155,8 +155,8 @@ pub(crate) trait Scheme: Debug {
         Transform::Scale(1.0)
     }
 
-    /// Completes the forecast by what only the transform, or a trial, can tell. It may change the
-    /// steps that the forecast stands for.
+    /// Adds to the forecast what only the transform or a trial run shows. It may change the steps
+    /// that the forecast assumes.
     fn complete(&self, _equations: &mut Equations) {}
 
     /// The control points of level 0, unless they were given: those of most methods are the data.
@@ -183,17 +183,18 @@ pub(crate) trait Scheme: Debug {
         true
     }
 
-    /// Whether fits end although errors never reach a tolerance of zero.
+    /// Returns true if fits end although errors never reach a tolerance of zero.
     fn ends_by_itself(&self) -> bool {
         false
     }
 
-    /// Whether the rate of the forecast is that of the long run, rather than a bound.
+    /// Returns true if the rate of the forecast is that of the long run, rather than a bound.
     fn rate_is_sharp(&self) -> bool {
         true
     }
 
-    /// Whether the level `exact_after` of the forecast is where the fit ends, but for rounding.
+    /// Returns true if the level `exact_after` of the forecast is where the fit ends, but for
+    /// rounding.
     fn ends_when_exact(&self) -> bool {
         false
     }
@@ -204,14 +205,14 @@ pub(crate) trait Scheme: Debug {
         0
     }
 
-    /// Whether the fit ends for a reason of the method's own: it is neither within the tolerance
-    /// nor at the last allowed level.
+    /// The outcome if the fit ends for a reason of the method's own: it is neither within the
+    /// tolerance nor at the last allowed level.
     fn stop(&self, _progress: &Progress) -> Option<Outcome> {
         None
     }
 
-    /// What is doubtful by the forecast, where the fit will end at level `predicted`, as far as is
-    /// known at level 0, and at level `iterations` at the latest.
+    /// Warnings by the forecast, if the fit is predicted to end at level `predicted`, and ends at
+    /// level `iterations` at the latest.
     fn warnings(
         &self,
         _forecast: &Forecast,

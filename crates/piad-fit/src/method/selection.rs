@@ -6,7 +6,7 @@
 //! X_i ← X_i + ω Δ_i,   Δ ← Δ − B e_i ω Δ_i     for all i that move
 //! ```
 //!
-//! So an update costs as much as the supports of the moved points, about `|I| (p + 1)`
+//! So the cost of an update is that of the supports of the moved points, about `|I| (p + 1)`
 //! multiplications for each coordinate of a curve of degree p and `|I| (p + 1)²` of a surface,
 //! whatever the number of data; and only the errors of the points that have changed are measured
 //! again. Computing the whole residual anew takes more multiplications, but whole arrays at a time:
@@ -19,15 +19,15 @@ use super::update::{Change, State, Update};
 use crate::geometry::norms::Norms;
 use crate::matrix::tensor::Tensor;
 
-/// How many multiplications of whole arrays take as long as one of an entry that is looked up.
+/// The cost of a multiplication of an entry that is looked up, in multiplications of whole arrays.
 const LOOK_UP: usize = 6;
 
-/// How the moved control points are chosen.
+/// The rule by which the moved control points are chosen.
 pub(super) trait Choice: Clone + Debug + Send + 'static {
-    /// Whether each update has its own, rather than all of them the same.
+    /// True if each update has its own, rather than all of them the same.
     const VARIES: bool;
 
-    /// Whether a fit goes on while there are points to move, although no distance is above the
+    /// True if a fit continues while there are points to move, although no distance is above the
     /// tolerance.
     fn decides_the_end(&self) -> bool {
         false

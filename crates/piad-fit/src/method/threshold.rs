@@ -32,7 +32,7 @@ impl Threshold {
         }
     }
 
-    /// Whether each point has its own.
+    /// Returns true if each point has its own.
     pub fn is_each(&self) -> bool {
         matches!(self, Self::Each(_))
     }
@@ -45,7 +45,7 @@ impl Threshold {
         }
     }
 
-    /// Refuses thresholds that are not greater than 0, at which points would move for ever, and
+    /// Refuses thresholds that are not greater than 0, at which points would move forever, and
     /// lists that are not one for each of `count` points.
     pub(super) fn check(&self, count: usize) -> Result<(), Invalid> {
         let each = match self {

@@ -1,8 +1,8 @@
-//! Fits in advance: what their matrix does to distances before they vanish.
+//! Trial runs: the growth of distances before they vanish.
 //!
 //! The extended method is exact after a known number of levels, but its distances grow before they
 //! vanish: `(I − U B)ᵏ` can be as large as 10¹⁵⁰. Chebyshev steps are chosen by eigenvalues, and
-//! where eigenvectors are nearly parallel these say little: with knots at the data and an even
+//! where eigenvectors are nearly parallel these predict little: with knots at the data and an even
 //! degree distances of 400 points rise by 10⁸⁸. How far they rise depends on the whole matrix, so
 //! that the quickest way to know it is to try.
 //!
@@ -29,7 +29,7 @@ pub(super) fn left_by_rounding(method: &dyn Scheme, equations: &Equations) -> Op
             return None;
         }
         last = plain.step(equations).1.max;
-        // Distances that are no numbers any more are as good as infinite.
+        // Distances that are not finite count as infinite.
         largest = if last > largest || last.is_nan() {
             last
         } else {
@@ -62,7 +62,7 @@ const STEPS: (usize, usize) = (50, 1000);
 
 /// Where the interval [a, 1] of the Chebyshev steps may begin, if λ_min will not do: √λ_min, its
 /// root, and so on up to a = 1, the steps of classical PIA. The first one with which residuals do
-/// not rise far is taken. None if λ_min is not in doubt.
+/// not rise far is taken. `None` if λ_min is reliable.
 pub(super) fn safe_intervals(equations: &Equations) -> impl Iterator<Item = f64> + use<> {
     let least = equations.forecast.lambda_min.unwrap_or(1.0).max(ROUNDING);
     let begin = is_doubtful(equations).then_some(least.sqrt());
@@ -72,7 +72,7 @@ pub(super) fn safe_intervals(equations: &Equations) -> impl Iterator<Item = f64>
     })
 }
 
-/// Whether eigenvalues may say little of single levels.
+/// Returns true if eigenvalues may predict single levels badly.
 fn is_doubtful(equations: &Equations) -> bool {
     let setup = &equations.setup;
     let least = equations.forecast.lambda_min.unwrap_or(1.0);
@@ -80,7 +80,8 @@ fn is_doubtful(equations: &Equations) -> bool {
     ill || setup.is_clustered()
 }
 
-/// Whether residuals stay low in a fit with the steps of the forecast, as far as it is tried.
+/// Returns true if residuals stay low in a fit with the steps of the forecast, as far as it is
+/// tried.
 pub(super) fn stays_low(method: &dyn Scheme, equations: &Equations) -> bool {
     let setup = &equations.setup;
     let steps = (WORK / setup.residual_cost().max(1)).clamp(STEPS.0, STEPS.1);

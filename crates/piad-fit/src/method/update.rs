@@ -15,18 +15,18 @@ use crate::termination::{Outcome, Reason};
 pub(crate) enum Change {
     /// Any control point: the residual is to be computed.
     All {
-        /// How many control points moved.
+        /// The number of control points that moved.
         moved: usize,
     },
     /// Any control point; the residual is up to date.
     Residual {
-        /// How many control points moved.
+        /// The number of control points that moved.
         moved: usize,
     },
     /// Some control points; the residual is up to date, and has changed at the points of
     /// [`State::changed`] only.
     Some {
-        /// How many control points moved.
+        /// The number of control points that moved.
         moved: usize,
     },
 }
@@ -49,7 +49,7 @@ pub(crate) trait Update: Debug + Send {
     /// Moves the control points once.
     fn update(&mut self, equations: &Equations, state: &mut State) -> Change;
 
-    /// The same update at the same level, from which the iteration can go on again.
+    /// A copy of the update at the same level, from which the iteration can continue.
     fn copy(&self) -> Box<dyn Update>;
 
     /// Called when the residual of level 0 is known.
@@ -70,13 +70,12 @@ pub(crate) trait Update: Debug + Send {
         None
     }
 
-    /// The largest distance in transformed coordinates, `max_i ‖(U Δ)_i‖`, if it is asked for.
+    /// The largest distance in transformed coordinates, `max_i ‖(U Δ)_i‖`, if requested.
     fn transformed_error(&self) -> Option<f64> {
         None
     }
 
-    /// Whether there is something left to do, although no distance is above the tolerance of the
-    /// method.
+    /// Returns true if there is something left to do, although no distance is above the tolerance of the method.
     fn is_unfinished(&self) -> bool {
         false
     }
@@ -86,12 +85,12 @@ pub(crate) trait Update: Debug + Send {
         false
     }
 
-    /// Whether the fit is at its end by what the update has measured, and why.
+    /// The outcome if the fit ends by what the update has measured.
     fn outcome(&self) -> Option<Outcome> {
         None
     }
 
-    /// Whether another update would change nothing, and why.
+    /// The reason if another update would change nothing.
     fn stalled(&self) -> Option<Reason> {
         None
     }

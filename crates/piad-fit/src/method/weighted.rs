@@ -44,7 +44,7 @@ impl Scheme for Weighted {
         &ABOUT
     }
 
-    /// ω = 0 would stand still, and ω = 2 oscillate, as 1 is an eigenvalue of most matrices.
+    /// ω = 0 would make no progress, and ω = 2 oscillate, as 1 is an eigenvalue of most matrices.
     fn check(&self, _scope: &Scope<'_>) -> Result<(), Invalid> {
         match self.omega {
             Some(value) if !(value > 0.0 && value < 2.0) => Err(Invalid::omega(value)),

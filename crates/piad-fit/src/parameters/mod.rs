@@ -1,4 +1,4 @@
-//! Parameters of data points: where on the curve each of them lies.
+//! Parameters of data points.
 //!
 //! ```text
 //! uniform        t_i = i / n
@@ -6,10 +6,9 @@
 //! centripetal    t_i = t_{i−1} + ‖P_i − P_{i−1}‖^(1/2)        (Lee 1989)
 //! ```
 //!
-//! from t_0 = 0 on. On surfaces the steps of a direction are means over all lines of the other one
-//! (LWD04 (12)–(13)). Closed curves have one step more, from the last point back to the first,
-//! whose end is the *period*. Chord lengths are in data units; polynomial bases scale them to [0,
-//! 1], and B-splines do not care.
+//! from t_0 = 0 on. On surfaces the steps of a direction are means over all lines of the other one (LWD04 (12)–(13)).
+//! Closed curves have one step more, from the last point back to the first, whose end is the *period*. Chord lengths
+//! are in data units; polynomial bases scale them to [0, 1], and B-splines do not depend on the scale.
 
 pub(crate) mod scattered;
 
@@ -41,15 +40,15 @@ pub enum Parametrization {
     /// Steps are the distances of successive points, in data units; on surfaces their mean over all
     /// lines of the other direction (LWD04 (12)–(13)).
     ChordLength,
-    /// Steps are square roots of the distances (Lee 1989), averaged likewise.
+    /// Steps are square roots of the distances (Lee 1989), averaged in the same way.
     Centripetal,
     /// Given values, strictly increasing.
     Explicit(Arc<Vec<f64>>),
 }
 
 impl Parametrization {
-    /// That of a surface through these points where nothing is said: distances of heights, points of one
-    /// coordinate, do not say where on the surface they lie.
+    /// The default for a surface through these points: distances of heights, points of one coordinate, do not determine
+    /// where on the surface they lie.
     pub fn usual_of_surface(points: &Points) -> Self {
         match points.dimension() {
             1 => Self::Uniform,
@@ -64,7 +63,7 @@ impl Parametrization {
 pub struct Parametrized {
     /// One for each data point, finite and strictly increasing.
     pub values: Arc<Vec<f64>>,
-    /// How much later a closed curve is back at its first point; of an open one the length of its
+    /// The parameter distance after which a closed curve is back at its first point; for an open one the length of its
     /// range.
     pub period: f64,
 }
@@ -75,8 +74,8 @@ pub struct Parametrized {
 ///
 /// # Errors
 ///
-/// Names the points that are equal, or too close to be told apart, the first explicit value
-/// that does not increase, or the wrong number of explicit values.
+/// Fails with the points that are equal or too close to be distinct, the first explicit value that does not increase,
+/// or the wrong number of explicit values.
 #[doc(hidden)]
 pub fn parameters(
     choice: Parametrization,
@@ -165,8 +164,8 @@ fn by_distance(
 /// The most steps without length that are named.
 const MOST_NAMED: usize = 100;
 
-/// What is wrong with parameters by distance that do not increase, at each step that has no length:
-/// `pairs` says how many distances each step is a mean of, if points are missing.
+/// The validation errors of parameters by distance that do not increase, at each step that has no length: `pairs` is
+/// the number of distances in the mean of each step, if points are missing.
 fn not_increasing(
     parameters: &[f64],
     pairs: &[u32],
@@ -235,7 +234,7 @@ struct Sums<'a, F> {
     step: F,
     /// The sum for each point of a line; that for the first one stays zero.
     totals: Vec<f64>,
-    /// How many distances have been added to each sum, if points are missing.
+    /// The number of distances added to each sum, if points are missing.
     pairs: Vec<u32>,
 }
 
@@ -288,7 +287,7 @@ impl<F: Fn(f64) -> f64 + Sync> Sums<'_, F> {
     }
 }
 
-/// Given parameters, if there are as many as `expected` and they are finite and strictly increase.
+/// Given parameters, if there are `expected` of them, and they are finite and strictly increase.
 fn explicit(
     values: Arc<Vec<f64>>,
     expected: usize,

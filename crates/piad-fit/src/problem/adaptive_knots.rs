@@ -1,4 +1,4 @@
-//! Knots that are placed where the data ask for them, for a given number of control points.
+//! Knots that follow the data, for a given number of control points.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::knot_selection::breaks::Breaks;
 use crate::method::{LeastSquares, Method};
 use crate::setup::Setup;
 
-/// Refuses what they cannot be combined with.
+/// Refuses settings that they cannot be combined with.
 pub(super) fn check(request: &Request) -> Result<(), Invalid> {
     let wrong = |axis, detail| Err(Invalid::at(Place::Knots(axis), detail));
     if request.v.as_ref().is_some_and(DirectionChoice::is_adaptive) {
@@ -40,7 +40,7 @@ pub(super) fn check(request: &Request) -> Result<(), Invalid> {
     wrong(Axis::U, found)
 }
 
-/// How many multiplications it takes.
+/// The number of multiplications that it takes.
 pub(super) fn cost(request: &Request, setup: &Setup) -> usize {
     if !request.u.is_adaptive() {
         return 0;
@@ -50,7 +50,8 @@ pub(super) fn cost(request: &Request, setup: &Setup) -> usize {
     2 * adaptive::ROUNDS * setup.grid().count() * each
 }
 
-/// How many bytes it takes: the values of the functions at all data, twice while one fit replaces another, and distances.
+/// The number of bytes that it takes: the values of the functions at all data, twice while one fit replaces another,
+/// and distances.
 pub(super) fn memory(request: &Request, setup: &Setup) -> usize {
     match request.u.is_adaptive() {
         true => {
@@ -61,7 +62,7 @@ pub(super) fn memory(request: &Request, setup: &Setup) -> usize {
     }
 }
 
-/// The same curve over the knots that its data ask for, or over those of the fit that it starts from, if it is to have
+/// The same curve over knots that follow the data, or over those of the fit that it starts from, if it is to have
 /// adaptive ones.
 pub(super) fn placed(request: &Request, setup: &Setup) -> Result<Option<Setup>, Invalid> {
     let Method::LeastSquares(settings) = &request.method else {
@@ -78,7 +79,7 @@ pub(super) fn placed(request: &Request, setup: &Setup) -> Result<Option<Setup>, 
     Ok(Some(placed))
 }
 
-/// The knots that the data ask for, or those of the fit that this one starts from.
+/// The knots that follow the data, or those of the fit that this one starts from.
 fn line(request: &Request, settings: &LeastSquares, setup: &Setup) -> Option<Breaks> {
     let u = setup.u();
     let t = &u.parameters;

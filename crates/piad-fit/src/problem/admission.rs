@@ -1,8 +1,8 @@
-//! What a fit may take: known from its sizes, before anything of it is computed.
+//! Admission: the cost of a fit, known from its sizes before anything is computed.
 
 use crate::invalid::{Invalid, Place};
 
-/// The most that a fit may take.
+/// Limits of a fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Admission {
     /// Bytes of a fit with small steps.
@@ -18,7 +18,7 @@ pub struct Admission {
 }
 
 impl Admission {
-    /// Everything is admitted: it was before, or there is nobody else.
+    /// Everything is admitted: it was admitted before, or there is no other user.
     pub const ANY: Self = Self {
         quick: usize::MAX,
         heavy: usize::MAX,
@@ -27,7 +27,8 @@ impl Admission {
         start: usize::MAX,
     };
 
-    /// Refuses what takes more: bytes, and multiplications of an iteration and before the first one.
+    /// Refuses a fit that needs more: bytes, and multiplications of an iteration and before the
+    /// first one.
     pub(crate) fn check(&self, needed: usize, step: usize, start: usize) -> Result<(), Invalid> {
         let limit = match step <= self.small_step {
             true => self.quick,
@@ -47,7 +48,7 @@ impl Admission {
         ];
         match pieces.into_iter().find(|(_, needed, limit)| needed > limit) {
             None => Ok(()),
-            // Others, and those who cancel it, would wait for seconds.
+            // Other fits, and clients that cancel it, would wait for seconds.
             Some((what, needed, limit)) => {
                 let [needed, limit] = [needed, limit].map(|it| it as f64);
                 let detail = format!(

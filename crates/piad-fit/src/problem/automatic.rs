@@ -1,4 +1,4 @@
-//! What does not go with as few control points as a tolerance needs.
+//! Settings that cannot be combined with the fewest control points for a tolerance.
 
 use super::request::{Request, Weights};
 use crate::basis::choice::{BasisChoice, DirectionChoice};
@@ -7,7 +7,7 @@ use crate::invalid::{Axis, Invalid, Place, Setting};
 use crate::method::{At, Constraint, Variant};
 use crate::parameters::Scattered;
 
-/// Refuses what an automatic fit does not do.
+/// Refuses settings that an automatic fit does not support.
 pub(crate) fn check_request(request: &Request) -> Result<(), Invalid> {
     let Some((settings, automatic)) = request.method.automatic() else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What is checked of a request before and while it becomes a problem.
+//! Checks of a request before and while it becomes a problem.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::invalid::{Invalid, Place};
 use crate::method::Scope;
 use crate::setup::Setup;
 
-/// What the settings of a method are checked against.
+/// The sizes that the settings of a method are checked against.
 pub(super) fn scope(request: &Request) -> Scope<'_> {
     Scope {
         grid: request.grid,

@@ -1,18 +1,18 @@
-//! From what is asked for in a direction to its parameters, knots and basis.
+//! From the requested settings of a direction to its parameters, knots and basis.
 //!
 //! | basis | control points | knots | source |
 //! |---|---|---|---|
-//! | polynomial | as many as data points, or fewer | none | LBW05, section 2 |
+//! | polynomial | at most the number of data points | none | LBW05, section 2 |
 //! | open B-spline | n, and p − 1 end copies | at the data | LBW05 (3.1)–(3.2) |
 //! | open B-spline | n | averaged, or given | PT97 (9.8) |
 //! | open B-spline | fewer than data points | spread, or given | |
-//! | open B-spline | fewer than data points | as earlier programs had them | PT97 (9.68)–(9.69) |
+//! | open B-spline | fewer than data points | as in earlier versions | PT97 (9.68)–(9.69) |
 //! | curve | fewer than data points | spread, then adaptive ([`super::adaptive_knots`]) | |
 //! | closed B-spline | n, or fewer | periodic | |
 //! | B-spline with corners, or creases | n, or fewer | p at each corner, averaged or spread between | |
 //!
-//! Whatever is given is checked against what it has to fit: parameters against knots, knots against
-//! the number of control points, weights against that of functions.
+//! Given values are checked against each other: parameters against knots, knots against the number of control points,
+//! weights against that of functions.
 
 use std::sync::Arc;
 
@@ -40,8 +40,7 @@ impl Direction {
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong with the number of control points, the parameters, the degree,
-    /// the knots or the weights.
+    /// The first error of the number of control points, the parameters, the degree, the knots or the weights.
     pub(crate) fn new(
         choice: DirectionChoice,
         points: &Points,
@@ -98,7 +97,7 @@ impl Direction {
     }
 }
 
-/// The direction with which a fit begins that chooses its knots: with given breaks, or the fewest that there are for the
+/// The initial direction of a fit that chooses its knots: with given breaks, or the fewest that there are for the
 /// degree, between corners if it has some.
 pub(crate) fn first_direction(
     choice: DirectionChoice,
@@ -375,7 +374,7 @@ pub(crate) fn check_degree(degree: usize, chosen: bool, axis: Axis) -> Result<()
     }
 }
 
-/// Knots at the data or averaged ones are asked for in a least-squares fit.
+/// Knots at the data, or averaged ones, in a least-squares fit.
 fn least_squares_knots(axis: Axis) -> Invalid {
     let detail = "least squares spreads its knots by itself: leave them out, or for open curves name \"spread\" or \"adaptive\", or give numbers";
     Invalid::at(Place::Knots(axis), detail)

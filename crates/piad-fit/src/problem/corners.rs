@@ -1,4 +1,4 @@
-//! The corners of a curve: where they are, and what has none.
+//! The corners of a curve: how they are found, and which fits support them.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 use crate::method::{At, Constraint, EndPoints, Method, Wanted};
 
-/// Finds the corners of a curve where they are not given, and leaves them out where there are none; least squares passes
+/// Finds the corners of a curve if they are not given, and removes the setting if there are none; least squares passes
 /// through them.
 pub(super) fn resolve(request: &mut Request, inliers: Option<&Inliers>) -> Result<(), Invalid> {
     let Some(corners) = request.u.corners.clone() else {
@@ -44,7 +44,7 @@ pub(super) fn resolve(request: &mut Request, inliers: Option<&Inliers>) -> Resul
     pass_through(request, &indices)
 }
 
-/// Returns true if a curve chooses its knots and could have corners, and is not asked for them.
+/// Returns true if a curve chooses its knots and could have corners, but has no setting for them.
 pub(super) fn rounds(request: &Request) -> bool {
     request.method.is_automatic()
         && request.u.corners.is_none()
@@ -62,7 +62,7 @@ pub(super) fn radians(degrees: f64) -> Result<f64, Invalid> {
     }
 }
 
-/// Why a direction can have no corners, or creases.
+/// The error for a direction that can have no corners, or creases.
 pub(super) fn refused(choice: &DirectionChoice, what: &str) -> Option<String> {
     let found = match &choice.basis {
         BasisChoice::Polynomial(_) => format!("a polynomial has no {what}: use a B-spline"),
@@ -84,7 +84,7 @@ pub(super) fn refused(choice: &DirectionChoice, what: &str) -> Option<String> {
     Some(found)
 }
 
-/// Refuses what corners cannot be combined with.
+/// Refuses settings that corners cannot be combined with.
 fn check(request: &Request) -> Result<(), Invalid> {
     if let Some(found) = refused(&request.u, "corners") {
         return Err(wrong(found));
@@ -108,8 +108,8 @@ fn check(request: &Request) -> Result<(), Invalid> {
     Err(wrong(found.to_owned()))
 }
 
-/// The data points at the ends of the pieces between corners. On a closed curve they begin with the first corner, and
-/// end with it, as if the data came again.
+/// The data points at the ends of the pieces between corners. On a closed curve they begin with the first corner and
+/// end with it, with indices beyond the number of data.
 pub(super) fn ends_of_pieces(corners: &[usize], count: usize, closed: bool) -> Vec<usize> {
     match closed {
         true => corners
@@ -155,7 +155,7 @@ pub(super) fn check_indices(
                 )
             }
             _ if !closed && (index == 0 || index + 1 == count) => {
-                format!("{thing} {index} is an end of {whole}, which turns nowhere")
+                format!("{thing} {index} is an end of {whole}, where it cannot turn")
             }
             Some(before) if index <= before => {
                 format!("{thing} {index} comes after {thing} {before}: their indices must increase")
@@ -167,7 +167,7 @@ pub(super) fn check_indices(
     Ok(())
 }
 
-/// Lets least squares pass through the data points of corners, at which nothing else is asked for.
+/// Lets least squares pass through the data points of corners without another constraint.
 fn pass_through(request: &mut Request, corners: &[usize]) -> Result<(), Invalid> {
     let Method::LeastSquares(settings) = &mut request.method else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What a fit takes: control points, memory and multiplications.
+//! The cost of a fit: control points, memory and multiplications.
 
 use super::{Problem, adaptive_knots, first};
 use crate::ends::offsets::Offsets;
@@ -32,9 +32,8 @@ impl Problem {
             .max(self.control_grid().count())
     }
 
-    /// How many bytes iterating this problem once takes, the data included: vectors of n points,
-    /// collocation matrices and their factorizations. It is an upper bound by what the method
-    /// demands, for admission.
+    /// The number of bytes to iterate this problem once, the data included: vectors of n points, collocation matrices
+    /// and their factorizations. It is an upper bound by what the method demands, for admission.
     pub fn memory(&self) -> usize {
         let points = self.grid().count();
         let demand = self.method().scheme().demand();
@@ -73,8 +72,7 @@ impl Problem {
         self.residual_cost() + self.method().scheme().step_cost(self)
     }
 
-    /// About how many multiplications prepare the first iteration: evaluating bases,
-    /// factorizations, eigenvalues.
+    /// The approximate number of multiplications before the first iteration: bases, factorizations, eigenvalues.
     pub fn start_cost(&self) -> usize {
         let method = self.method().scheme().start_cost(self);
         let placing = adaptive_knots::cost(&self.request, &self.setup);

@@ -5,8 +5,8 @@ use super::request::{Request, Weights};
 use crate::basis::choice::{Corners, DirectionChoice};
 use crate::invalid::{Axis, Invalid, Place};
 
-/// Refuses creases that are none of lines between the first and the last one, and what they cannot be combined with.
-/// Directions without creases have none that are empty.
+/// Refuses creases that are not lines between the first and the last one, and settings that they cannot be combined
+/// with. Empty lists become `None`.
 pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
     let Some(v) = &request.v else {
         return Ok(());

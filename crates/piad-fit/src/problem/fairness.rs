@@ -7,7 +7,7 @@ use crate::method::cross_validation;
 use crate::method::{EndPoints, LeastSquares, Method};
 use crate::setup::Setup;
 
-/// Without a given number there are as many control points as data, up to this number of data.
+/// The default is a control point for each datum, up to this number of data.
 const FEW: usize = 50;
 
 /// The largest number of control points of more data, unless one for every [`PART`] data is more.

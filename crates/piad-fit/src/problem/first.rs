@@ -1,4 +1,4 @@
-//! With which knots a fit begins that chooses them by itself, and how much memory it takes.
+//! The initial knots of a fit that chooses them, and its memory.
 
 use std::sync::Arc;
 
@@ -70,7 +70,7 @@ fn first_scattered(
     Ok(line.direction(direction.parameters))
 }
 
-/// A fit that chooses its knots, with half as long spans, for what a setup cannot obey.
+/// A fit that chooses its knots, with half as long spans, for data beyond the reach of the setup.
 pub(crate) fn finer(setup: &Setup, request: &Request) -> Option<Setup> {
     let (settings, _) = request.method.automatic()?;
     let Grid { rows, columns } = setup.grid();
@@ -99,8 +99,8 @@ pub(crate) fn finer(setup: &Setup, request: &Request) -> Option<Setup> {
 /// its bound of multiplications leaves room for.
 const FACTOR: usize = 1 << 21;
 
-/// About how many bytes a fit takes besides its data: values of functions, and the levels that a
-/// schedule remembers, with at most `most` control points.
+/// The approximate number of bytes that a fit takes besides its data: values of functions, and the
+/// levels that a schedule remembers, with at most `most` control points.
 pub(crate) fn memory(setup: &Setup, settings: &LeastSquares, most: usize) -> usize {
     let dimension = setup.dimension();
     let width: usize = setup

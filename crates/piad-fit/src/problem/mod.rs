@@ -1,10 +1,9 @@
-//! A fitting problem: from what was asked for to what can be iterated.
+//! A fitting problem: from the request to what can be iterated.
 //!
-//! Everything that can be wrong is found here, so that what comes after can only run out of the
-//! range of numbers. In this order: the points are checked, missing ones get a place, the tolerance
-//! is resolved, the settings of the method are checked, parameters and knots are computed for each
-//! direction, homogeneous coordinates are lifted, a given start is compared with the control grid,
-//! and methods that cannot converge are refused.
+//! All validation errors are found here, so that later only numeric overflow is possible. In this order: the points are
+//! checked, missing ones get a place, the tolerance is resolved, the settings of the method are checked, parameters and
+//! knots are computed for each direction, homogeneous coordinates are lifted, a given start is compared with the
+//! control grid, and methods that cannot converge are refused.
 
 mod adaptive_knots;
 pub(crate) mod admission;
@@ -60,14 +59,14 @@ use unfolding::{chosen, pairs, unfolded};
 /// is one of arithmetic.
 #[derive(Clone, Debug)]
 pub struct Problem {
-    /// What was asked for; missing points have got a place.
+    /// The request; missing points have got a place.
     request: Request,
     setup: Arc<Setup>,
-    /// The tolerance in data units, as it was asked for: methods may have a larger one.
+    /// The requested tolerance in data units: methods may have a larger one.
     tolerance: f64,
     /// The points that are fitted, where others are outliers or missing.
     kept: Option<Kept>,
-    /// How scattered points get their parameters, if that was chosen by the fit.
+    /// The rule for the parameters of scattered points, if the fit has chosen it.
     chosen: Option<Scattered>,
     /// The outline of the data, of a surface that is trimmed.
     outline: Option<Arc<Outline>>,
@@ -79,14 +78,14 @@ pub struct Problem {
 #[derive(Clone, Debug)]
 struct Kept {
     inliers: Arc<Inliers>,
-    /// The same fit of these points alone, if it chooses its knots by itself.
+    /// The same fit of these points alone, if it chooses its knots.
     alone: Option<Arc<Problem>>,
 }
 
 impl Deref for Problem {
     type Target = Setup;
 
-    /// What is fitted, whatever the method.
+    /// The setup, independent of the method.
     fn deref(&self) -> &Setup {
         &self.setup
     }
@@ -97,17 +96,17 @@ impl Problem {
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong, in this order: the points, the tolerance, the settings of the
-    /// method, the directions, the weights, the start, and whether the method can converge.
+    /// The first validation error, in this order: the points, the tolerance, the settings of the method, the
+    /// directions, the weights, the start, and whether the method can converge.
     pub fn new(request: Request) -> Result<Self, Invalid> {
         Self::admitted(request, &Admission::ANY)
     }
 
-    /// The same, unless it takes too much: that is found out before anything is computed that takes long.
+    /// The same, unless it exceeds the limits, which is checked before any long computation.
     ///
     /// # Errors
     ///
-    /// Those of [`new`](Self::new), and what is too much, before the start is looked at.
+    /// Those of [`new`](Self::new), and limits that are exceeded.
     pub fn admitted(mut request: Request, admission: &Admission) -> Result<Self, Invalid> {
         check_dimension(&request)?;
         let missing = check_points(&mut request)?;
@@ -227,12 +226,12 @@ impl Problem {
         Ok(problem)
     }
 
-    /// What was asked for. Missing points have the place of a neighbour.
+    /// The request. Missing points have the place of a neighbour.
     pub fn request(&self) -> &Request {
         &self.request
     }
 
-    /// How scattered points get their parameters, if the fit has chosen that.
+    /// The rule for the parameters of scattered points, if the fit has chosen it.
     pub fn chosen_parameters(&self) -> Option<&Scattered> {
         self.chosen.as_ref()
     }
@@ -255,8 +254,8 @@ impl Problem {
         self.folded
     }
 
-    /// The same problem as it would be asked for with all that was derived from its points:
-    /// parameters, a tolerance that was asked for, and which points are left out, stay as they are when points move.
+    /// The same problem as a request that includes all that was derived from its points. Parameters, a requested
+    /// tolerance, and the choice of points to leave out stay as they are when points move.
     pub fn restated(&self) -> Request {
         let mut request = self.request.clone();
         request.tolerance = request
@@ -282,7 +281,7 @@ impl Problem {
         request
     }
 
-    /// The same with other directions, as many as it has.
+    /// The same with other directions, one for each that it has.
     pub(super) fn with_directions(&self, directions: impl IntoIterator<Item = Direction>) -> Self {
         let mut setup = Setup::clone(&self.setup);
         let places = std::iter::once(&mut setup.u).chain(&mut setup.v);
@@ -310,23 +309,23 @@ impl Problem {
         Some((alone.as_ref()?, inliers))
     }
 
-    /// Whether the fit chooses its knots by itself, so that each level has knots of its own.
+    /// Returns true if the fit chooses its knots, so that each level has knots of its own.
     pub fn is_automatic(&self) -> bool {
         self.method().is_automatic()
     }
 
-    /// What is fitted, whatever the method.
+    /// The setup, independent of the method.
     pub fn setup(&self) -> &Arc<Setup> {
         &self.setup
     }
 
-    /// The tolerance in data units as it was asked for: at most that of the fit.
+    /// The requested tolerance in data units: at most that of the fit.
     pub(super) fn asked_tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Whether a fit that ends above the tolerance has missed its goal: the tolerance was asked for, or
-    /// it determines how many control points there are.
+    /// Returns true if a fit that ends above the tolerance has missed its goal: the tolerance was requested, or it
+    /// determines the number of control points.
     pub(super) fn has_goal(&self) -> bool {
         self.request.tolerance.is_some() || self.is_automatic()
     }
@@ -336,13 +335,13 @@ impl Problem {
         &self.request.method
     }
 
-    /// Whether the bases of a surface's directions were asked for separately.
+    /// Returns true if the bases of a surface's directions were requested separately.
     pub fn bases_differ(&self) -> bool {
         let v = self.request.v.as_ref();
         v.is_some_and(|v| v.basis != self.request.u.basis)
     }
 
-    /// What is doubtful about the problem as it is asked for.
+    /// Warnings about the problem as requested.
     pub fn warnings(&self) -> Vec<Warning> {
         let Request { u, v, .. } = &self.request;
         let mut warnings = Vec::new();
@@ -380,7 +379,7 @@ impl Problem {
     }
 }
 
-/// The directions of what was asked for.
+/// The requested directions.
 fn all_directions(
     request: &Request,
     pairs: Option<&Pairs>,
@@ -431,7 +430,7 @@ fn directions(
     Ok((u, v.transpose()?))
 }
 
-/// Names the numbers of control points of least squares that explicit knots imply.
+/// Fills in the numbers of control points of least squares that explicit knots imply.
 fn imply_control_points(request: &mut Request) -> Result<(), Invalid> {
     if let Method::LeastSquares(settings) = &request.method {
         let choices = std::iter::once(&request.u).chain(&request.v);
@@ -441,7 +440,7 @@ fn imply_control_points(request: &mut Request) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Names what is usual where nothing is said.
+/// Fills in defaults.
 fn settle(request: &mut Request) {
     if request.method.has_fewer_control_points() {
         request.u.settle_least_squares();

@@ -1,4 +1,4 @@
-//! Points of a curve that come in any order.
+//! Sorting the points of a curve.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::invalid::{Invalid, Place};
 use crate::method::{At, Method, Threshold};
 use crate::parameters::Parametrization;
 
-/// Puts the points in order along their curve, if they are in none. From then on that is their order.
+/// Sorts the points along their curve, if they are unordered. From then on that is their order.
 pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
     if !request.unordered {
         return Ok(());
@@ -27,7 +27,7 @@ pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Refuses what says something of each point by its place in the list.
+/// Refuses settings that refer to points by their index.
 fn check(request: &Request) -> Result<(), Invalid> {
     let count = request.points.len();
     let found = match &request.u.parameters {
@@ -45,7 +45,7 @@ fn check(request: &Request) -> Result<(), Invalid> {
     Err(Invalid::at(Place::Order, found))
 }
 
-/// What stands against another list of points: settings that say something of each point by its place in the list.
+/// Settings that prevent sorting or removing points, as they refer to points by their index.
 pub(super) fn settings_by_place(request: &Request) -> Option<&'static str> {
     let choice = &request.u;
     let by_index = match &request.method {

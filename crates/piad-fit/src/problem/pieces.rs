@@ -24,13 +24,13 @@ impl Problem {
         }
     }
 
-    /// The data points at the ends of the pieces between corners, beyond their number where a closed curve comes round.
+    /// The data points at the ends of the pieces between corners, with indices beyond their number on a closed curve.
     fn ends_of_pieces(&self) -> Option<Vec<usize>> {
         let count = self.grid().count();
         Some(ends_of_pieces(self.corners()?, count, self.u().is_closed()))
     }
 
-    /// The data of each piece between corners, beyond their number where a closed curve comes round.
+    /// The data of each piece between corners, with indices beyond their number on a closed curve.
     pub(crate) fn data_of_pieces(&self) -> Option<Vec<Range<usize>>> {
         let ends = self.ends_of_pieces()?;
         Some(ends.windows(2).map(|ends| ends[0]..ends[1] + 1).collect())
@@ -102,7 +102,8 @@ impl Problem {
         data.iter().enumerate().map(piece).collect()
     }
 
-    /// How many control points each piece may have: what is allowed beyond the fewest goes by numbers of data.
+    /// The largest number of control points of each piece: what is allowed beyond the fewest is shared by numbers of
+    /// data.
     fn shares(&self, data: &[Range<usize>], most: usize) -> Result<Vec<usize>, Invalid> {
         let degree = self.u().basis.degree();
         let fewest = data.len() * degree + usize::from(!self.u().is_closed());

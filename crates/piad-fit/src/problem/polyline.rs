@@ -9,7 +9,7 @@ use crate::method::EndPoints;
 /// Vertices at which a polyline turns by this angle, in degrees, or more go back along the edge before.
 const BACK: f64 = 180.0 - 1e-6;
 
-/// Refuses what is no polyline, and what one cannot be combined with, and finds its corners if nothing is said of them.
+/// Refuses invalid polylines and settings that cannot be combined with them, and finds their corners by default.
 pub(super) fn resolve(request: &mut Request) -> Result<(), Invalid> {
     if !request.polyline {
         return Ok(());

@@ -8,7 +8,7 @@ use crate::invalid::{Invalid, Place};
 use crate::parameters::Parametrization;
 
 /// Keeps points that equal the one before them once, and of a closed curve the first point alone where the last ones
-/// equal it, if that is asked for. Explicit parameters go with their points.
+/// equal it, if requested. Explicit parameters go with their points.
 pub(super) fn merge(request: &mut Request) -> Result<(), Invalid> {
     if !std::mem::take(&mut request.merge_repeated) {
         return Ok(());

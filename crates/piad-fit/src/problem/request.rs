@@ -1,7 +1,7 @@
-//! A fitting problem as it is asked for, before anything has been checked.
+//! A fitting problem as requested, before any check.
 //!
-//! It is plain data: any request can be made, and [`Problem::new`](super::Problem::new)
-//! says what is wrong with it. Large parts are shared, so that clones are cheap.
+//! It is plain data: any request can be made, and [`Problem::new`](super::Problem::new) validates it. Large parts are
+//! shared, so that clones are cheap.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::data::points::Points;
 use crate::method::Method;
 use crate::parameters::scattered::Scattered;
 
-/// When to stop, as asked for.
+/// The requested tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -23,11 +23,11 @@ pub enum Tolerance {
 }
 
 impl Tolerance {
-    /// What the largest distance is compared with if no tolerance is asked for.
+    /// The default tolerance.
     pub const DEFAULT: Self = Self::Relative(1e-6);
 }
 
-/// The weights of a rational fit, as asked for.
+/// The requested weights of a rational fit.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -45,26 +45,26 @@ pub enum Weights {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Trim {
-    /// How far the outline is from the data at most, in the unit of the points; without it as the data are far from each
-    /// other.
+    /// The largest distance of the outline from the data, in the unit of the points; `None` means the spacing of the
+    /// data.
     pub distance: Option<f64>,
 }
 
-/// A fitting problem as asked for.
+/// A fitting problem as requested.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The data points; of a surface row by row.
     pub points: Arc<Points>,
     /// Their arrangement: n × 1 of a curve, n × m of a surface.
     pub grid: Grid,
-    /// True if the points of a curve are in no order: then they are put in that in which they are near each other.
+    /// True if the points of a curve are unordered: then they are sorted along it.
     pub unordered: bool,
     /// True if points of a curve that equal the one before them are kept once.
     pub merge_repeated: bool,
-    /// Indices of missing points, for least-squares fits; their coordinates are not looked at.
+    /// Indices of missing points, for least-squares fits; their coordinates are ignored.
     pub missing: Vec<usize>,
-    /// How the points of a surface get their parameters if they are scattered: then they are in a grid of
-    /// one column, and the parameters of the directions are not looked at.
+    /// The rule for the parameters of scattered points of a surface: then they are in a grid of one column, and the
+    /// parameters of the directions are ignored.
     pub scattered: Option<Scattered>,
     /// True if the edges between the points of a curve are data, too.
     pub polyline: bool,
@@ -78,23 +78,20 @@ pub struct Request {
     pub method: Method,
     /// Local fits: the indices of the control points that move; all of them if there are none.
     pub selected: Option<Arc<[usize]>>,
-    /// The free control points of level 0, in homogeneous coordinates if the fit is; without them
-    /// the method says where to start.
+    /// The free control points of level 0, in homogeneous coordinates if the fit is; `None` means those of the method.
     pub start: Option<Arc<Points>>,
-    /// The breaks of each direction that the given control points belong to, where the fit chooses its
-    /// knots by itself.
+    /// The breaks of each direction that the given control points belong to, where the fit chooses its knots.
     pub start_breaks: Option<Vec<Arc<Vec<f64>>>>,
-    /// The points that a robust fit leaves out, if they are known: they are not looked for then.
+    /// The points that a robust fit leaves out, if they are known.
     pub outliers: Option<Arc<[usize]>>,
-    /// The least eigenvalue of the collocation matrix, if it is known from a fit with the same one:
-    /// of many points it takes longer to compute than a local fit.
+    /// The least eigenvalue of the collocation matrix, if it is known from a fit with the same one.
     pub lambda_min: Option<f64>,
     /// The largest allowed distance of the curve from a data point. Without one, fits compare with
     /// [`Tolerance::DEFAULT`], and a least-squares fit may end above it.
     pub tolerance: Option<Tolerance>,
     /// The last level that is computed.
     pub max_iterations: usize,
-    /// Surfaces: to what part of their parameters they are trimmed.
+    /// Surfaces: the trimming setting.
     pub trim: Option<Trim>,
 }
 
@@ -102,7 +99,7 @@ pub struct Request {
 const ITERATIONS: usize = 1000;
 
 impl Request {
-    /// Returns true if the data say where knots are: those of a fit that starts from another one are the knots of that.
+    /// Returns true if the data determine the knots: a fit that starts from another one has the knots of that.
     pub fn places_knots(&self) -> bool {
         self.method.is_automatic() || self.u.is_adaptive()
     }

@@ -1,4 +1,4 @@
-//! Robust fits: points that are wrong are left out, and the others are fitted as if they were alone.
+//! Robust fits: outliers are left out, and the other points are fitted alone.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::method::{At, Constraint, LeastSquares, Method};
 use crate::parameters::scattered::nearest_to_their_plane;
 use crate::parameters::{Parametrization, Scattered, parameters};
 
-/// About how many multiplications take as long as comparing a point with its neighbours in all rounds.
+/// The cost, in multiplications, of comparing a point with its neighbours in all rounds.
 const MULTIPLICATIONS: usize = 10_000;
 
 /// Bytes that a point takes meanwhile, with its neighbours.
@@ -36,7 +36,7 @@ impl Inliers {
     ///
     /// # Errors
     ///
-    /// What a robust fit cannot be combined with, or too many outliers.
+    /// Settings that a robust fit cannot be combined with, or too many outliers.
     pub(super) fn of(request: &Request, admission: &Admission) -> Result<Option<Self>, Invalid> {
         let Method::LeastSquares(settings) = &request.method else {
             return Ok(None);
@@ -58,7 +58,7 @@ impl Inliers {
         };
         if 2 * outliers.len() > count {
             let detail = format!(
-                "{} of {count} points lie far from where their neighbours lead: with more than half of them left out nothing is fitted",
+                "{} of {count} points lie far from where their neighbours predict them: a fit without more than half of its points is refused",
                 outliers.len()
             );
             return Err(Invalid::at(Place::Points, detail));
@@ -167,7 +167,7 @@ fn wrong(detail: impl Into<String>) -> Invalid {
     Invalid::at(Place::Setting(Setting::Robust), detail.into())
 }
 
-/// Refuses what a robust fit cannot be combined with.
+/// Refuses settings that a robust fit cannot be combined with.
 fn check(request: &Request, settings: &LeastSquares) -> Result<(), Invalid> {
     let is_weighted = |choice: &DirectionChoice| choice.weights.is_some();
     let count = request.points.len();

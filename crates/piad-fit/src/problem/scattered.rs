@@ -17,7 +17,7 @@ impl Direction {
     ///
     /// # Errors
     ///
-    /// The first thing that is wrong with the number of control points, the degree or the knots.
+    /// The first error of the number of control points, the degree or the knots.
     pub(crate) fn scattered(
         choice: &DirectionChoice,
         (mut parameters, domain): (Vec<f64>, Domain),

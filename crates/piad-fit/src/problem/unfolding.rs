@@ -1,4 +1,4 @@
-//! Where the scattered points of a request get their parameters.
+//! The parameters of the scattered points of a request.
 
 use super::admission::Admission;
 use super::request::Request;
@@ -6,7 +6,7 @@ use crate::invalid::Invalid;
 use crate::parameters::scattered::Unfolded;
 use crate::parameters::{Domain, Pairs, Scattered};
 
-/// How scattered points get their parameters, if that is to be chosen.
+/// The rule for the parameters of scattered points, if it is to be chosen.
 pub(super) fn chosen(request: &Request) -> Result<Option<Scattered>, Invalid> {
     match &request.scattered {
         Some(rule @ (Scattered::Auto | Scattered::Sections(_))) => {
@@ -32,7 +32,7 @@ pub(super) fn unfolded(
     rule.unfolded(&request.points, closed(request))
 }
 
-/// Which directions are asked to be closed.
+/// The directions that are requested as closed.
 fn closed(request: &Request) -> [bool; 2] {
     [Some(&request.u), request.v.as_ref()].map(|it| it.is_some_and(|it| it.closed))
 }

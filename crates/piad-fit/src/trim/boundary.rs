@@ -216,7 +216,7 @@ const ALONG_SIDE: usize = 4;
 /// After how many edges it is seen in which direction a polygon leaves a side.
 const AHEAD: usize = 5;
 
-/// Returns true if a polygon leaves a side with more than 45 degrees at an edge, from which it goes on by a step.
+/// Returns true if a polygon leaves a side at more than 45 degrees at an edge, in the direction of `step`.
 fn is_steep(edges: &[Edge], from: usize, step: usize, side: Option<usize>) -> bool {
     let count = edges.len();
     let [first, last] = [from, from + AHEAD * step].map(|k| edges[k % count].middle(0.0));

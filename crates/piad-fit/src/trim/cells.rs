@@ -50,13 +50,13 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    /// Cells that are at most so long.
+    /// Cells that are at most this long.
     pub(super) fn at_most(side: Side, length: f64) -> Self {
         let count = (side.length() / length * (1.0 - NUDGE)).ceil().max(1.0);
         Self::between(side, count as usize)
     }
 
-    /// Cells around lines of points that are at most so far from each other.
+    /// Cells around lines of points that are at most this far from each other.
     pub(super) fn around_lines(side: Side, step: f64) -> Self {
         let steps = (side.length() / step * (1.0 + NUDGE)).floor().max(1.0) as usize;
         if side.is_closed {
@@ -90,8 +90,8 @@ impl Steps {
         }
     }
 
-    /// How many cells on either side of its own a point at v fills, of rows that become shorter towards poles as the parallels
-    /// of a sphere do.
+    /// The number of cells on either side of its own that a point at v fills, of rows that become shorter towards poles
+    /// as the parallels of a sphere do.
     fn reach(self, v: f64, poles: [bool; 2], around: Self) -> usize {
         if poles == [false; 2] || !around.side.is_closed {
             return 0;
@@ -326,7 +326,7 @@ impl Cells {
         })
     }
 
-    /// The empty cells that hang together with one, also by corners; in closed directions they go on outside.
+    /// The connected empty cells around one, also across corners; closed directions wrap around.
     fn part(&self, start: Cell, seen: &mut [bool], meter: &mut Meter) -> Vec<Cell> {
         let mut part = Vec::new();
         let mut next = vec![start];

@@ -1,9 +1,9 @@
 //! The outline of the data of a surface in its parameters.
 //!
-//! The rectangle of parameters is divided into cells about as long as the points are far from each other (`spacing`). Those
-//! that hold points, and gaps of up to two of them, are filled (`cells`), and their boundary (`boundary`) is smoothed within
-//! half a cell (`smoothing`), so that loops do not cross (`crossing`). A mesh has its own boundary (`mesh`). A closed direction is cut at its seam, where an
-//! outline goes along both sides.
+//! The rectangle of parameters is divided into cells about as long as the spacing of the points (`spacing`). Those that
+//! hold points, and gaps of up to two of them, are filled (`cells`), and their boundary (`boundary`) is smoothed within
+//! half a cell (`smoothing`), so that loops do not cross (`crossing`). A mesh has its own boundary (`mesh`). A closed
+//! direction is cut at its seam, where an outline goes along both sides.
 
 mod boundary;
 mod cells;
@@ -38,7 +38,7 @@ const INSIDE: f64 = 0.2;
 /// The most loops of an outline.
 const MOST_LOOPS: usize = 1000;
 
-/// The problem with the outline of its data, if that is asked for.
+/// The problem with the outline of its data, if requested.
 ///
 /// # Errors
 ///

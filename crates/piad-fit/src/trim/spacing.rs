@@ -1,11 +1,11 @@
-//! How far the points of a surface are from each other in space and in their parameters, and the cells that follow.
+//! The spacing of the points of a surface in space and in their parameters, and the cells that follow.
 
 use super::cells::{Cells, Side, Steps};
 use crate::data::grid::Grid;
 use crate::interrupt::Meter;
 use crate::invalid::{Invalid, Place};
 
-/// About how many points a filled cell of scattered points has, so that few cells between them are empty.
+/// The approximate number of points of a filled cell of scattered points, so that few cells between them are empty.
 const IN_A_CELL: f64 = 2.3;
 
 /// By how much cells grow until they hold as many.
@@ -44,7 +44,7 @@ impl Data {
             .map(|(pair, _)| *pair)
     }
 
-    /// The mean length in space of a unit of u and of v; 1 of what has no place.
+    /// The mean length in space of a unit of u and of v; 1 for plain values.
     fn scales(&self) -> [f64; 2] {
         let Some(places) = &self.places else {
             return [1.0; 2];
@@ -146,7 +146,7 @@ pub(super) fn cells(data: &Data, distance: Option<f64>) -> Result<(Cells, f64), 
     Ok((cells, distance))
 }
 
-/// Refuses a distance that is no length, or less than what lies between neighbouring points.
+/// Refuses a distance that is no length, or less than the spacing of neighbouring points.
 fn check(data: &Data, distance: f64, spacing: f64) -> Result<(), Invalid> {
     let wrong = |detail: String| Err(Invalid::at(Place::TrimDistance, detail));
     if !(distance > 0.0 && distance.is_finite()) {

@@ -5,7 +5,7 @@ use schemars::json_schema;
 use crate::model::job::JobRequest;
 use crate::model::schema::schema_of;
 
-/// Many jobs, and what they have in common.
+/// Many jobs, and their defaults.
 pub(crate) enum BatchRequest {}
 
 schema_of!(BatchRequest, "BatchRequest", generator => {

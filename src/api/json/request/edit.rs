@@ -8,7 +8,7 @@ use crate::api::problem::Problem;
 use crate::job::outline::Outline;
 use crate::model::edit::EditRequest;
 
-/// The edit of a job that a body asks for, and where its parts stand.
+/// The edit of a job, and the locations of its parts.
 pub(crate) fn read(body: Bytes, parent: &Outline) -> Result<(EditRequest, Places), Problem> {
     let request: EditRequest = parse(&body, parent.grid.count())?;
     let places = Places::of_edit(&request, parent.surface.then_some(parent.grid));

@@ -1,7 +1,7 @@
 //! A job whose points are in a file, and whose other fields are not.
 //!
-//! The fields are read as the JSON that they are, without points; the points take their place. What is
-//! wrong is told at the line of a point, or at the parameter that a field was given in.
+//! The fields are parsed from their JSON without points, which are then inserted. Errors are located at the line of a
+//! point, or at the parameter of a field.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ use piad_files::short;
 use piad_fit::data::Grid;
 use piad_fit::parameters::{Mesh, MeshUnfolding, Scattered};
 
-/// How many rows and columns the points of a file are: not a field of a job, but a help to read it.
+/// The number of rows and columns of the points of a file: a hint for reading it, not a field of a job.
 pub(crate) const SIZE: &str = "surface.size";
 
 /// True if the parts of a file are sections of one surface.
@@ -33,41 +33,41 @@ pub(crate) const SECTIONS: &str = "surface.sections";
 /// The order of the points of a curve.
 pub(crate) const ORDER: &str = "curve.order";
 
-/// The orders that there are.
+/// The known orders.
 const ORDERS: [&str; 2] = ["given", "nearest"];
 
-/// Which columns of a table are what.
+/// The roles of the columns of a table.
 pub(crate) const COLUMNS: &str = "columns";
 
-/// Which part is read of a file with several.
+/// The part to read from a file with several.
 pub(crate) const PART: &str = "part";
 
-/// Which piece of a mesh is read.
+/// The piece of a mesh to read.
 pub(crate) const PIECE: &str = "piece";
 
-/// What is said of a file of points beside the fields of a job, as a help to read it.
+/// Hints for reading a file of points, besides the fields of the job.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FileHints {
     /// The rows and columns of a surface.
     pub size: Option<Grid>,
     /// True if the points of a curve are in order along it.
     pub ordered: bool,
-    /// Which columns of a table are what.
+    /// The roles of the columns of a table.
     pub columns: Option<Columns>,
-    /// Which part is read of a file with several.
+    /// The part to read from a file with several.
     pub part: Option<PartChoice>,
     /// True if the parts are sections of one surface.
     pub sections: Option<bool>,
-    /// Which piece of a mesh is read, from 1.
+    /// The piece of a mesh to read, from 1.
     pub piece: Option<usize>,
 }
 
 impl FileHints {
-    /// Takes a parameter that says how a file is read; returns true if it is one.
+    /// Takes a parameter about reading a file; returns true if it is one.
     ///
     /// # Errors
     ///
-    /// What is wrong with its value.
+    /// The error in its value.
     pub(crate) fn take(&mut self, name: &str, text: &str) -> Result<bool, String> {
         match name {
             SIZE => self.size = Some(size(text)?),
@@ -90,7 +90,7 @@ impl FileHints {
             ORDER => {
                 let [given, nearest] = ORDERS;
                 return Err(format!(
-                    "{} is no order; there are {given} and {nearest}",
+                    "unknown order {}; expected {given} or {nearest}",
                     short::quoted(text)
                 ));
             }
@@ -148,8 +148,7 @@ pub(crate) fn hints(fields: &Map<String, Value>, reading: FileHints, most: usize
     }
 }
 
-/// Whether these fields say that the curve of a file is closed or not. Ends and polynomial bases go
-/// with open curves only.
+/// The `closed` setting of these fields, if they have one. Ends and polynomial bases imply an open curve.
 fn closed(fields: &Map<String, Value>) -> Option<bool> {
     let curve = fields.get("curve")?.as_object()?;
     let basis = curve.get("basis").map(|it| it.get("kind").unwrap_or(it));
@@ -158,7 +157,7 @@ fn closed(fields: &Map<String, Value>) -> Option<bool> {
     said.or(open.then_some(false))
 }
 
-/// Reads a job of these fields, with these points of a file, about which that was known.
+/// Reads a job with these fields and the points of a file, with notices about it.
 pub(crate) fn read(
     fields: Map<String, Value>,
     file: Imported,
@@ -174,7 +173,7 @@ pub(crate) fn read(
     }
 }
 
-/// The JSON of a job of these fields, with these points of a file, about which that was known.
+/// The JSON of a job with these fields and the points of a file, with notices about it.
 pub(crate) fn json(
     fields: Map<String, Value>,
     file: Imported,
@@ -281,7 +280,7 @@ fn parts_of_job(
     Ok((fields, data, lines))
 }
 
-/// Takes out of the fields how the vertices of a mesh get their parameters: all that is said of these but their triangles.
+/// Takes the rule for the parameters of mesh vertices out of the fields: all but the triangles.
 fn unfolding_of_mesh(fields: &mut Map<String, Value>) -> Result<MeshUnfolding, Problem> {
     let surface = fields.get_mut("surface").and_then(Value::as_object_mut);
     let parameters = surface.and_then(|surface| match surface.get("parameters") {
@@ -299,10 +298,10 @@ fn unfolding_of_mesh(fields: &mut Map<String, Value>) -> Result<MeshUnfolding, P
     Ok(unfolding.map_or(MeshUnfolding::Auto, MeshUnfolding::from))
 }
 
-/// How the vertices of a mesh get their parameters.
+/// The rule for the parameters of mesh vertices.
 const UNFOLDING: &str = "surface.parameters.unfolding";
 
-/// Where the parts of such a job stand.
+/// The locations of the parts of such a job.
 #[derive(Debug)]
 pub(crate) struct FileWords {
     places: Places,

@@ -12,13 +12,13 @@ use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::SurfaceParameters;
 use piad_fit::parameters::Scattered;
 
-/// Shorter bodies are read by serde alone, which takes no time to speak of.
+/// Shorter bodies are read by serde alone, which takes negligible time.
 const LONG: usize = 2 * 1024;
 
-/// How many bytes of points one thread reads at a time.
+/// The number of bytes of points that one thread reads at a time.
 const PART: usize = 1 << 20;
 
-/// The job that a body asks for, with at most so many points, and where its parts stand.
+/// The job of a body, with at most this many points, and the locations of its parts.
 pub(crate) fn read(body: Bytes, most_points: usize) -> Result<(JobRequest, Places), Problem> {
     let quick = (body.len() >= LONG)
         .then(|| read_quickly(&body, PART, most_points))
@@ -29,7 +29,7 @@ pub(crate) fn read(body: Bytes, most_points: usize) -> Result<(JobRequest, Place
     }
 }
 
-/// The request that [`read_by_serde`] reads, or nothing for a body that is in some way unusual.
+/// The request that [`read_by_serde`] reads; `None` for an unusual body.
 pub(crate) fn read_quickly(body: &[u8], part: usize, most_points: usize) -> Option<JobRequest> {
     let (fields, data) = points::take_out(body, part, most_points)?;
     let mut request: JobRequest = parse(&fields, most_points).ok()?;
@@ -37,12 +37,12 @@ pub(crate) fn read_quickly(body: &[u8], part: usize, most_points: usize) -> Opti
     (is_one && request.take(data)).then_some(request)
 }
 
-/// The request of any body, or what is wrong with it.
+/// The request of any body, or its errors.
 pub(crate) fn read_by_serde(body: &[u8], most_points: usize) -> Result<JobRequest, Problem> {
     parse(body, most_points)
 }
 
-/// Checks fields of a job that is to have other fields and points.
+/// Validates fields of a job that will get other fields and points.
 pub(crate) fn check_defaults(fields: &[u8], most_points: usize) -> Result<(), Problem> {
     let mut value: Value = serde_json::from_slice(fields).unwrap_or_default();
     let curve = value.get_mut("curve").and_then(Value::as_object_mut);
@@ -63,7 +63,7 @@ fn placed(request: JobRequest) -> (JobRequest, Places) {
     (request, places)
 }
 
-/// The job that these fields ask for, with these points in the place of the ones that are empty there.
+/// The job of these fields, with these points in place of the empty ones.
 pub(crate) fn read_with(
     fields: &[u8],
     data: Data,
@@ -76,7 +76,7 @@ pub(crate) fn read_with(
 }
 
 impl JobRequest {
-    /// Puts points in the place of those that are empty; returns whether there is one for them.
+    /// Replaces empty points; returns true if there was a place for them.
     fn take(&mut self, data: Data) -> bool {
         let (curve, surface) = (self.curve.as_mut(), self.surface.as_mut());
         match data {

@@ -1,10 +1,10 @@
 //! The bodies of jobs and edits in JSON.
 //!
-//! - [`job`]: a job, whose [`points`] are read quickly;
+//! - [`job`]: a job, with a fast path for its [`points`];
 //! - [`file`]: a job whose points are in a file, with fields by their [`path`];
-//! - [`batch`]: what many jobs look like;
+//! - [`batch`]: the schema of a batch;
 //! - [`edit`]: changes of another one;
-//! - [`places`]: where a part of the model stands.
+//! - [`places`]: locations of the parts of the model.
 
 pub(crate) mod batch;
 pub(crate) mod edit;

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 /// The most names in a path.
 const DEEPEST: usize = 6;
 
-/// Puts a value where its path says: JSON if it is some, else a text.
+/// Sets a value at its path: parsed if it is JSON, else as a text.
 pub(crate) fn insert(
     fields: &mut Map<String, Value>,
     path: &str,
@@ -16,7 +16,7 @@ pub(crate) fn insert(
     insert_value(fields, path, json.unwrap_or_else(|| Value::from(text)))
 }
 
-/// Puts a value where its path says.
+/// Sets a value at its path.
 pub(crate) fn insert_value(
     fields: &mut Map<String, Value>,
     path: &str,

@@ -1,4 +1,4 @@
-//! Where in the JSON of a request the parts of the model stand.
+//! Locations of the parts of the model in the JSON of a request.
 
 use crate::api::problem::{self, Words};
 use crate::model::edit::EditRequest;
@@ -17,32 +17,33 @@ use piad_fit::invalid::{Axis, Place as P};
 const CURVE: &str = "/curve";
 const SURFACE: &str = "/surface";
 
-/// Which parts of the request have a value for each direction.
+/// The parts of the request that have a value for each direction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Places {
-    /// What the parts of the curve or surface stand in; they are fields of edits themselves.
+    /// The object with the parts of the curve or surface; `None` for edits, which have them as
+    /// fields.
     root: &'static str,
     /// The number of columns of a surface; `None` for a curve.
     columns: Option<usize>,
-    /// There is a degree instead of a basis.
+    /// True if there is a degree instead of a basis.
     degree_alone: bool,
     basis_each: bool,
     parameters_each: bool,
     closed_each: bool,
     weights_each: bool,
     ends_each: bool,
-    /// How the ends of u and v are written.
+    /// The form of the ends of u and v.
     ends: [EndsForm; 2],
-    /// The points are scattered.
+    /// True if the points are scattered.
     scattered: bool,
-    /// The points are in sections.
+    /// True if the points are in sections.
     sections: bool,
-    /// How the method is written.
+    /// The form of the method.
     method: MethodForm,
 }
 
 impl Places {
-    /// Those of a job.
+    /// The locations of a job.
     pub(crate) fn of_job(request: &JobRequest) -> Self {
         let places = match (&request.curve, &request.surface) {
             (Some(curve), None) => Self::of_curve(curve),
@@ -55,7 +56,7 @@ impl Places {
         }
     }
 
-    /// Those of an edit, of a surface with points in this grid or of a curve.
+    /// The locations of an edit, of a surface with points in this grid or of a curve.
     pub(crate) fn of_edit(request: &EditRequest, surface: Option<Grid>) -> Self {
         Self {
             columns: surface.and_then(columns),
@@ -105,7 +106,7 @@ impl Places {
         }
     }
 
-    /// Of a job as it is shown, of whose parts only the bases are looked for.
+    /// The locations of a stored job, for its bases only.
     pub(crate) fn of_input(surface: Option<Grid>, basis_each: bool) -> Self {
         Self {
             root: if surface.is_some() { SURFACE } else { CURVE },
@@ -132,7 +133,7 @@ impl Places {
         self.part("weights", self.weights_each, axis)
     }
 
-    /// A part of how a direction ends.
+    /// A part of the ends of a direction.
     fn ends(&self, axis: Axis, place: P) -> String {
         let form = self.ends[usize::from(axis == Axis::V)];
         self.part("ends", self.ends_each, axis) + &form.pointer(place)
@@ -151,12 +152,12 @@ impl Places {
         }
     }
 
-    /// What a setting of the method has for a point.
+    /// The value of a setting of the method for a point.
     fn setting(&self, name: &str, index: usize) -> String {
         format!("/method/{name}/{}", self.index(index))
     }
 
-    /// The place of a point in a list or a grid.
+    /// The location of a point in a list or a grid.
     fn index(&self, index: usize) -> String {
         match self.columns {
             None => index.to_string(),
@@ -217,7 +218,7 @@ fn columns(grid: Grid) -> Option<usize> {
     grid.is_rows().then_some(grid.columns)
 }
 
-/// How the ends of a direction are written.
+/// The form of the ends of a direction.
 fn ends_form(ends: Option<&EndsInput>, surface: bool) -> EndsForm {
     ends.map(|ends| ends.form(surface)).unwrap_or_default()
 }

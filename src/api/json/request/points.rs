@@ -1,9 +1,8 @@
-//! The points of large jobs, read several times as fast as by serde.
+//! A fast parser for the points of large jobs, several times as fast as serde.
 //!
-//! Nearly all of a large job are its points: lists of numbers within lists. They are taken out of the
-//! body, which is then small, and read with the number parser of `fast_float2`, which gives the same bits
-//! as serde_json. Whatever is unusual about a body, right or wrong, is left to serde, which knows what to
-//! say of it.
+//! A large job consists mostly of points: lists of numbers within lists. They are taken out of the body, which is then
+//! small, and read with the number parser of `fast_float2`, which gives the same bits as serde_json. Unusual bodies,
+//! valid or not, are left to serde, which also reports their errors.
 
 use std::iter;
 use std::ops::Range;
@@ -14,31 +13,31 @@ use rayon::prelude::*;
 use piad_fit::data::{Grid, MAX_DIMENSION, MAX_SURFACE_DIMENSION, Points};
 use piad_fit::parameters::Mesh;
 
-/// The most lists within each other that are told apart.
+/// The most nested lists that are distinguished.
 const DEEP: usize = 4;
 
-/// How many parts each thread reads, before what was read is put where it stays.
+/// The number of parts that each thread reads before the results are copied to their place.
 const PARTS: usize = 2;
 
-/// The fields that have points. No other field of a job, nor of anything in it, is called so.
+/// The fields that have points. No other field of a job has these names.
 const POINTS: &[u8] = b"\"points\"";
 const SCATTERED: &[u8] = b"\"scattered\"";
 
-/// Points that are not a part of the JSON of a job.
+/// Points outside the JSON of a job.
 #[derive(Debug)]
 pub(crate) enum Data {
-    /// Those of a curve.
+    /// Points of a curve.
     Curve(Points),
-    /// Those of a surface, in rows, and the indices of those that are missing.
+    /// Points of a surface in rows, and the indices of missing ones.
     Grid(Points, Grid, Vec<usize>),
-    /// Those of a surface, without rows.
+    /// Points of a surface without rows.
     Scattered(Points),
-    /// Those of a surface that are the vertices of a mesh, with its triangles.
+    /// Points of a surface that are the vertices of a mesh, with its triangles.
     Mesh(Points, Mesh),
 }
 
-/// Takes the points out of the JSON of a job, at most as many as `most`: what is left has an empty list in their
-/// place. Lists that are longer than `part`, in bytes, are read in parts by several threads.
+/// Takes at most `most` points out of the JSON of a job, and leaves an empty list in their place. Lists that are longer
+/// than `part`, in bytes, are read in parts by several threads.
 pub(super) fn take_out(body: &[u8], part: usize, most: usize) -> Option<(Vec<u8>, Data)> {
     let after = |name: &[u8]| Some(memmem::find(body, name)? + name.len());
     let points = after(POINTS);
@@ -65,7 +64,7 @@ enum Lists {
     Rows(Points, Grid),
 }
 
-/// Reads from the start of what is left; every part gives nothing where that is not what it should be.
+/// Reads from the start of the rest; every part returns `None` for unexpected input.
 struct Reader<'a> {
     rest: &'a [u8],
 }
@@ -89,7 +88,7 @@ impl<'a> Reader<'a> {
         Some(())
     }
 
-    /// Skips what stands behind an element of a list; returns whether that is the end of the list.
+    /// Skips the separator after an element of a list; returns true at the end of the list.
     fn has_ended(&mut self) -> Option<bool> {
         self.skip_blanks();
         let (character, rest) = self.rest.split_first()?;
@@ -102,7 +101,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a list of at least one element; gives how many there are.
+    /// Reads a list of at least one element; returns their number.
     #[inline(always)]
     fn list(&mut self, mut element: impl FnMut(&mut Self) -> Option<()>) -> Option<usize> {
         self.eat(b'[')?;
@@ -116,7 +115,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a finite number in the notation of JSON, which is narrower than that of the parser.
+    /// Reads a finite number in the notation of JSON, which is stricter than that of the parser.
     #[inline(always)]
     fn number(&mut self) -> Option<f64> {
         self.skip_blanks();
@@ -131,13 +130,13 @@ impl<'a> Reader<'a> {
         (is_whole && is_part && x.is_finite()).then_some(x)
     }
 
-    /// How many lists begin here, one in the other; of many some.
+    /// The nesting depth of the lists that begin here, up to a limit.
     fn depth(&self) -> usize {
         let mut ahead = Reader { rest: self.rest };
         iter::from_fn(|| ahead.eat(b'[')).take(DEEP).count()
     }
 
-    /// Reads lists, all of a level of the same length, of at most as many points as `most`.
+    /// Reads lists, all of a level of the same length, with at most `most` points.
     fn lists(&mut self, part: usize, most: usize) -> Option<Lists> {
         let depth = self.depth();
         self.eat(b'[')?;
@@ -145,14 +144,14 @@ impl<'a> Reader<'a> {
         let ranges = ranges(text, depth, part);
         let read = |range: &Range<usize>| Part::read(text, range.clone(), depth, most);
         let mut gathered = None;
-        // As what is read in parts is there twice, only some of them are read at a time.
+        // Only some parts are read at a time, as these are in memory twice.
         for ranges in ranges.chunks(PARTS * rayon::current_num_threads()) {
-            // A short list does not wait for what others compute in parallel.
+            // A short list does not wait for other computations of the pool.
             let parts: Vec<Option<Part>> = match ranges {
                 [range] => vec![read(range)],
                 _ => ranges.par_iter().map(read).collect(),
             };
-            // What was begun behind the end of the list is no part of it.
+            // Parts after the end of the list are discarded.
             let last = parts
                 .iter()
                 .position(|part| part.as_ref().is_none_or(Part::is_last));
@@ -172,7 +171,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// What was read of lists so far.
+/// The lists read so far.
 struct Gathered {
     points: Points,
     innermost: usize,
@@ -189,13 +188,13 @@ impl Gathered {
         let (innermost, columns) = (first.innermost?, first.columns);
         let dimension = match (columns, innermost) {
             (_, 1..=MAX_SURFACE_DIMENSION) => innermost,
-            // Points of a curve or rows of heights: what is fitted says which.
+            // Points of a curve or rows of heights: the kind of geometry decides.
             (None, ..=MAX_DIMENSION) => return None,
             // Rows of heights.
             (None, _) => 1,
             _ => return None,
         };
-        // A comma stands between any two numbers.
+        // A comma is between any two numbers.
         let numbers = memchr::memchr_iter(b',', text).count() + 1;
         let mut gathered = Self {
             points: Points::with_room(dimension, most.min(numbers / dimension)),
@@ -230,8 +229,8 @@ impl Gathered {
     }
 }
 
-/// The parts of a list whose elements are lists of this depth less one. Where they begin is guessed: only
-/// [`Part::read`] shows whether it is right.
+/// The parts of a list whose elements are lists of this depth less one. Their starts are guesses, which [`Part::read`]
+/// verifies.
 fn ranges(text: &[u8], depth: usize, part: usize) -> Vec<Range<usize>> {
     let begins = |place: &usize| Reader::at(text, *place).depth() + 1 == depth;
     let first = |(index, bytes): (usize, &[u8])| {
@@ -248,19 +247,19 @@ fn ranges(text: &[u8], depth: usize, part: usize) -> Vec<Range<usize>> {
 
 /// Elements of a list that follow one another.
 struct Part {
-    /// How many there are.
+    /// Their number.
     rows: usize,
     numbers: Vec<f64>,
     /// The length of the lists of numbers.
     innermost: Option<usize>,
     /// The length of the lists of such lists, if the elements are such.
     columns: Option<usize>,
-    /// Where the list ends, if it is the last part.
+    /// The end of the list, if it is the last part.
     end: Option<usize>,
 }
 
 impl Part {
-    /// Reads the elements that begin in this range, up to the end of the list, and no more points than that.
+    /// Reads the elements that begin in this range, up to the end of the list, with at most this many points.
     fn read(text: &[u8], range: Range<usize>, depth: usize, most: usize) -> Option<Self> {
         let mut reader = Reader::at(text, range.start);
         let most = most.saturating_mul(MAX_SURFACE_DIMENSION);
@@ -329,7 +328,7 @@ mod tests {
         ]
     }
 
-    /// What stands between numbers and brackets.
+    /// Separators between numbers and brackets.
     fn blank() -> impl Strategy<Value = &'static str> {
         prop_oneof![4 => Just(""), 1 => Just(" "), 1 => Just("\r\n\t ")]
     }
@@ -374,7 +373,7 @@ mod tests {
         ]
     }
 
-    /// The same by serde, if it is taken at all.
+    /// The same by serde, if it is accepted.
     fn agrees(body: &str) -> bool {
         let Some(quick) = read_quickly(body.as_bytes(), PART, MOST) else {
             return false;

@@ -33,7 +33,7 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     threshold: Option<f64>,
-    /// Convex: how near bisection comes to the longest step that keeps the turns, as a part of the plain step.
+    /// Convex: the accuracy of the bisection for the longest step that keeps the turns, as a part of the plain step.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "f64")]
     step_tolerance: Option<f64>,
@@ -41,7 +41,7 @@ pub(super) struct AppliedMethod {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "StartInput")]
     start: Option<StartInput>,
-    /// Extended: whether `error.transformed` is told.
+    /// Extended PIA: true if `error.transformed` is reported.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
     transformed_error: Option<bool>,

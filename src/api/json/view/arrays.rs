@@ -1,7 +1,7 @@
 //! Arrays of numbers in answers: nested lists of numbers, or all of the numbers in base64.
 //!
 //! An answer holds a placeholder where an array belongs; [`super::document::Document`] writes the
-//! numbers there. These types carry the schemas of what is written.
+//! numbers there. These types carry the schemas of the numbers.
 
 use schemars::{Schema, json_schema};
 use serde::{Serialize, Serializer};
@@ -13,7 +13,8 @@ use crate::model::schema::schema_of;
 pub(super) struct ArraySlot(pub(super) u8);
 
 impl Serialize for ArraySlot {
-    /// As bytes, which no other part of an answer is serialised as: so the document recognises it.
+    /// Serialised as bytes, which no other part of an answer is, so that the document recognises
+    /// it.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_bytes(&[self.0])
     }

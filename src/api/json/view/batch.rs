@@ -1,4 +1,4 @@
-//! The lines of the answer to a batch: one for each item, then the totals, or why there is no more.
+//! The lines of the answer to a batch: one for each item, then the totals, or why it ended early.
 
 use bytes::Bytes;
 use schemars::{JsonSchema, json_schema};
@@ -32,7 +32,7 @@ struct BatchItem<'a> {
     /// The final state; `failed` also if the item is no fit that can be computed.
     #[schemars(with = "State")]
     state: &'static str,
-    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    /// Notices about the file that has its points, in sentences. Absent if there are none.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notices: &'a [String],
     /// The number of the last iteration. Absent if there was none.
@@ -45,7 +45,7 @@ struct BatchItem<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "FitGeometry<'a>")]
     curve: Option<ItemGeometry<'a>>,
-    /// The fitted surface, likewise.
+    /// The fitted surface, also of a fit that has not converged.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "FitGeometry<'a>")]
     surface: Option<ItemGeometry<'a>>,
@@ -62,15 +62,15 @@ enum ItemGeometry<'a> {
     View(Shown),
 }
 
-/// What came of an item.
+/// The result of an item.
 pub(crate) struct ItemEnd<'a> {
     /// Its place among the items.
     pub index: usize,
     /// The client's name for it.
     pub name: Option<&'a str>,
-    /// What was understood of its points.
+    /// Notices about its points.
     pub notices: &'a [String],
-    /// How its fit has ended.
+    /// The final status of its fit.
     pub status: &'a Status,
     /// The last level.
     pub frame: Option<&'a Frame>,
@@ -114,7 +114,7 @@ pub(crate) fn fitted(item: ItemEnd<'_>, form: &Form) -> Content {
     })
 }
 
-/// The line of an item that is no fit that can be computed.
+/// The line of an item that is invalid.
 pub(crate) fn failed(
     index: usize,
     name: Option<&str>,
@@ -138,7 +138,7 @@ pub(crate) fn failed(
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"totals": {"items": 3, "converged": 2, "failed": 1, "seconds": 0.0031}}]))]
 pub(crate) struct BatchEnd {
-    /// What came of the items.
+    /// The results of the items.
     pub totals: BatchTotals,
 }
 
@@ -146,11 +146,11 @@ pub(crate) struct BatchEnd {
 #[derive(Clone, Copy, Default, Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"items": 3, "converged": 2, "failed": 1, "seconds": 0.0031}]))]
 pub(crate) struct BatchTotals {
-    /// How many items there were.
+    /// The number of items.
     pub items: usize,
-    /// How many of them have converged.
+    /// The number of items that have converged.
     pub converged: usize,
-    /// How many have not: those with a problem.
+    /// The number of items that have not converged: those with a problem.
     pub failed: usize,
     /// Seconds from the beginning of the request to its end.
     pub seconds: f64,

@@ -1,8 +1,8 @@
-//! Decimal numbers as JSON, with as many digits as it takes to read them back exactly.
+//! Decimal numbers as JSON, with as many digits as are needed to read them back exactly.
 
 use std::array;
 
-/// The bytes that are there when a number is written: more than it takes.
+/// The buffer size for a number, more than it needs.
 pub(super) const ROOM: usize = 40;
 
 /// The most bytes that a number takes.
@@ -14,9 +14,9 @@ const HALF: usize = 12;
 /// Numbers that are written at a time.
 pub(super) const BATCH: usize = 96;
 
-/// The texts of those numbers of a batch that are wanted, with as many digits as it takes to read them back
-/// exactly; `null` for those that are not finite. They are copied once all are there: a text that was only just
-/// written takes several times as long to read.
+/// The texts of the wanted numbers of a batch, with as many digits as are needed to read them back exactly; `null` for
+/// those that are not finite. They are copied once all are there: reading a text that was only just written takes
+/// several times as long.
 #[inline(always)]
 pub(super) fn in_full<R>(
     numbers: &[f64],
@@ -34,7 +34,7 @@ pub(super) fn in_full<R>(
     use_texts(&texts)
 }
 
-/// Writes a text of a number to the start of [`ROOM`] bytes; returns how many it takes.
+/// Writes a text of a number to the start of [`ROOM`] bytes; returns its length.
 #[inline(always)]
 pub(super) fn copy(text: &str, room: &mut [u8]) -> usize {
     let digits = text.as_bytes();

@@ -1,4 +1,4 @@
-//! How far the data are from the nearest points of the curve or surface.
+//! Distances of the data from the nearest points of the curve or surface.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -66,7 +66,7 @@ enum Distances {
 }
 
 impl DeviationView {
-    /// The deviation of an iteration, with the distances of all points if they are wanted.
+    /// The deviation of an iteration, with the distances of all points if requested.
     pub(crate) fn new(
         problem: &Problem,
         iteration: usize,

@@ -47,14 +47,14 @@ enum Array {
     Packed(Bytes),
 }
 
-/// How precisely the numbers of an array are written.
+/// The precision of the numbers of an array.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Precision {
-    /// Coordinates may be rounded.
+    /// Coordinates, which may be rounded.
     Rounded,
-    /// Other numbers are written in full, or in 32 bits.
+    /// Other numbers, which are written in full, or in 32 bits.
     Full,
-    /// Numbers that may lie close together have 64 bits in any encoding.
+    /// Numbers that may lie close together, which have 64 bits in any encoding.
     Exact,
 }
 
@@ -77,12 +77,12 @@ impl Document {
         WeightArray(self.array(shape, weights, Precision::Full))
     }
 
-    /// A list of so many numbers.
+    /// A list of this many numbers.
     pub(super) fn numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
         NumberArray(self.array(&[count], numbers, Precision::Full))
     }
 
-    /// A list of so many numbers, which have 64 bits in any encoding.
+    /// A list of this many numbers, which have 64 bits in any encoding.
     pub(super) fn exact_numbers(&mut self, count: usize, numbers: impl Source) -> NumberArray {
         NumberArray(self.array(&[count], numbers, Precision::Exact))
     }
@@ -156,7 +156,7 @@ impl Document {
 }
 
 impl Array {
-    /// About how many bytes it takes.
+    /// Its approximate number of bytes.
     fn size(&self, digits: Digits) -> usize {
         match self {
             Self::Numbers { shape, .. } => shape.count().saturating_mul(digits.size()),
@@ -194,7 +194,7 @@ impl Precision {
 /// JSON as usual, but that an [`ArraySlot`] is a mark with the number of its array, counted from 1.
 struct Marks;
 
-/// JSON has no such byte: control characters are escaped in strings, and stand nowhere else.
+/// A byte that JSON does not contain: control characters are escaped in strings, and occur nowhere else.
 const MARK: u8 = 0;
 
 impl Formatter for Marks {

@@ -1,4 +1,4 @@
-//! How directions end, as it is shown.
+//! The ends of directions in answers.
 
 use schemars::json_schema;
 use serde::Serialize;
@@ -45,7 +45,7 @@ impl EndRules {
         })
     }
 
-    /// Those of all directions.
+    /// The rules of all directions.
     pub(super) fn of(problem: &Problem) -> PerDirection<Self> {
         let request = problem.request();
         let u = Self::new(request.u.ends.as_ref());

@@ -13,7 +13,7 @@ use piad_fit::engine::{Level, Problem};
 use piad_fit::geometry::FitError;
 use piad_fit::method::Method;
 
-/// How the data points of a job are numbered, and whether the fit is local.
+/// The numbering of the data points of a job, and whether the fit is local.
 #[derive(Clone, Copy)]
 pub(crate) struct Arrangement {
     /// The number of columns of points in rows.
@@ -96,7 +96,7 @@ impl ErrorView {
         }
     }
 
-    /// Those of the last level of a job so far, with what is known of it between its data.
+    /// The distances of the last level of a job so far, with its deviation between data.
     pub(super) fn of_last(level: &Level, of: impl Into<Arrangement>) -> Self {
         Self {
             between: level.between,

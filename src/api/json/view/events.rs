@@ -63,28 +63,28 @@ struct JobEvent<'a> {
     degree: PerDirection<usize>,
     /// True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
     closed: PerDirection<bool>,
-    /// How it ends.
+    /// Its ends.
     ends: PerDirection<EndRules>,
     /// The points at which a curve may turn, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<&'a [usize]>,
-    /// The points that a robust fit leaves out, if there are any.
+    /// The use of weights, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Outliers")]
     outliers: Option<Outliers<'a>>,
-    /// How weights are used, if there are any.
+    /// The use of weights, if there are any.
     rational: Option<Rational>,
     /// The method, with numbers that were computed for it.
     method: AppliedMethod,
-    /// How fast it converges, by what is known at iteration 0.
+    /// The forecast at iteration 0.
     predicted: Prediction,
-    /// When it ends.
+    /// Its end conditions.
     stop: AppliedStop,
     /// The paths of the job. Ephemeral edits have none.
     links: Option<Links>,
-    /// What is doubtful about it; some of that is found out only when the job begins to run.
+    /// Warnings; some are found only when the job begins to run.
     warnings: Vec<WarningView>,
-    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    /// Notices about the file that has its points, in sentences. Absent if there are none.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notices: &'a [String],
     /// How weights, knots and parameters are written, if they are binary: always with 64 bits.
@@ -103,7 +103,7 @@ struct JobEvent<'a> {
     parameters: Option<PerDirection<NumberArray>>,
 }
 
-/// How a stream has been resumed, where it does not simply go on.
+/// How a stream was resumed, unless it simply continues.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Restarted)]
@@ -168,10 +168,10 @@ struct EndEvent {
     /// The final state.
     #[schemars(with = "State")]
     state: &'static str,
-    /// Why it ended, where the state does not say it.
+    /// The reason of the end, if the state does not imply it.
     #[schemars(with = "Option<EndReason>")]
     reason: Option<&'static str>,
-    /// The reason in words, with what is left.
+    /// The reason in words, with the remaining distance.
     detail: Option<String>,
     /// The number of the last iteration.
     iterations: usize,
@@ -181,7 +181,7 @@ struct EndEvent {
     elapsed: Option<f64>,
     /// All warnings, also those that were found while it ran.
     warnings: Vec<WarningView>,
-    /// Where to go on. Ephemeral edits leave nothing behind.
+    /// Links to related resources. Ephemeral edits leave nothing behind.
     links: Option<EndLinks>,
     /// Why it failed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,13 +231,13 @@ schema_of!(ServerSentEvent, "ServerSentEvent", generator => {
         generator.subschema_for::<EndEvent>(),
     ];
     json_schema!({
-        "description": "The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless they are asked for, then `end` with the id `end`. Comments keep quiet streams open.",
+        "description": "The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless these are requested, then `end` with the id `end`. Comments keep quiet streams open.",
         "type": "object",
         "properties": {
             "event": {"description": "What has happened.", "type": "string", "enum": ["job", "iteration", "end"]},
             "id": {"description": "The number of the iteration, or `end`. A version of the program whose numbers differ from those of the version that accepted the job adds its own number: `7@2`.", "type": "string", "pattern": "^([0-9]+(@[0-9]+)?|end)$"},
             "data": {
-                "description": "What is to be said of it, as JSON: a JobEvent, an IterationEvent or an EndEvent.",
+                "description": "Its data, as JSON: a JobEvent, an IterationEvent or an EndEvent.",
                 "type": "string",
                 "contentMediaType": "application/json",
                 "contentSchema": {"anyOf": data},
@@ -294,7 +294,7 @@ fn line_schema<T: JsonSchema>(
     example: serde_json::Value,
 ) -> Schema {
     let mut data = generator.subschema_for::<T>();
-    data.insert("description".to_owned(), json!("What is to be said of it."));
+    data.insert("description".to_owned(), json!("Its data."));
     let mut schema = json_schema!({
         "description": format!("The `{name}` event as a line."),
         "type": "object",

@@ -1,4 +1,4 @@
-//! Examples of what stands in several answers.
+//! Examples for several answers.
 
 use serde_json::{Value, json};
 
@@ -78,7 +78,7 @@ pub(super) fn result() -> Value {
     })
 }
 
-/// The same without what says whose it is.
+/// The result without the fields of the job.
 pub(super) fn geometry() -> Value {
     json!({
         "basis": "bspline", "degree": 3, "closed": false, "rational": null, "knots": [0, 0, 0, 0, 1, 2, 3, 3, 3, 3],

@@ -28,34 +28,34 @@ pub(crate) struct JobView<'a> {
     name: Option<&'a str>,
     /// Curve or surface.
     kind: GeometryKind,
-    /// Where it is in its life.
+    /// Its state.
     #[schemars(with = "State")]
     state: &'static str,
-    /// Why it ended, where the state does not say it.
+    /// The reason of the end, if the state does not imply it.
     #[schemars(with = "Option<EndReason>")]
     reason: Option<&'static str>,
-    /// The reason in words, with what is left.
+    /// The reason in words, with the remaining distance.
     detail: Option<String>,
-    /// What is doubtful about it; some of that is found out only when the job begins to run.
+    /// Warnings; some are found only when the job begins to run.
     warnings: Vec<WarningView>,
-    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    /// Notices about the file that has its points, in sentences. Absent if there are none.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notices: &'a [String],
     /// The number of data points.
     points: usize,
     /// The method.
     method: AppliedMethod,
-    /// When it ends.
+    /// Its end conditions.
     stop: AppliedStop,
-    /// What its streams are like, if the job says it.
+    /// The stream options of the job, if it has any.
     stream: Option<&'a StreamSpec>,
     /// The last iteration so far.
     iteration: Option<usize>,
-    /// How fast it converges, by what is known at that iteration.
+    /// The forecast at that iteration.
     predicted: Prediction,
     /// The distances at that iteration.
     error: Option<ErrorView>,
-    /// How far it is.
+    /// Its progress.
     #[schemars(range(min = 0, max = 1))]
     progress: f64,
     /// When it was accepted.
@@ -131,7 +131,7 @@ pub(crate) struct JobPage<'a> {
     pub next: Option<String>,
 }
 
-/// What is fitted.
+/// The geometry.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[schemars(example = Self::Curve)]
@@ -141,7 +141,7 @@ pub(in crate::api) enum GeometryKind {
 }
 
 impl GeometryKind {
-    /// What a job fits.
+    /// The geometry that a job fits.
     pub(super) fn of(outline: &Outline) -> Self {
         if outline.surface {
             Self::Surface
@@ -171,23 +171,23 @@ impl AppliedStop {
     }
 }
 
-/// How the streams of a job go if they do not say it themselves.
+/// The default stream options of a job.
 pub(super) fn stream(outline: &Outline) -> Option<&StreamSpec> {
     outline.label.stream.as_deref()
 }
 
-/// What is known of the convergence.
+/// The forecast of the convergence.
 #[derive(Serialize, JsonSchema)]
 #[schemars(extend("examples" = [{"rate": 0.8, "iterations": 60}]))]
 pub(super) struct Prediction {
     /// The factor by which the error shrinks in each iteration, in the long run.
     rate: Option<f64>,
-    /// About how many iterations it takes in all; null where nobody knows.
+    /// The approximate total number of iterations; null if unknown.
     iterations: Option<usize>,
 }
 
 impl Prediction {
-    /// What is known at iteration 0.
+    /// The forecast at iteration 0.
     pub(super) fn at_first(levels: Option<Levels>) -> Self {
         Self {
             rate: levels.and_then(|levels| levels.forecast.rate),
@@ -217,19 +217,19 @@ pub(super) struct Links {
     /// Its event stream.
     #[schemars(extend("format" = "uri-reference"))]
     events: String,
-    /// The job as it was asked for.
+    /// The job as it was requested.
     #[schemars(extend("format" = "uri-reference"))]
     input: String,
     /// The final curve or surface.
     #[schemars(extend("format" = "uri-reference"))]
     result: String,
-    /// Where edits are posted.
+    /// The address of edits.
     #[schemars(extend("format" = "uri-reference"))]
     edits: String,
-    /// Where the fixed points of a local fit end.
+    /// The limits of the fixed points of a local fit.
     #[schemars(extend("format" = "uri-reference"))]
     limit: String,
-    /// Where a POST stops it.
+    /// The address for cancelling, with POST.
     #[schemars(extend("format" = "uri-reference"))]
     cancel: String,
 }
@@ -263,7 +263,7 @@ schema_of!(
     State,
     "JobState",
     json_schema!({
-        "description": "Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was asked for at its minimum) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.",
+        "description": "Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was requested at its minimum) | exhausted (at max_iterations) | stalled (the method cannot continue) | failed | cancelled.",
         "type": "string",
         "enum": State::ALL.map(State::name),
         "examples": ["converged"],
@@ -277,7 +277,7 @@ schema_of!(
     EndReason,
     "EndReason",
     json_schema!({
-        "description": "Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.",
+        "description": "Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was requested, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.",
         "type": "string",
         "enum": Reason::ALL.map(Reason::name),
         "examples": ["minimum"],

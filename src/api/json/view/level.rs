@@ -39,12 +39,12 @@ pub(crate) struct IterationEvent {
     /// The factor of the error in the last step.
     #[serde(skip_serializing_if = "Option::is_none")]
     rate: Option<f64>,
-    /// About how many iterations it takes in all, by what is known here; absent where nobody knows.
+    /// The approximate total number of iterations, by the errors so far; absent if unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted: Option<usize>,
-    /// How many control points the last step has moved.
+    /// The number of control points that the last step moved.
     moved: usize,
-    /// The knots, where they are others than in the event before; of fits that choose them by themselves.
+    /// The knots, where they are others than in the event before; of fits that choose them.
     #[serde(skip_serializing_if = "Option::is_none")]
     knots: Option<PerDirection<KnotArray>>,
     /// A weight that no CAD kernel takes.
@@ -56,15 +56,15 @@ pub(crate) struct IterationEvent {
     /// Only with the encoding `delta` in homogeneous fits: by how much a step moves a weight.
     #[serde(skip_serializing_if = "Option::is_none")]
     weight_step: Option<f64>,
-    /// What is shown of the geometry.
+    /// The view of the geometry.
     #[serde(flatten)]
     shown: Shown,
 }
 
-/// What is shown of the geometry of a level.
+/// The view of the geometry of a level.
 #[derive(Default, Serialize, JsonSchema)]
 pub(super) struct Shown {
-    /// How the arrays are written, if they are binary.
+    /// The encoding of the arrays, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
     /// The shape of `control_points` or `samples`, if they are binary.
@@ -100,8 +100,8 @@ pub(crate) fn level(frame: &Frame, form: &Form) -> Content {
     })
 }
 
-/// The data of an `iteration` event that says by how many steps points, and weights, have moved from what its reader
-/// has.
+/// The data of an `iteration` event with the numbers of steps by which points, and weights, have moved since the
+/// reader's state.
 pub(crate) fn moved(frame: &Frame, view: View, changes: &[Change]) -> Content {
     let mut document = Document::new(Digits::Base64);
     let shown = Shown::moved(&mut document, frame, view, changes);
@@ -114,7 +114,7 @@ pub(crate) fn moved(frame: &Frame, view: View, changes: &[Change]) -> Content {
 }
 
 impl IterationEvent {
-    /// What is said of every level, and this of its geometry.
+    /// The common fields of every level, and this geometry.
     fn new(frame: &Frame, shown: Shown) -> Self {
         let (level, problem) = (&frame.level, &frame.problem);
         Self {
@@ -133,7 +133,7 @@ impl IterationEvent {
     }
 }
 
-/// How coordinates are written in this form.
+/// The precision of coordinates in this form.
 pub(super) fn digits(form: &Form, level: &Level) -> Digits {
     match (form.encoding, form.digits) {
         (Encoding::Base64, _) => Digits::Base64,
@@ -147,7 +147,7 @@ pub(super) fn digits(form: &Form, level: &Level) -> Digits {
 }
 
 impl Shown {
-    /// What a view shows of a level.
+    /// The geometry of a level in a view.
     pub(super) fn new(document: &mut Document, frame: &Frame, view: View) -> Self {
         let (problem, points) = (&frame.problem, &frame.control_points);
         match view {
@@ -176,7 +176,7 @@ impl Shown {
         }
     }
 
-    /// By how many steps the points of a view, and their weights, have moved.
+    /// The numbers of steps by which the points of a view, and their weights, have moved.
     fn moved(document: &mut Document, frame: &Frame, view: View, changes: &[Change]) -> Self {
         let mut arrays = changes.iter().map(|change| change.numbers.clone());
         let points = arrays.next().map(|it| document.packed_points(it));
@@ -224,7 +224,7 @@ impl Shown {
         .written(document, shape)
     }
 
-    /// Says how the arrays are written, if they are binary.
+    /// Reports how the arrays are written, if they are binary.
     fn written(self, document: &Document, shape: Vec<usize>) -> Self {
         let encoding = document.encoding();
         Self {

@@ -1,4 +1,4 @@
-//! Where the difference vectors of the fixed points of a local fit end.
+//! The limits of the difference vectors of the fixed points of a local fit.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -8,7 +8,7 @@ use crate::model::settings::Index;
 use piad_fit::engine::Problem;
 use piad_fit::engine::limit::LocalLimit;
 
-/// Where the difference vectors of the fixed points of a local fit end.
+/// The limits of the difference vectors of the fixed points of a local fit.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "Limit")]
 #[schemars(extend("examples" = [{"points": [0, 3], "differences": [[0.0, 0.0], [0.1, -0.2]], "max": 0.223606797749979}]))]

@@ -7,12 +7,12 @@ use super::decimal::{self, BATCH, LONGEST, ROOM};
 use super::rounding::Batch;
 use super::shape::NestedShape;
 
-/// What [`lists`] takes at most: numbers with commas, and the brackets around lists.
+/// The largest output of [`lists`]: numbers with commas, and the brackets around lists.
 pub(super) const SCRATCH: usize =
     BATCH * (LONGEST + 1) + (BATCH + 2) * 2 * NestedShape::DEEPEST + ROOM;
 
-/// Writes the numbers from `start` on, at most [`BATCH`], as nested lists, in full or rounded; returns how many
-/// bytes they are.
+/// Writes the numbers from `start` on, at most [`BATCH`], as nested lists, in full or rounded; returns the number of
+/// bytes.
 pub(super) fn decimals(
     shape: NestedShape,
     start: usize,
@@ -42,8 +42,8 @@ pub(super) fn decimals(
     )
 }
 
-/// Writes so many numbers from `start` on, with the brackets and commas between and after them; returns how many
-/// bytes they are.
+/// Writes this many numbers from `start` on, with the brackets and commas between and after them; returns the number of
+/// bytes.
 #[inline(always)]
 fn lists(
     shape: NestedShape,
@@ -59,7 +59,7 @@ fn lists(
     };
     let mut written = 0;
     let mut edges = shape.edges(start);
-    // How many numbers there are up to the end of an innermost list.
+    // The number of numbers up to the end of an innermost list.
     let mut run = innermost - start % innermost;
     while written < count {
         let end = count.min(written + run);

@@ -1,16 +1,18 @@
-//! What the server answers, in JSON.
+//! JSON of answers.
 //!
-//! Types that are serialised carry their schemas: what stands in the description of the API are their
-//! doc comments. Fields may be added to answers, so clients ignore those that they do not know.
+//! Serialised types carry their schemas: their doc comments are the descriptions of the OpenAPI document. Fields may be
+//! added to answers, so clients ignore unknown ones.
 //!
-//! - [`job`]: jobs as resources; [`events`]: what streams say first and last; [`level`]: iterations and results;
+//! - [`job`]: jobs as resources; [`events`]: the first and the last event of streams; [`level`]: iterations and
+//!   results;
 //!   [`limit`]: the limit of local fits;
 //! - [`batch`]: the lines of a batch;
-//! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`curvature`]: the shape; [`warning`]: what is doubtful about a job;
-//! - [`input`](mod@input): a job as it was asked for;
+//! - [`error`]: distances from the data at their parameters; [`deviation`]: from the nearest points; [`curvature`]: the
+//!   shape; [`warning`]: warnings about a job;
+//! - [`input`](mod@input): a job as it was requested;
 //! - [`arrays`]: arrays of numbers in answers; [`document`] writes them, over [`source`] and [`writer`];
-//! - [`decimal`] and [`rounding`]: numbers with as many digits as they deserve; [`lists`] of them;
-//! - [`examples`]: what descriptions show.
+//! - [`decimal`] and [`rounding`]: decimal numbers, exact or rounded; [`lists`] of them;
+//! - [`examples`]: examples for the OpenAPI document.
 
 mod applied_method;
 mod arrays;

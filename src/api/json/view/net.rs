@@ -1,4 +1,4 @@
-//! What iterations and results have in common: the control net, knots and weights.
+//! Common parts of iterations and results: the control net, knots and weights.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use piad_fit::invalid::Axis;
 pub(super) struct ControlNet {
     pub(super) shape: Vec<usize>,
     pub(super) points: PointArray,
-    /// Of homogeneous fits.
+    /// Weights of homogeneous fits.
     pub(super) weights: Option<WeightArray>,
 }
 
@@ -68,12 +68,12 @@ pub(super) struct BadWeight {
     control_point: Index,
     /// Its weight.
     weight: f64,
-    /// What is wrong with it.
+    /// The reason.
     detail: &'static str,
 }
 
 impl BadWeight {
-    /// What is wrong with a homogeneous level: no CAD kernel takes a weight that is not positive.
+    /// The warning about a homogeneous level: CAD kernels do not accept weights that are not positive.
     pub(super) fn of(level: &Level, problem: &Problem) -> Option<Self> {
         let (index, weight) = level.bad_weight?;
         Some(Self {

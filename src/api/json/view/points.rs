@@ -19,16 +19,16 @@ use piad_fit::parameters::{Mesh, MeshUnfolding, Scattered, Sections};
 #[schemars(rename = "FilePoints")]
 #[schemars(extend("examples" = [{"name": "NACA 2412", "curve": {"points": [[1, 0.0013], [0.95, 0.0114]]}, "notices": []}]))]
 pub(crate) struct PointsView {
-    /// What the file calls itself.
+    /// The name in the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<String>,
     /// The points of a curve.
     #[serde(skip_serializing_if = "Option::is_none")]
     curve: Option<CurvePoints>,
-    /// Those of a surface.
+    /// The points of a surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     surface: Option<SurfacePoints>,
-    /// What was found out about the file, in sentences.
+    /// Notices about the file, in sentences.
     notices: Vec<String>,
 }
 
@@ -42,7 +42,7 @@ struct CurvePoints {
     /// The curve is closed: the file had the first point at its end again, which is not among these.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     closed: bool,
-    /// The parameters of the points: their times, where these were asked for.
+    /// The parameters of the points: their times, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<Vec<f64>>,
 }
@@ -59,14 +59,14 @@ struct SurfacePoints {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<ScatteredPoints>")]
     scattered: Option<PointList>,
-    /// How many of them each section has, the triangles of the mesh, or the parameters of the rows and columns of a grid with
-    /// missing points, if x and y say them.
+    /// The number of points of each section, the triangles of the mesh, or the parameters of the rows and columns of a
+    /// grid with missing points, if x and y say them.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<SurfaceParameters>,
 }
 
 impl SurfacePoints {
-    /// Those of sections or of a mesh.
+    /// The points of sections or of a mesh.
     fn scattered(points: Arc<Points>, parameters: Scattered) -> Self {
         Self {
             points: None,

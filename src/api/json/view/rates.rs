@@ -19,7 +19,7 @@ pub(crate) struct RatesView {
     bases: Vec<RateView>,
 }
 
-/// What is known of classical PIA with a basis.
+/// The convergence of classical PIA with a basis.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "BasisRate")]
 #[schemars(extend("examples" = [{"basis": "bernstein", "degree": 2, "lambda_min": 0.5, "rate": 0.5, "iterations": 20}]))]
@@ -27,16 +27,17 @@ struct RateView {
     /// The basis.
     #[schemars(with = "BasisKind")]
     basis: &'static str,
-    /// Its degree.
+    /// The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides it, and for
+    /// polynomials through more than 100 points other than Bernstein at equal steps.
     degree: usize,
     /// The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides
     /// it, and of polynomials through more than 100 points but for Bernstein at equal steps.
     lambda_min: Option<f64>,
-    /// By which factor an iteration reduces distances in the long run, 1 − lambda_min where the basis is
-    /// totally positive. They grow if it is above one.
+    /// The factor by which an iteration reduces distances in the long run, 1 − lambda_min where the basis is totally
+    /// positive. Above one they grow.
     rate: Option<f64>,
-    /// How many iterations reduce them to the part `tolerance`, by the rate; null where they are not known
-    /// or beyond 1e15.
+    /// The number of iterations that reduce them to the part `tolerance`, by the rate; null where it is unknown or
+    /// beyond 1e15.
     iterations: Option<u64>,
 }
 

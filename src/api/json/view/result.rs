@@ -38,14 +38,14 @@ pub(crate) struct FitResult<'a> {
     /// The final state.
     #[schemars(with = "State")]
     state: &'static str,
-    /// What was understood of the file that has its points, in sentences. Not there if there is nothing to say.
+    /// Notices about the file that has its points, in sentences. Absent if there are none.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     notices: &'a [String],
     /// The number of the last iteration.
     iteration: usize,
     /// The distances from the data.
     error: ErrorView,
-    /// What can be read without anything else.
+    /// The self-contained geometry.
     #[serde(flatten)]
     geometry: FitGeometry<'a>,
 }
@@ -63,14 +63,14 @@ pub(crate) struct FitGeometry<'a> {
     degree: PerDirection<usize>,
     /// True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
     closed: PerDirection<bool>,
-    /// How weights are used, if there are any.
+    /// The use of weights, if there are any.
     rational: Option<Rational>,
     /// A weight that no CAD kernel takes.
     #[serde(skip_serializing_if = "Option::is_none")]
     bad_weight: Option<BadWeight>,
     /// The knots, in base64 always with 64 bits.
     knots: PerDirection<KnotArray>,
-    /// The parameters of the data points, likewise.
+    /// The parameters of the data points, in base64 always with 64 bits.
     parameters: PerDirection<NumberArray>,
     /// The fairness of a least-squares fit, also if the data have chosen it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -80,11 +80,11 @@ pub(crate) struct FitGeometry<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Outliers")]
     outliers: Option<Outliers<'a>>,
-    /// What is left of a surface that is trimmed.
+    /// The remaining part of a trimmed surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Trimmed")]
     trim: Option<Trimmed>,
-    /// How the arrays are written, if they are binary.
+    /// The encoding of the arrays, if they are binary.
     #[serde(skip_serializing_if = "Option::is_none")]
     encoding: Option<BinaryEncoding>,
     /// The shape of `control_points`, if they are binary.

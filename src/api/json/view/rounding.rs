@@ -7,8 +7,8 @@
 //! -12.5078125, k = 5:   n = 1250781   00000012 . 50781000 00000000
 //! ```
 //!
-//! All of a batch are computed at once, with vectors; then their texts are put together. Integers in floating
-//! point are exact below 2⁵³.
+//! All of a batch are computed at once, with vectors; then their texts are assembled. Integers in floating point are
+//! exact below 2⁵³.
 
 use pulp::{Arch, NullaryFnOnce};
 
@@ -105,14 +105,15 @@ impl Batch {
         Arch::new().dispatch(Compute(self, numbers));
     }
 
-    /// Whether number k is written in full: its rounded text would have too many digits, or it is NaN or infinite.
+    /// Returns true if number k is written in full: its rounded text would have too many digits, or it is NaN or
+    /// infinite.
     #[inline(always)]
     pub(super) fn is_in_full(&self, k: usize) -> bool {
         self.scaled[k].is_nan() || self.scaled[k] >= LARGEST
     }
 
-    /// Writes the number x, which is number k of the batch, to the start of [`decimal::ROOM`] bytes; returns how
-    /// many it takes. `in_full` is its text in full, which only counts if [`Self::is_in_full`] says so.
+    /// Writes the number x, which is number k of the batch, to the start of [`decimal::ROOM`] bytes; returns its
+    /// length. `in_full` is its text in full, which is only used if [`Self::is_in_full`] is true.
     #[inline(always)]
     pub(super) fn write(&self, k: usize, x: f64, in_full: &str, room: &mut [u8]) -> usize {
         if self.is_in_full(k) {
@@ -124,8 +125,8 @@ impl Batch {
             .unwrap_or_else(|| self.rounding.write(x, room))
     }
 
-    /// Puts the text of number k together, if that takes no exponent and it is not zero. Copies have constant
-    /// sizes, which is fast: more is written than counts.
+    /// Assembles the text of number k, if it needs no exponent and is not zero. Copies have constant sizes, which is
+    /// fast: more bytes are written than count.
     #[inline(always)]
     fn join(&self, k: usize, is_negative: bool, room: &mut [u8]) -> Option<usize> {
         let room: &mut [u8; decimal::ROOM] = room.first_chunk_mut()?;
@@ -171,7 +172,7 @@ impl NullaryFnOnce for Compute<'_> {
             return;
         }
         let (count, power) = (rounding.places as usize, rounding.power);
-        // Of what is behind the point, the first eight digits are `part · up / down`.
+        // Of the digits behind the point, the first eight are `part · up / down`.
         let up = POWERS[8_usize.saturating_sub(count)];
         let (down, scale) = (POWERS[count.saturating_sub(8)], POWERS[16 - count]);
         let mut eights = [[0_u32; BATCH]; 3];
@@ -203,8 +204,8 @@ fn divide(number: f64, by: f64) -> (f64, f64) {
     (quotient, number - quotient * by)
 }
 
-/// An integer from 0 to 2³² − 1. Added to 2⁵² it stands in the lowest bits; `as` also looks for numbers that are
-/// out of range, which takes longer than all the rest.
+/// An integer from 0 to 2³² − 1. Added to 2⁵² it is in the lowest bits; `as` also looks for numbers that are out of
+/// range, which takes longer than all the rest.
 #[inline(always)]
 fn integer(x: f64) -> u32 {
     const FIFTY_TWO_BITS: f64 = (1_u64 << 52) as f64;
@@ -261,7 +262,7 @@ fn write_short(mut number: u64, mut exponent: i32, room: &mut [u8]) -> usize {
     }
 }
 
-/// Writes parts one behind the other; returns how many bytes they are.
+/// Writes parts one behind the other; returns the number of bytes.
 fn join(room: &mut [u8], parts: [&[u8]; 3]) -> usize {
     let mut at = 0;
     for part in parts {
@@ -351,7 +352,7 @@ mod tests {
         }
     }
 
-    /// Each number of a batch is written as it would be alone, whatever the others are.
+    /// Each number of a batch is written as it would be alone.
     #[test]
     fn numbers_of_a_batch_do_not_depend_on_each_other() {
         let numbers = [

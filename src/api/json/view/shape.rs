@@ -3,7 +3,7 @@
 /// The shape of an array: up to [`NestedShape::DEEPEST`] levels of nested lists; the last index runs fastest.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NestedShape {
-    /// How many numbers a list of each level has, the innermost first.
+    /// The number of numbers in a list of each level, the innermost first.
     sizes: [usize; NestedShape::DEEPEST],
     depth: usize,
 }
@@ -28,12 +28,12 @@ impl NestedShape {
     /// The most levels of lists.
     pub(super) const DEEPEST: usize = 3;
 
-    /// How many numbers there are.
+    /// The number of numbers.
     pub(crate) fn count(self) -> usize {
         self.lists().last().copied().unwrap_or(1)
     }
 
-    /// How many numbers an innermost list has.
+    /// The number of numbers in an innermost list.
     pub(super) fn innermost(&self) -> usize {
         self.sizes[0]
     }
@@ -43,8 +43,8 @@ impl NestedShape {
         &self.sizes[..self.depth]
     }
 
-    /// How many lists end before number `at`; as many begin there. Each size is a multiple of the
-    /// one before.
+    /// The number of lists that end before number `at`; the same number begin there. Each size is a multiple of the one
+    /// before.
     pub(super) fn edges(&self, at: usize) -> usize {
         let ends = |size: &&usize| at.is_multiple_of(**size);
         self.lists().iter().take_while(ends).count()

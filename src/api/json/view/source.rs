@@ -11,15 +11,15 @@ use piad_fit::invalid::Axis;
 
 /// An array of numbers. It is shared between threads and lives until all of it has been sent.
 pub(crate) trait Source: Send + Sync + 'static {
-    /// Copies the numbers from `start` on, as many as there is room for.
+    /// Copies the numbers from `start` on, until `numbers` is full.
     fn fill(&self, start: usize, numbers: &mut [f64]);
 
-    /// Whether numbers are computed when they are copied, rather than at hand.
+    /// Returns true if numbers are computed when they are copied, rather than in memory.
     fn is_computed(&self) -> bool {
         false
     }
 
-    /// Whether all finite numbers stay finite in 32 bits, if that can be told without looking at each of
+    /// Returns true if all finite numbers stay finite in 32 bits; `None` if that is unknown without a look at each of
     /// them.
     fn fits_32_bits(&self) -> Option<bool> {
         None
@@ -81,7 +81,7 @@ impl Source for Uniform {
 
 /// The complete control net of a level, end copies included: the coordinates of its points.
 pub(crate) struct NetPoints {
-    /// What was fitted.
+    /// The setup of the fit.
     pub problem: Arc<Problem>,
     /// The free control points.
     pub control_points: Arc<Points>,
@@ -91,7 +91,7 @@ pub(crate) struct NetPoints {
 enum Part {
     /// These free control points.
     Free(Range<usize>),
-    /// The control point at this row and column, which is none of the free ones.
+    /// The control point at this row and column, which is not a free one.
     Single(usize, usize),
 }
 
@@ -194,7 +194,7 @@ impl Source for NetPoints {
     }
 }
 
-/// Whether all finite numbers stay finite in 32 bits.
+/// Returns true if all finite numbers stay finite in 32 bits.
 pub(super) fn all_fit_32_bits(numbers: &[f64]) -> bool {
     // Without branches, so that the loop is vectorised.
     let fits = |x: f64| (x as f32).is_finite() | !x.is_finite();
@@ -222,11 +222,11 @@ impl Source for NetWeights {
 
 /// Numbers of a direction: its parameters, knots or weights.
 pub(crate) struct Along {
-    /// What was fitted.
+    /// The setup of the fit.
     pub problem: Arc<Problem>,
     /// The direction.
     pub(super) axis: Axis,
-    /// Which numbers.
+    /// The kind of numbers.
     pub(super) numbers: fn(&Direction) -> Cow<'_, [f64]>,
 }
 
@@ -236,7 +236,7 @@ impl Along {
         (self.numbers)(v.unwrap_or(self.problem.u()))
     }
 
-    /// How many there are.
+    /// Their number.
     pub(crate) fn count(&self) -> usize {
         self.all().len()
     }

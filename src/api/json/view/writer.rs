@@ -16,13 +16,13 @@ use crate::job::content::{Content, Piece, Pieces};
 /// The most numbers that are written at a time.
 const CHUNK: usize = 768;
 
-/// How many chunks a piece of an array has; arrays that are not longer are written at once.
+/// The number of chunks of a piece of an array; arrays that are not longer are written at once.
 const CHUNKS: usize = 16;
 
 /// The most numbers of a piece.
 const PIECE: usize = CHUNKS * CHUNK;
 
-/// How numbers are written.
+/// The notation of numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Digits {
     /// As nested lists of decimal numbers, in full or rounded.
@@ -36,7 +36,7 @@ pub(crate) enum Digits {
 }
 
 impl Digits {
-    /// How many bytes to reserve for each number, including commas and brackets.
+    /// The number of bytes to reserve for each number, including commas and brackets.
     pub(super) fn size(self) -> usize {
         match self {
             Self::Decimal(_) => LONGEST + 3,
@@ -59,7 +59,7 @@ pub(crate) struct ArrayWriter {
 }
 
 impl ArrayWriter {
-    /// A writer with room for so many bytes.
+    /// A writer with room for this many bytes.
     pub(crate) fn with_capacity(bytes: usize) -> Self {
         Self {
             text: Vec::with_capacity(bytes.min(512 + PIECE * Digits::Decimal(None).size())),
@@ -122,8 +122,8 @@ impl ArrayWriter {
     }
 }
 
-/// How many numbers of an array are written at a time: a multiple of 3, so that only its end needs padding in base64,
-/// and whole points, as sources give those. Of longer lists of numbers sources give any part.
+/// The number of numbers of an array that are written at a time: a multiple of 3, so that only its end needs padding in
+/// base64, and whole points, which sources yield. Of longer lists of numbers sources yield any part.
 fn chunk(shape: NestedShape) -> usize {
     let whole = 3 * shape.innermost().max(1);
     match CHUNK / whole {
@@ -132,13 +132,13 @@ fn chunk(shape: NestedShape) -> usize {
     }
 }
 
-/// How many points with so many coordinates are written at a time. Samples of surfaces differ in the last bit with how
-/// many are evaluated together.
+/// The number of points with this many coordinates that are written at a time. Samples of surfaces differ in the last
+/// bit with the number that is evaluated together.
 pub(crate) fn points_at_once(dimension: usize) -> usize {
     chunk([usize::MAX / dimension.max(1), dimension].as_slice().into()) / dimension.max(1)
 }
 
-/// Whether all finite numbers of an array stay finite in 32 bits.
+/// Returns true if all finite numbers of an array stay finite in 32 bits.
 pub(super) fn fits_32_bits(shape: NestedShape, source: &impl Source) -> bool {
     if let Some(fits) = source.fits_32_bits() {
         return fits;

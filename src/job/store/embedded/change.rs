@@ -1,4 +1,4 @@
-//! A change of the store on its way to the thread that writes, and back to the task that has asked for it.
+//! A change of the store on its way to the thread that writes, and back to the task that has requested it.
 
 use tokio::sync::oneshot;
 use uuid::Uuid;
@@ -7,10 +7,10 @@ use super::error::closed;
 use super::transaction::Transaction;
 use crate::job::store::StoreError;
 
-/// A change, whatever its outcome is.
+/// A change with any kind of outcome.
 pub(super) trait Change: Send {
-    /// How many points it writes. Without any it needs no more than a few pages of the file, and must be
-    /// possible when the disk is full.
+    /// The number of points that it writes. Without any it needs only a few pages of the file, and must be possible
+    /// when the disk is full.
     fn points(&self) -> usize {
         0
     }
@@ -25,10 +25,10 @@ pub(super) trait Change: Send {
         true
     }
 
-    /// Does it; again if the transaction was not committed.
+    /// Applies it; repeated if the transaction was not committed.
     fn apply(&mut self, transaction: &mut Transaction<'_>) -> Result<(), StoreError>;
 
-    /// Sends its outcome, once it is committed, or why it is not.
+    /// Sends its outcome once it is committed, or the error.
     fn answer(self: Box<Self>, committed: Result<(), StoreError>);
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Pending<T, F> {
     pub(super) points: usize,
     pub(super) inserts: Option<Uuid>,
     pub(super) function: F,
-    /// What came of it in the transaction.
+    /// Its result in the transaction.
     pub(super) outcome: Option<T>,
     pub(super) reply: oneshot::Sender<Result<T, StoreError>>,
 }

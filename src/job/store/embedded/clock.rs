@@ -1,8 +1,8 @@
 //! The time of a store of one process, whose machine may set its clock at any moment.
 //!
-//! The time at which a job ends never goes backwards, so that the first jobs to end are the first to be
-//! forgotten. How old something is, is measured by a clock that is not set: a job that has ended while the
-//! clock of the machine was a week behind is not a week old when that clock is set right.
+//! The time at which a job ends never decreases, so that the first jobs to end are removed first. Ages are measured by
+//! a monotonic clock: a job that ended while the clock of the machine was a week behind is not a week old when that
+//! clock is set right.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use parking_lot::Mutex;
 pub(super) struct Clock {
     /// When the store was opened, by both clocks.
     opened: (Timestamp, Instant),
-    /// The latest time that was given or seen.
+    /// The latest time that was returned or seen.
     latest: Mutex<Timestamp>,
 }
 
@@ -46,7 +46,7 @@ impl Clock {
         *latest = at.max(*latest);
     }
 
-    /// The time by the clock that is not set: by it things become old.
+    /// The time by the monotonic clock, which decides ages.
     pub(super) fn measured(&self) -> Timestamp {
         let (at, since) = self.opened;
         add(at, since.elapsed())

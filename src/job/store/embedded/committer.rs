@@ -1,9 +1,9 @@
-//! Commits, and what has become of those that fail.
+//! Commits, and the treatment of failed ones.
 //!
-//! A disk that fails in the middle of a commit does not say if the commit is on it. So each commit writes its
-//! number, and when the database is open again, that number says if the commit was done: its changes succeed or
-//! fail together with it. Where the database cannot be opened again, the changes fail; as soon as it can, new
-//! jobs among them that are there after all are removed before anything else is done.
+//! A disk that fails in the middle of a commit does not report whether the commit is on it. So each commit writes its
+//! number, and when the database is open again, that number shows if the commit was done: its changes succeed or fail
+//! together with it. Where the database cannot be opened again, the changes fail; as soon as it can, new jobs among
+//! them that are there after all are removed before anything else is done.
 
 use std::sync::Arc;
 
@@ -17,20 +17,20 @@ use super::transaction::{EndedChange, Transaction};
 use super::usage::Usage;
 use crate::job::store::StoreError;
 
-/// Does transactions, one after the other.
+/// Runs transactions, one after the other.
 pub(super) struct Committer {
     database: Arc<JobDatabase>,
     ended: Ended,
     usage: Usage,
     /// The number of the last attempt.
     number: u64,
-    /// An attempt that has failed, of which it is not known if it was done.
+    /// A failed attempt whose commit may have been done.
     doubt: Option<Attempt>,
     /// Jobs that were refused and are there, to be removed by the next transaction.
     refused: Vec<Uuid>,
 }
 
-/// A transaction whose commit was begun, with what is to be noted once it is done.
+/// A transaction whose commit was begun, with changes of the bookkeeping for after it.
 struct Attempt {
     number: u64,
     changes: Vec<EndedChange>,
@@ -41,7 +41,7 @@ struct Attempt {
 /// A transaction that was committed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Committed {
-    /// It has removed jobs: there may be room again.
+    /// True if it has removed jobs: there may be space again.
     pub(super) has_removed: bool,
 }
 
@@ -67,7 +67,7 @@ impl Committer {
     ) -> Result<Committed, StoreError> {
         self.ensure_open()?;
         match self.attempt_and_settle(inserted, &mut work) {
-            // An error before, of one who read.
+            // An earlier error of a reader.
             Err(StoreError::Unusable(_)) if self.doubt.is_none() && self.database.is_open() => {
                 self.attempt_and_settle(inserted, &mut work)
             }
@@ -140,7 +140,7 @@ impl Committer {
         Ok(self.note())
     }
 
-    /// Opens the database again. Some if the attempt of which that was not known was done.
+    /// Opens the database again. `Some` if the unknown attempt was done.
     fn reopen(&mut self) -> Result<Option<Committed>, StoreError> {
         self.database.reopen()?;
         let last = self.database.last_commit()?;

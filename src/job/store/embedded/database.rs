@@ -37,7 +37,7 @@ pub(super) struct JobDatabase {
 }
 
 impl JobDatabase {
-    /// Opens the database in a file of a directory, or makes it, and checks its version.
+    /// Opens the database in a file of a directory, or creates it, and checks its version.
     pub(super) fn open(directory: &Path, name: &str) -> Result<Self, OpenError> {
         let path = directory.join(name);
         let (file, redb) = opening::open_or_make(directory, &path)?;
@@ -53,7 +53,7 @@ impl JobDatabase {
         Self::new(None, None, redb)
     }
 
-    /// Opens the database in these bytes, or makes it.
+    /// Opens the database in these bytes, or creates it.
     pub(super) fn in_bytes(bytes: Bytes) -> Result<Self, OpenError> {
         let redb = opening::in_bytes(&bytes)?;
         Ok(Self::new(Some(bytes), None, redb))
@@ -69,7 +69,7 @@ impl JobDatabase {
         }
     }
 
-    /// Whether it is on a disk, which can be full.
+    /// Returns true if it is on a disk, which can be full.
     pub(super) fn is_on_disk(&self) -> bool {
         self.file.is_some()
     }
@@ -92,7 +92,7 @@ impl JobDatabase {
         self.redb.read()
     }
 
-    /// Returns true if it takes changes: it is open, and no error has ended that.
+    /// Returns true if it accepts changes: it is open, and has had no fatal error.
     pub(super) fn is_open(&self) -> bool {
         let redb = self.redb();
         let begin = || match &*redb {
@@ -110,8 +110,8 @@ impl JobDatabase {
         }
     }
 
-    /// Opens the database again after an error, with what was committed before it: redb takes no more
-    /// changes after an I/O error.
+    /// Opens the database again after an error, with what was committed before it: redb accepts no more changes after
+    /// an I/O error.
     pub(super) fn reopen(&self) -> Result<(), StoreError> {
         let Some(bytes) = &self.bytes else {
             return Ok(());
@@ -131,7 +131,7 @@ impl JobDatabase {
         Ok(facts.get(COMMIT_FACT)?.map_or(0, |number| number.value()))
     }
 
-    /// Looks if the file is where it was opened; says so in the log when that changes.
+    /// Checks that the file is where it was opened; logs changes of that.
     pub(super) fn look_for_file(&self) {
         let Some(file) = &self.file else { return };
         let is = file.misplaced();
@@ -144,7 +144,7 @@ impl JobDatabase {
         *was = is;
     }
 
-    /// Why no more jobs are accepted: they would be in a file that nobody finds.
+    /// Why no more jobs are accepted: they would be in a file that cannot be found again.
     pub(super) fn check_place(&self) -> Result<(), StoreError> {
         let reason = self.misplaced.lock().clone();
         reason.map_or(Ok(()), |reason| Err(StoreError::Unusable(reason)))
@@ -222,7 +222,7 @@ impl JobDatabase {
         }))
     }
 
-    /// The secret that is kept; if there is none, this one, which is kept then.
+    /// The stored secret; if there is none, this one, which is then stored.
     pub(super) fn secret(&self, new: Secret) -> Result<Secret, StoreError> {
         let redb = self.redb();
         let redb = redb.as_ref().ok_or_else(not_open)?;
@@ -251,8 +251,8 @@ impl JobDatabase {
         Ok(entry.transpose()?.filter(|entry| !entry.has_expired(now)))
     }
 
-    /// A table as it is now. Its pages are not used again as long as it lives. What `ReadOnlyTable`
-    /// itself returns may outlive it and does not keep them: what the trait returns may not.
+    /// A snapshot of a table. Its pages are not reused as long as it lives. What `ReadOnlyTable` itself returns may
+    /// outlive it and does not keep them: what the trait returns may not.
     fn table<K: redb::Key + 'static>(
         &self,
         table: TableDefinition<K, &'static [u8]>,
@@ -305,7 +305,7 @@ mod tests {
             write(&|table| insert(table, length));
             let read = database.get(&RESULTS, id, |read| {
                 write(&|table| drop(table.remove(length).unwrap()));
-                // Later commits use the pages of the removed value again, unless they are read.
+                // Later commits reuse the pages of the removed value, unless they are read.
                 for other in 1..6 {
                     write(&|table| insert(table, length + other));
                 }

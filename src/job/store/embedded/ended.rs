@@ -1,4 +1,4 @@
-//! Which of the jobs that have ended to forget: the bookkeeping of stores that keep it in memory.
+//! The jobs that have ended, in the order of removal: the bookkeeping of stores in memory.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ pub(crate) struct Ended {
 }
 
 impl Ended {
-    /// A job has ended and takes so many bytes.
+    /// A job has ended and takes this many bytes.
     pub(crate) fn add(&mut self, at: Timestamp, id: Uuid, bytes: u64) {
         let before = self.jobs.insert((at, id), bytes).unwrap_or(0);
         self.bytes = self.bytes + bytes - before;
@@ -27,8 +27,8 @@ impl Ended {
         self.bytes -= self.jobs.remove(&(at, id)).unwrap_or(0);
     }
 
-    /// The jobs to be forgotten, without those that are spared. Younger jobs do not have to go instead of these:
-    /// until nobody holds them any more, there are so many jobs more.
+    /// The jobs to be removed, without those that are in use. Younger jobs are not removed in their place: until they
+    /// are released, the store has more jobs than its limit.
     pub(crate) fn surplus(
         &self,
         retention: Retention,

@@ -1,7 +1,7 @@
-//! What stands before each value in the file: what it is, of which job, how long, and a checksum of all this.
+//! The envelope before each value in the file: its kind, its job, its length, and a checksum of all this.
 //!
-//! By it a value of which a bit has changed is told from a good one when it is read, and values are found in a
-//! file whose pages do not lead to them any more ([`salvage`](super::salvage)).
+//! The envelope shows on reading that a bit of a value has changed, and lets values be found in a file whose pages do
+//! not lead to them any more ([`salvage`](super::salvage)).
 
 use std::fmt::Display;
 
@@ -10,17 +10,17 @@ use uuid::Uuid;
 
 use crate::job::store::StoreError;
 
-/// How each envelope begins.
+/// The magic bytes of each envelope.
 pub(super) const MAGIC: &[u8; 8] = b"\x89piadjob";
 
-/// Where the parts of an envelope begin, and how long it is.
+/// The offsets of the parts of an envelope, and its length.
 const KIND: usize = MAGIC.len();
 const ID: usize = KIND + 1;
 const LENGTH: usize = ID + 16;
 const CHECKSUM: usize = LENGTH + 8;
 pub(super) const BYTES: usize = CHECKSUM + 4;
 
-/// What a value is.
+/// The kind of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub(super) enum Kind {
@@ -44,7 +44,7 @@ pub(super) fn envelope(kind: Kind, id: Uuid, value: &[u8]) -> [u8; BYTES] {
     envelope
 }
 
-/// What an envelope says of the value behind it, if this is one.
+/// The contents of an envelope, if this is one.
 pub(super) fn announced(envelope: &[u8; BYTES]) -> Option<(Kind, Uuid, u64)> {
     if !envelope.starts_with(MAGIC) {
         return None;
@@ -56,7 +56,7 @@ pub(super) fn announced(envelope: &[u8; BYTES]) -> Option<(Kind, Uuid, u64)> {
     Some((kind, id, u64::from_le_bytes(*length)))
 }
 
-/// The value of this job in its envelope, or an error that says which one is damaged.
+/// The value of this job in its envelope, or an error that names the damaged one.
 pub(super) fn opened(
     kind: Kind,
     id: Uuid,

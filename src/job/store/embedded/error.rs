@@ -1,4 +1,4 @@
-//! Errors of the database and of what stands in it.
+//! Errors of the database and of its contents.
 
 use std::io::ErrorKind;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -7,8 +7,9 @@ use redb::{StorageError, TableError};
 
 use crate::job::store::StoreError;
 
-/// Does work in which the database may panic, as it does where pages of the file are damaged. A panic
-/// becomes an error: only what needs the page fails, and the thread goes on (`tests/api/damage.rs`).
+/// Does work in which the database may panic, as it does where pages of the file are damaged. A
+/// panic becomes an error: only what needs the page fails, and the thread continues
+/// (`tests/api/damage.rs`).
 pub(super) fn catch_panic<T>(work: impl FnOnce() -> T) -> Result<T, StoreError> {
     let damaged = |_| StoreError::damaged("a record", "pages of the database do not fit together");
     catch_unwind(AssertUnwindSafe(work)).map_err(damaged)
@@ -24,7 +25,7 @@ pub(super) fn closed() -> StoreError {
     StoreError::Failed("the store is closed".to_owned())
 }
 
-/// Whether an error says that there is no room.
+/// Returns true if an error means that there is no space.
 pub(super) fn means_full(kind: ErrorKind) -> bool {
     matches!(
         kind,

@@ -1,5 +1,5 @@
-//! Disks that fail at each of their operations in turn: a job that was acknowledged is there, and one that was
-//! refused is not; nor is its idempotency key, nor what it takes of a quota.
+//! Disks that fail at each of their operations in turn: a job that was acknowledged is there, and one that was refused
+//! is not; nor is its idempotency key, nor its usage of a quota.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -27,16 +27,16 @@ struct Failing {
     plan: Mutex<Plan>,
 }
 
-/// Which operations fail.
+/// The failing operations.
 #[derive(Clone, Copy, Debug, Default)]
 struct Plan {
     /// Operations until the first that fails.
     first: usize,
-    /// How many fail.
+    /// The number of failures.
     count: usize,
-    /// They are done nonetheless.
+    /// True if they are done nonetheless.
     done: bool,
-    /// Those that read fail, too.
+    /// True if reads fail, too.
     reads: bool,
 }
 
@@ -87,7 +87,7 @@ impl StorageBackend for Failing {
     }
 }
 
-/// What was answered.
+/// The answers.
 #[derive(Default)]
 struct Answers {
     kept: BTreeSet<Uuid>,
@@ -139,7 +139,7 @@ impl Answers {
         }
     }
 
-    /// What is there is what was answered.
+    /// The contents match the answers.
     async fn check(&mut self, store: &Embedded, plan: Plan) {
         let all = Selection {
             tenant: None,
@@ -177,7 +177,7 @@ async fn attempt(plan: Plan) -> bool {
     }
     let has_failed = disk.plan.lock().count < plan.count;
     disk.plan.lock().count = 0;
-    // The disk works again. What is refused and was done is removed by the next change.
+    // The disk works again. Changes that were refused but done are removed by the next change.
     assert!(store.remove(Uuid::now_v7()).await.is_ok_and(|it| !it));
     answers.check(&store, plan).await;
     check_quota(&store, &answers, plan).await;
@@ -189,7 +189,7 @@ async fn attempt(plan: Plan) -> bool {
     has_failed
 }
 
-/// What the jobs take is what is counted.
+/// The counted usage matches the jobs.
 async fn check_quota(store: &Embedded, answers: &Answers, plan: Plan) {
     if !answers.perhaps.is_empty() {
         return;

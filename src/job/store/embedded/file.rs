@@ -1,4 +1,4 @@
-//! The file of a store: locked as long as it is open, with room on the disk for all of its length.
+//! The file of a store: locked as long as it is open, with disk space allocated for all of its length.
 
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io;
@@ -10,8 +10,8 @@ use redb::backends::FileBackend;
 
 use super::open_error::{self, OpenError};
 
-/// The open file of a store. Databases in it are opened one after the other: it stays the same file whatever
-/// happens to its name.
+/// The open file of a store. Databases in it are opened one after the other: it stays the same file even if its name
+/// changes.
 #[derive(Debug)]
 pub(super) struct StoreFile {
     path: PathBuf,
@@ -30,7 +30,7 @@ impl StoreFile {
         let backend = file.try_clone().map_err(of_file)?;
         let backend =
             FileBackend::new(backend).map_err(|error| open_error::explain(path, error.into()))?;
-        // Another program may have left holes in it. If there is no room, they stay.
+        // Another program may have left holes in it. If there is no space, they stay.
         let _ = reserve(&file, 0, length);
         Ok(Self {
             path: path.to_owned(),
@@ -44,8 +44,7 @@ impl StoreFile {
         &self.path
     }
 
-    /// What is wrong if this is not the file at its path any more: what is written to it then is gone when it
-    /// is closed.
+    /// The error if this is not the file at its path any more: what is written to it then is lost when it is closed.
     pub(super) fn misplaced(&self) -> Option<String> {
         let path = &self.path;
         let is_same = fs::metadata(path).and_then(|there| Ok(same(&there, &self.file.metadata()?)));
@@ -73,7 +72,7 @@ fn same(_: &Metadata, _: &Metadata) -> bool {
     true
 }
 
-/// Takes room on the disk for bytes of a file that may lie behind its end.
+/// Allocates disk space for bytes of a file, which may be beyond its end.
 #[cfg(target_os = "linux")]
 fn reserve(file: &File, offset: u64, length: u64) -> io::Result<()> {
     use rustix::fs::{FallocateFlags, fallocate};
@@ -82,7 +81,7 @@ fn reserve(file: &File, offset: u64, length: u64) -> io::Result<()> {
         return Ok(());
     }
     match retry_on_intr(|| fallocate(file, FallocateFlags::KEEP_SIZE, offset, length)) {
-        // Not every file system can.
+        // Not every file system supports it.
         Err(Errno::OPNOTSUPP | Errno::NOSYS) => Ok(()),
         done => Ok(done?),
     }
@@ -102,8 +101,8 @@ impl StorageBackend for StoreFile {
         self.backend.read(offset, out)
     }
 
-    /// A file that grows has room for what will be written, or says at once that there is none: otherwise the
-    /// disk could be full in the middle of a commit.
+    /// A file that grows has space for what will be written, or fails at once: otherwise the disk could be full in the
+    /// middle of a commit.
     fn set_len(&self, length: u64) -> io::Result<()> {
         let before = self.len()?;
         let grown = match length.checked_sub(before) {
@@ -112,7 +111,7 @@ impl StorageBackend for StoreFile {
         };
         let done = grown.and_then(|()| self.backend.set_len(length));
         if done.is_err() {
-            // Gives back what was taken of the room.
+            // Releases the partly allocated space.
             let _ = self.backend.set_len(before);
         }
         done
@@ -127,7 +126,7 @@ impl StorageBackend for StoreFile {
     }
 }
 
-/// Where the bytes of a database are. After an error it can be opened there again.
+/// The storage of a database. After an error it can be opened there again.
 pub(super) type Bytes = Arc<dyn StorageBackend>;
 
 /// The bytes of one database after the other, which stay open when a database is closed.

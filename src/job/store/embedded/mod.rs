@@ -1,13 +1,12 @@
 //! The store of one process: one file of the embedded ACID database redb, or in memory.
 //!
-//! - [`tables`]: the tables of the file, and what stands in them; [`envelope`]: the checksum of each value;
-//! - [`file`]: the open file; [`database`]: the open database, and what is read from it; [`opening`]: opens it,
-//!   or says what is wrong with it; [`error`]: errors and panics of the database; [`clock`]: its time;
-//! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there
-//!   and back; [`committer`]: commits, and what has become of those that fail; [`transaction`]: what changes do
-//!   to the tables; [`ended`]: which jobs that have ended to
-//!   forget; [`usage`]: what tenants have; [`recovery`]: after a crash;
-//! - [`salvage`]: what can be read of a damaged file, with an [`overlay`] above it.
+//! - [`tables`]: the tables of the file, and their contents; [`envelope`]: the checksum of each value;
+//! - [`file`]: the open file; [`database`]: the open database, and reads; [`opening`]: opens it, or reports errors;
+//!   [`error`]: errors and panics of the database; [`clock`]: its time;
+//! - [`writer`]: the one thread that writes, many changes in a commit; [`change`]: a change on its way there and back;
+//!   [`committer`]: commits, and the treatment of failed ones; [`transaction`]: effects of changes on the tables;
+//!   [`ended`]: the order of removal of jobs; [`usage`]: the usage of tenants; [`recovery`]: after a crash;
+//! - [`salvage`]: the readable contents of a damaged file, with an [`overlay`] above it.
 
 mod change;
 mod clock;
@@ -52,7 +51,7 @@ use writer::Writer;
 /// The name of the file in the data directory.
 const FILE: &str = "piad.redb";
 
-/// So often a read is done again that was cut off.
+/// The number of attempts of an interrupted read.
 const READS: usize = 3;
 
 /// The store of one process. All its changes take effect in the order in which the methods are called.
@@ -62,8 +61,8 @@ pub(crate) struct Embedded {
 }
 
 impl Embedded {
-    /// Opens the store in a directory, which is made if need be. Jobs that were running in a crash
-    /// go back to the queue, or fail if that has happened too often.
+    /// Opens the store in a directory, which is created if needed. Jobs that were running in a crash go back to the
+    /// queue, or fail if that has happened too often.
     pub(crate) fn open(directory: &Path, counters: Counters) -> Result<Self, OpenError> {
         Self::open_file(directory, FILE, counters)
     }
@@ -75,7 +74,7 @@ impl Embedded {
         Ok(Self { database, writer })
     }
 
-    /// Makes a store in memory, which ends with the process.
+    /// Creates a store in memory, which ends with the process.
     pub(crate) fn in_memory(counters: Counters) -> Result<Self, OpenError> {
         Self::in_bytes(Arc::new(InMemoryBackend::new()), counters)
     }
@@ -101,7 +100,7 @@ impl Embedded {
         })
     }
 
-    /// Keeps that a job runs now, and whether it is on probation.
+    /// Stores that a job runs now, and whether it is on probation.
     pub(crate) fn start(
         &self,
         id: Uuid,
@@ -127,7 +126,7 @@ impl Embedded {
         })
     }
 
-    /// Keeps the final state and control points of a job.
+    /// Stores the final state and control points of a job.
     pub(crate) fn finish(
         &self,
         id: Uuid,
@@ -141,15 +140,14 @@ impl Embedded {
         })
     }
 
-    /// Forgets a job and its key; says whether there was one.
+    /// Removes a job and its key; returns true if there was one.
     pub(crate) fn remove(&self, id: Uuid) -> Acknowledgement<bool> {
         self.writer
             .write(0, move |transaction| transaction.remove(id))
     }
 
-    /// Forgets jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`],
-    /// and keys that have expired. Spared jobs stay, beyond the retention. Gives the ids of those that
-    /// were forgotten.
+    /// Removes jobs that have ended until the rest is within `retention`, at most [`FORGOTTEN_AT_ONCE`], and keys that
+    /// have expired. Jobs in use stay, beyond the retention. Returns the ids of those removed.
     pub(crate) fn retain(
         &self,
         retention: Retention,
@@ -190,7 +188,7 @@ impl Embedded {
         self.read(move |database| database.key_of(id)).await
     }
 
-    /// What is remembered of an idempotency key.
+    /// The entry of an idempotency key.
     pub(crate) async fn idempotency_entry(
         &self,
         key: &str,
@@ -220,8 +218,8 @@ impl Embedded {
         self.read(move |database| database.secret(new)).await
     }
 
-    /// Reads off the threads that serve the network. What an error elsewhere has cut off is read again, from the
-    /// database that is opened then.
+    /// Reads off the network threads. Reads that were interrupted by an error elsewhere are repeated, from the reopened
+    /// database.
     async fn read<T: Send + 'static>(
         &self,
         read: impl Fn(&JobDatabase) -> Result<T, StoreError> + Clone + Send + 'static,

@@ -12,7 +12,7 @@ use crate::job::store::StoreError;
 /// The store cannot be opened.
 #[derive(Debug, Error)]
 pub(crate) enum OpenError {
-    /// The directory cannot be made or read.
+    /// The directory cannot be created or read.
     #[error("the data directory {directory:?} cannot be used: {reason}")]
     Directory {
         /// The directory.
@@ -20,7 +20,7 @@ pub(crate) enum OpenError {
         /// Why.
         reason: io::Error,
     },
-    /// The file cannot be read or written, which says nothing about what stands in it.
+    /// The file cannot be read or written; its contents may be valid.
     #[error("{path:?} cannot be used: {reason}")]
     File {
         /// The file.
@@ -42,16 +42,16 @@ pub(crate) enum OpenError {
         /// Its version.
         found: u64,
     },
-    /// A URL that is none of a database.
+    /// A URL that is not one of a database.
     #[error("--store: this is no URL of a PostgreSQL database: {0}")]
     Url(String),
     /// The database cannot be used.
     #[error("the database cannot be used: {0}")]
     Database(StoreError),
-    /// What must be written at the start has no room.
+    /// There is no space for what must be written at the start.
     #[error("there is no room on the disk of {0:?}: make some and start again; no job is lost")]
     Full(PathBuf),
-    /// What was running could not be put back into the queue.
+    /// Jobs that were running could not be put back into the queue.
     #[error("the jobs of the last run cannot be recovered: {0}")]
     Recovery(StoreError),
     /// It is not a store, or is damaged.
@@ -62,7 +62,7 @@ pub(crate) enum OpenError {
     Broken {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error.
         reason: String,
     },
 }
@@ -78,7 +78,7 @@ impl OpenError {
     }
 }
 
-/// What an error of the database means for a file.
+/// The meaning of a database error for a file.
 pub(super) fn explain(path: &Path, error: redb::Error) -> OpenError {
     match error {
         redb::Error::DatabaseAlreadyOpen => OpenError::InUse(path.to_owned()),

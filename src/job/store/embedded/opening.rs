@@ -1,4 +1,4 @@
-//! Opening a database, or making it; what is wrong with it is said in words.
+//! Opens or creates a database; errors are described in words.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::job::store::StoreError;
 /// of a commit; pages that do not fit in are written first and read again for their checksums.
 const CACHE: usize = 32 << 20;
 
-/// Files up to this size are read from end to end at the start, to find damage before anybody does.
+/// Files up to this size are read from end to end at the start, to find damage early.
 const CHECKED: u64 = 1 << 30;
 
 /// Opens a database that was open before.
@@ -31,7 +31,7 @@ pub(super) fn open_again(bytes: &Bytes) -> Result<Database, StoreError> {
     catch_panic(open)?.map_err(|error: redb::Error| error.into())
 }
 
-/// Opens the database in these bytes, or makes it.
+/// Opens the database in these bytes, or creates it.
 pub(super) fn in_bytes(bytes: &Bytes) -> Result<Database, OpenError> {
     attempt(Path::new(":memory:"), || {
         let mut builder = Database::builder();
@@ -42,7 +42,7 @@ pub(super) fn in_bytes(bytes: &Bytes) -> Result<Database, OpenError> {
     })
 }
 
-/// Opens the file in a directory, or makes it if it is not there, and checks its version.
+/// Opens the file in a directory, or creates it if it is not there, and checks its version.
 pub(super) fn open_or_make(
     directory: &Path,
     path: &Path,
@@ -54,7 +54,7 @@ pub(super) fn open_or_make(
     fs::create_dir_all(directory).map_err(of_directory)?;
     if !path.try_exists().map_err(of_directory)? {
         make(path)?;
-        // On Unix a new name is there for good once its directory is on the disk.
+        // On Unix a new name is durable once its directory is on the disk.
         #[cfg(unix)]
         File::open(directory)
             .and_then(|directory| directory.sync_all())
@@ -89,7 +89,7 @@ pub(super) fn open_or_make(
     }
 }
 
-/// Opens the database in a file without changing the file; tells what is wrong with its pages.
+/// Opens the database in a file without changing the file; returns the errors of its pages.
 pub(super) fn open_below(
     path: &Path,
     file: &File,
@@ -112,7 +112,7 @@ pub(super) fn open_below(
     let mut database = open()?;
     let complaint = match attempt(path, || check(&mut database)) {
         Ok(()) => None,
-        // What was checked cannot be used any more.
+        // The checked database cannot be used any more.
         Err(OpenError::Broken { reason, .. }) => {
             let _ = catch_panic(|| drop(database));
             database = open()?;
@@ -131,7 +131,7 @@ pub(super) fn open_below(
     }
 }
 
-/// Makes the file under another name first: whatever has its name is complete.
+/// Creates the file under another name first, so that a file with its name is complete.
 fn make(path: &Path) -> Result<(), OpenError> {
     let unfinished = path.with_extension("new");
     let tables = || {
@@ -142,7 +142,7 @@ fn make(path: &Path) -> Result<(), OpenError> {
     };
     match tables() {
         Err(OpenError::Broken { .. }) => {
-            // An earlier attempt was cut off.
+            // An earlier attempt was interrupted.
             let removed = fs::remove_file(&unfinished);
             removed.map_err(|reason| of_file(&unfinished, reason))?;
             tables()?;
@@ -166,8 +166,8 @@ fn make_tables(database: &Database) -> Result<(), redb::Error> {
     Ok(())
 }
 
-/// Reads the whole file and compares the checksums of its pages. What redb tells beside, that it has counted the
-/// free pages again, happens after each start and says nothing of the jobs.
+/// Reads the whole file and compares the checksums of its pages. redb's other finding, that it has counted the free
+/// pages again, happens after each start and does not concern the jobs.
 fn check(database: &mut Database) -> Result<(), redb::Error> {
     let _counted_again = database.check_integrity()?;
     Ok(())
@@ -183,7 +183,7 @@ fn version(database: &Database) -> Result<Option<u64>, redb::Error> {
     Ok(version.map(|version| version.value()))
 }
 
-/// Does something with the database. Damage makes it panic at times.
+/// Runs an operation of the database, which panics at times on damage.
 fn attempt<T>(path: &Path, work: impl FnOnce() -> Result<T, redb::Error>) -> Result<T, OpenError> {
     match catch_panic(work) {
         Ok(done) => done.map_err(|error| explain(path, error)),

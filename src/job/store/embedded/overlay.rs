@@ -1,5 +1,5 @@
-//! A file that a database may read and change, while the file itself stays as it is: what is written stays in
-//! memory. So a damaged file can be opened, and what the database repairs of it be read, without a risk.
+//! A file that a database may read and change, while the file itself is unchanged: writes stay in memory. So a damaged
+//! file can be opened, and the database can repair it in memory, without a risk.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,7 +18,7 @@ pub(super) struct Overlay(Mutex<Layers>);
 #[derive(Debug)]
 struct Layers {
     file: File,
-    /// The length of what still counts of the file, and of everything.
+    /// The remaining length of the file, and the total length.
     below: u64,
     length: u64,
     /// Pages that were written, by their number.
@@ -74,7 +74,7 @@ impl Layers {
         Ok(())
     }
 
-    /// What is cut off does not come back: new bytes are zero.
+    /// Truncated bytes do not come back: new bytes are zero.
     fn set_length(&mut self, length: u64) {
         self.below = self.below.min(length);
         self.length = length;

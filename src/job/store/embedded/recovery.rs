@@ -10,9 +10,8 @@ use crate::job::state::State;
 use crate::job::store::StoreError;
 
 impl Transaction<'_> {
-    /// Puts jobs that were running when the process ended back into the queue, or fails those that have
-    /// been in too many crashes; and counts the jobs that have ended, and what tenants have. This reads
-    /// every header.
+    /// Puts jobs that were running when the process ended back into the queue, or fails those that have been in too
+    /// many crashes; and counts the jobs that have ended, and the usage of tenants. This reads every header.
     pub(super) fn recover(&mut self) -> Result<(), StoreError> {
         let mut running = Vec::new();
         for item in self.headers.iter()? {

@@ -1,9 +1,9 @@
-//! What can be read of a file that may be damaged, without changing it.
+//! Reads a file that may be damaged, without changing it.
 //!
-//! The database is asked first, with an [`Overlay`] above the file. What it does not give is looked for in the
-//! whole file by the [envelopes](super::envelope) of the values, which tell good values from damaged ones. There
-//! may be values of jobs that were deleted and whose pages were not used again; they count only where the
-//! database does not say any more which jobs there are.
+//! The database is read first, with an [`Overlay`] above the file. What it does not yield is searched in the whole file
+//! by the [envelopes](super::envelope) of the values, which separate good values from damaged ones. There may be values
+//! of jobs that were deleted and whose pages were not used again; they count only where the database does not say any
+//! more which jobs there are.
 
 use std::collections::{BTreeSet, HashMap};
 use std::fs::{self, File, TryLockError};
@@ -28,29 +28,29 @@ use crate::job::state::Status;
 use crate::job::store::copy::WholeJob;
 use crate::job::store::{IdempotencyKey, Store, StoreError, record};
 
-/// The name of a file that is being made of what could be read.
+/// The name of the new file while it is written.
 const REPAIRED: &str = "piad.repaired";
 
-/// Bytes of the file that are looked at together.
+/// Bytes of the file that are searched at a time.
 const CHUNK: usize = 8 << 20;
 
-/// A file of jobs that nobody changes meanwhile.
+/// A file of jobs that is not changed meanwhile.
 pub(crate) struct Salvage {
     path: PathBuf,
     /// Locked as long as it is open.
     file: File,
     /// The database, if it can be opened.
     database: Option<JobDatabase>,
-    /// What is wrong with the database, not with a value in it.
+    /// The error of the database, apart from those of values in it.
     complaint: Option<String>,
     ids: BTreeSet<Uuid>,
-    /// Good values in the file, once they were looked for.
+    /// Good values in the file, once they were searched.
     found: Mutex<Option<Arc<Found>>>,
 }
 
 type Found = HashMap<(Kind, Uuid), Place>;
 
-/// Where a value is.
+/// The position of a value.
 #[derive(Clone, Copy)]
 struct Place {
     offset: u64,
@@ -60,7 +60,7 @@ struct Place {
 /// A job that could be read.
 pub(crate) struct Salvaged {
     pub job: WholeJob,
-    /// What was lost of it: it runs again.
+    /// The lost parts of it: it runs again.
     pub lost: Option<StoreError>,
 }
 
@@ -121,7 +121,7 @@ impl Salvage {
         Ok(Store::Embedded(store))
     }
 
-    /// Puts that store in the place of the damaged file; gives the new name of this one.
+    /// Replaces the damaged file by that store; returns the new name of the damaged one.
     pub(crate) fn replace(self, directory: &Path, repaired: Store) -> io::Result<PathBuf> {
         // Its file is complete when it is closed.
         drop(repaired);
@@ -131,7 +131,7 @@ impl Salvage {
         });
         let mut kept = kept.filter(|path| !path.exists());
         let kept = kept.next().unwrap_or_default();
-        // There is a file of jobs at each moment: a server that found none would start without them.
+        // There is a file of jobs at each moment: a server without one would start with an empty store.
         fs::hard_link(&self.path, &kept).or_else(|_| fs::copy(&self.path, &kept).map(drop))?;
         fs::rename(directory.join(REPAIRED), &self.path)?;
         #[cfg(unix)]
@@ -139,7 +139,7 @@ impl Salvage {
         Ok(kept)
     }
 
-    /// What is wrong with the file beside its jobs.
+    /// The errors of the file outside its jobs.
     pub(crate) fn complaint(&self) -> Option<&str> {
         self.complaint.as_deref()
     }
@@ -149,7 +149,7 @@ impl Salvage {
         self.ids.iter().copied()
     }
 
-    /// A job with all that is left of it.
+    /// A job with all of its readable parts.
     pub(crate) fn job(&self, id: Uuid) -> Result<Salvaged, StoreError> {
         let missing =
             |what| StoreError::damaged(format!("the {what} of job {id}"), "it is not there");
@@ -257,7 +257,7 @@ fn read_at(mut file: &File, offset: u64, length: usize) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Looks for values in the whole file.
+/// Searches the whole file for values.
 fn find(file: &File) -> io::Result<Found> {
     let length = file.metadata()?.len();
     let (mut found, mut offset) = (Found::new(), 0);
@@ -282,7 +282,7 @@ fn find(file: &File) -> io::Result<Found> {
     Ok(found)
 }
 
-/// Notes a value if it is good. Of several headers one counts that tells of the end.
+/// Notes a value if it is good. Of several headers one that has the end of the job counts.
 fn note(found: &mut Found, kind: Kind, id: Uuid, begin: u64, whole: &[u8]) {
     let Ok(value) = envelope::opened(kind, id, "", whole) else {
         return;

@@ -8,20 +8,20 @@ use super::envelope::{self, Kind};
 use crate::job::quota::Amount;
 use crate::job::store::{IdempotencyEntry, Record, StoreError, record};
 
-/// The version of what is described here. Files of other versions are refused.
+/// The version of this layout. Files of other versions are refused.
 pub(super) const VERSION: u64 = 2;
 
 /// Facts about the file itself.
 pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");
 pub(super) const VERSION_FACT: &str = "version";
-/// The number of the last commit: it tells if one that has failed was done nonetheless.
+/// The number of the last commit: it shows if one that has failed was done nonetheless.
 pub(super) const COMMIT_FACT: &str = "commit";
 
 /// Values by the id of their job, each in its envelope.
 pub(super) struct Values {
     pub(super) table: TableDefinition<'static, u128, &'static [u8]>,
     pub(super) kind: Kind,
-    /// What one is called in errors.
+    /// The name of a value in errors.
     pub(super) name: &'static str,
 }
 
@@ -31,7 +31,7 @@ pub(super) const HEADERS: Values = Values {
     kind: Kind::Header,
     name: "header",
 };
-/// Problems as they were asked for.
+/// Problems as requested.
 pub(super) const INPUTS: Values = Values {
     table: TableDefinition::new("inputs"),
     kind: Kind::Input,
@@ -43,13 +43,12 @@ pub(super) const RESULTS: Values = Values {
     kind: Kind::Result,
     name: "result",
 };
-/// Which job was made for a key.
+/// The job of each key.
 pub(super) const KEYS: TableDefinition<&str, &[u8]> = TableDefinition::new("keys");
-/// Secrets of the server. Files of before have no such table, and files that are repaired lose it: then a server makes
-/// new ones.
+/// Secrets of the server. Older files have no such table, and repaired files lose it: then a server makes new ones.
 pub(super) const SECRETS: TableDefinition<&str, &[u8]> = TableDefinition::new("secrets");
 pub(super) const TICKETS: &str = "tickets";
-/// Nothing: pages are taken and given back here, so that there are some.
+/// Always empty: pages are allocated and freed here, so that some are free.
 pub(super) const SLACK: TableDefinition<u64, &[u8]> = TableDefinition::new("slack");
 
 /// A job without its points.
@@ -63,7 +62,7 @@ pub(in crate::job::store) struct Header {
 }
 
 impl Header {
-    /// What the job takes of the quota of its tenant.
+    /// The usage of the quota of its tenant by the job.
     pub(super) fn amount(&self) -> Amount {
         let of_job = Amount {
             bytes: self.bytes,

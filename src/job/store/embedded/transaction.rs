@@ -1,4 +1,4 @@
-//! A write transaction: what each change does to the tables.
+//! A write transaction: the effects of each change on the tables.
 
 use jiff::Timestamp;
 use redb::{Key, ReadableTable, Table, WriteTransaction};
@@ -17,9 +17,9 @@ use crate::job::store::{
 };
 use piad_fit::engine::Problem;
 
-/// So many pages of the file stay free for changes that add nothing: a deletion takes a few dozen before it
-/// frees some, which can be used two commits later. Without them no job could be deleted to make room where
-/// the file cannot grow (`durable::jobs_can_be_deleted`).
+/// The number of pages of the file that stay free for changes that add nothing: a deletion takes a few dozen before it
+/// frees some, which can be used two commits later. Without them no job could be deleted to make space where the file
+/// cannot grow (`durable::jobs_can_be_deleted`).
 const SLACK_PAGES: u64 = 128;
 
 /// A write transaction with its tables.
@@ -32,11 +32,11 @@ pub(super) struct Transaction<'a> {
     facts: Table<'a, &'static str, u64>,
     /// The jobs that had ended before the transaction.
     ended: &'a Ended,
-    /// When it began, by the clock that is not set.
+    /// When it began, by the monotonic clock.
     now: Timestamp,
-    /// What tenants have, with the changes of the transaction.
+    /// The usage of tenants, with the changes of the transaction.
     pub(super) usage: Usage,
-    /// To be done to [`Ended`] once the transaction is committed.
+    /// To be applied to [`Ended`] once the transaction is committed.
     pub(super) changes: Vec<EndedChange>,
 }
 
@@ -67,8 +67,7 @@ impl<'a> Transaction<'a> {
         })
     }
 
-    /// Has the file grow now if it is nearly full: writes and removes a few pages, which later changes
-    /// find free.
+    /// Lets the file grow now if it is nearly full: writes and removes a few pages, which later changes find free.
     pub(super) fn leave_slack(&mut self) -> Result<(), StoreError> {
         const PAGE: [u8; 3800] = [0; 3800];
         for page in 0..SLACK_PAGES {
@@ -162,7 +161,7 @@ impl<'a> Transaction<'a> {
         self.put(id, &header)
     }
 
-    /// Forgets a job; says whether there was one.
+    /// Removes a job; returns true if there was one.
     pub(super) fn remove(&mut self, id: Uuid) -> Result<bool, StoreError> {
         let Some(header) = self.header(id)? else {
             return Ok(false);
@@ -183,7 +182,7 @@ impl<'a> Transaction<'a> {
         Ok(true)
     }
 
-    /// Forgets keys that have expired, and jobs that are beyond the retention; gives the ids of these.
+    /// Removes keys that have expired, and jobs that are beyond the retention; returns the ids of these.
     pub(super) fn retain(
         &mut self,
         retention: Retention,

@@ -21,12 +21,12 @@ use crate::job::store::{Acknowledgement, StoreError};
 /// The most points of jobs that go into one commit: they are in memory until it is done.
 const POINTS_OF_COMMIT: usize = 2_000_000;
 
-/// For this long after the disk was full, changes that need space are refused without trying. A failed
-/// attempt takes long, as the database has to be opened again: clients that keep on posting would hold up
-/// everything else (`durable::a_full_disk`).
+/// For this long after the disk was full, changes that need space are refused without trying. A failed attempt takes
+/// long, as the database has to be opened again: clients that keep posting would delay everything else
+/// (`durable::a_full_disk`).
 const PAUSE: Duration = Duration::from_millis(500);
 
-/// How often it is looked if the file is where it was opened.
+/// The interval of checks that the file is where it was opened.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// Sends changes to the thread, which ends when this is dropped.
@@ -62,7 +62,7 @@ impl Writer {
         })
     }
 
-    /// A change, which takes its place in the order of changes now.
+    /// Adds a change to the end of the order.
     pub(super) fn write<T: Send + 'static>(
         &self,
         points: usize,
@@ -131,7 +131,7 @@ impl Drop for Writer {
     }
 }
 
-/// What the thread works with.
+/// The state of the thread.
 struct WriterThread {
     database: Arc<JobDatabase>,
     committer: Committer,
@@ -139,7 +139,7 @@ struct WriterThread {
     leaves_slack: bool,
     /// The end of the pause after the disk was full.
     full_until: Option<Instant>,
-    /// When it was last looked if the file is where it was opened.
+    /// When it was last checked that the file is where it was opened.
     looked: Instant,
 }
 
@@ -162,8 +162,7 @@ impl WriterThread {
         self.looked = Instant::now();
     }
 
-    /// Commits changes together, and one by one if that fails: one that cannot be done must not take the
-    /// others with it.
+    /// Commits changes together, and one by one if that fails, so that a failing one does not take the others with it.
     fn commit_all(&mut self, mut changes: Vec<Box<dyn Change>>) {
         self.refuse(&mut changes);
         if changes.is_empty() {
@@ -202,7 +201,7 @@ impl WriterThread {
         }
     }
 
-    /// Does changes in one transaction.
+    /// Applies changes in one transaction.
     fn commit(&mut self, changes: &mut [Box<dyn Change>]) -> Result<(), StoreError> {
         if !changes.iter().any(|change| change.writes()) {
             return self.committer.ensure_open();

@@ -1,8 +1,8 @@
-//! Connections to the database, and what is done again when one breaks.
+//! Connections to the database, and retries when one breaks.
 //!
-//! The pool of sqlx asks the server after each use whether a connection is still good, without a limit of
-//! time: connections that are cut off would fill it. Here a connection goes back only from work that has
-//! ended well, and is closed otherwise.
+//! The pool of sqlx asks the server after each use whether a connection is still good, without a time limit: dead
+//! connections would fill it. Here a connection returns to the pool only after successful work, and is closed
+//! otherwise.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -19,25 +19,25 @@ use super::pieces::Value;
 use crate::job::counters::Counters;
 use crate::job::store::StoreError;
 
-/// How long a connection may take to be made, and how long one is waited for.
+/// The longest time to make a connection, and to wait for one.
 const CONNECT: Duration = Duration::from_secs(5);
 
-/// How long a statement may take that moves few bytes.
+/// The time limit of a statement that moves few bytes.
 const RUN: Duration = Duration::from_secs(5);
 
-/// Bytes that come and go in a second at least.
+/// The least number of bytes transferred in a second.
 const RATE: usize = 2 << 20;
 
-/// For this long statements are run again that failed as the database could not be reached.
+/// For this long statements are retried if the database could not be reached.
 const PATIENCE: Duration = Duration::from_secs(4);
 
-/// The first pause before it is done again; each is twice as long as the one before.
+/// The first pause before a retry; each is twice as long as the one before.
 const PAUSE: Duration = Duration::from_millis(10);
 
 /// A statement with its arguments.
 pub(super) type Statement<'q> = Query<'q, Postgres, PgArguments>;
 
-/// What is done on a connection, perhaps more than once.
+/// Work on a connection, perhaps repeated.
 pub(super) trait Work: Sync {
     type Done: Send;
 
@@ -48,7 +48,7 @@ pub(super) trait Work: Sync {
     ) -> impl Future<Output = Result<Self::Done, sqlx::Error>> + Send;
 }
 
-/// A statement, with what is written behind its row.
+/// A statement, with the pieces behind its row.
 struct Plain<'a, F> {
     statement: F,
     value: Option<&'a Value<'a>>,
@@ -97,7 +97,7 @@ impl Drop for Lease {
 }
 
 impl Connections {
-    /// At most so many connections; none is made before it is needed.
+    /// At most this many connections; none is made before it is needed.
     pub(super) fn new(
         options: PgConnectOptions,
         most: usize,
@@ -116,7 +116,7 @@ impl Connections {
         })
     }
 
-    /// Whether the database could not be reached the last time.
+    /// Returns true if the database could not be reached the last time.
     pub(super) fn is_away(&self) -> bool {
         self.away.load(Ordering::Relaxed)
     }
@@ -127,7 +127,7 @@ impl Connections {
         (status.size, status.size.saturating_sub(status.available))
     }
 
-    /// Runs a statement that moves so many bytes, and gives its rows. See [`Self::work`].
+    /// Runs a statement that moves this many bytes, and returns its rows. See [`Self::work`].
     pub(super) async fn run<'q>(
         &self,
         bytes: usize,
@@ -136,8 +136,8 @@ impl Connections {
         self.run_with(bytes, statement, None).await
     }
 
-    /// Runs a statement; if it gives rows and there are more pieces of a value to be written, all in one
-    /// transaction. See [`Self::work`].
+    /// Runs a statement; if it returns rows and there are more pieces of a value to be written, all in one transaction.
+    /// See [`Self::work`].
     pub(super) async fn run_with<'q>(
         &self,
         bytes: usize,
@@ -147,9 +147,8 @@ impl Connections {
         self.work(bytes, &Plain { statement, value }).await
     }
 
-    /// Does work that moves so many bytes. What fails as the database cannot be reached is done again on
-    /// another connection for a while, so it must do no harm a second time: the first may have succeeded
-    /// without an answer.
+    /// Does work that moves this many bytes. If the database cannot be reached, it is retried on another connection for
+    /// a while, so it must be idempotent: the first attempt may have succeeded without an answer.
     pub(super) async fn work<W: Work>(
         &self,
         bytes: usize,
@@ -158,7 +157,7 @@ impl Connections {
         let limit = RUN + Duration::from_secs_f64(bytes as f64 / RATE as f64);
         let (begin, mut pause) = (Instant::now(), PAUSE);
         loop {
-            // Boxed: what waits for a statement is a part of each request that may need one.
+            // Boxed: a wait for a statement is a part of each request that may need one.
             let once = Box::pin(self.once(limit, work));
             let error = match once.await {
                 Ok(done) => {
@@ -232,15 +231,15 @@ pub(super) async fn execute(
     Ok(rows)
 }
 
-/// What an error of the database means: whether it may go by, by its SQLSTATE.
+/// The kind of a database error: whether it is transient, by its SQLSTATE.
 pub(super) fn of_database(error: sqlx::Error) -> StoreError {
     let text = error.to_string();
     match &error {
         sqlx::Error::Database(told) => match told.code().as_deref() {
             // disk_full
             Some("53100") => StoreError::Full(text),
-            // Connections, resources, a shutdown, a lock or statement that took too long, a deadlock, and
-            // a server that only reads as it has just become the standby.
+            // Connections, resources, a shutdown, a lock or statement that took too long, a deadlock, and a read-only
+            // server that has just become the standby.
             Some("57014" | "40001" | "40P01" | "55P03" | "25006") => StoreError::Away(text),
             Some(code) if ["08", "53", "57P"].iter().any(|it| code.starts_with(it)) => {
                 StoreError::Away(text)

@@ -1,10 +1,10 @@
-//! Hints: what replicas tell each other.
+//! Hints: notifications between replicas.
 
 use std::fmt;
 
 use uuid::Uuid;
 
-/// What has happened at another replica, or at this one.
+/// An event at another replica, or at this one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Hint {
     /// A job waits that has no replica.

@@ -1,4 +1,4 @@
-//! Leases: how replicas tell each other which jobs they run, and take over those of one that is gone.
+//! Leases: how replicas publish which jobs they run, and take over those of a dead one.
 
 use std::collections::HashSet;
 use std::time::{Duration, Instant};
@@ -21,15 +21,15 @@ FROM unnest($1::uuid[], $2::bigint[], $4::bytea[]) AS mine (id, epoch, status)
 WHERE jobs.id = mine.id AND jobs.epoch = mine.epoch AND jobs.state = 'running'
 RETURNING jobs.id, jobs.cancel";
 
-/// Back into the queue: jobs that this replica has, by the database, and does not know of. The answer that they
-/// were stored was lost, or came after it was given up. Those whose answer is under way have a lease.
+/// Back into the queue: jobs that this replica has, by the database, and does not know of. The answer that they were
+/// stored was lost, or came after it was abandoned. Those whose answer is under way have a lease.
 const RELEASE: &str = "
 UPDATE jobs SET state = 'queued', status = $3, on_probation = false, owner = NULL, lease_until = NULL
 WHERE owner = $1 AND state = 'running' AND lease_until < now() AND id <> ALL($2)
 RETURNING id";
 
-/// A replica whose lease of a job has run out, with all the jobs that it ran. Where some of its leases still
-/// hold, it is not gone.
+/// A dead replica, whose lease of a job has expired, with all the jobs that it ran. A replica with valid leases is
+/// alive.
 const ABANDONED: &str = "
 SELECT id, outline, status, crashes, on_probation, cancel, epoch FROM jobs
 WHERE state = 'running' AND lease_until < now() AND owner = (
@@ -37,7 +37,7 @@ WHERE state = 'running' AND lease_until < now() AND owner = (
     GROUP BY owner HAVING max(lease_until) < now() LIMIT 1
 )";
 
-/// Back into the queue, or failed, if nobody was quicker.
+/// Back into the queue, or failed, unless another replica was quicker.
 const RECOVER: &str = "
 UPDATE jobs SET state = $3, status = $4, crashes = $5, on_probation = false, epoch = epoch + 1,
     owner = NULL, lease_until = NULL, finished = CASE WHEN $6 THEN now() END
@@ -52,13 +52,13 @@ const CANCEL: &str =
     "UPDATE jobs SET cancel = true WHERE id = $1 AND finished IS NULL RETURNING id";
 
 impl Shared {
-    /// How often a replica says that it runs its jobs: twice in vain, and they are still its own.
+    /// The interval of renewing leases: after two failed renewals the jobs are still its own.
     pub(crate) fn heartbeat(&self) -> Duration {
         self.lease / 3
     }
 
-    /// Renews the leases of all jobs that this replica runs, and tells how far they have come; gives those that
-    /// a client of another replica wants to end.
+    /// Renews the leases of all jobs that this replica runs, and writes their progress; returns those that a client of
+    /// another replica wants to end.
     pub(crate) async fn renew(
         &self,
         running: impl Fn(Uuid) -> Option<Status>,
@@ -100,8 +100,8 @@ impl Shared {
         Ok(cancelled)
     }
 
-    /// Puts jobs back into the queue that this replica has without knowing it: others take them for its own as
-    /// long as it renews the leases of some.
+    /// Puts jobs back into the queue that this replica has without knowing it: others consider them its own as long as
+    /// it renews some leases.
     pub(crate) async fn release_unknown(&self) -> Result<(), StoreError> {
         let known: Vec<Uuid> = self.claims.lock().keys().copied().collect();
         let status = record::write(&Status::QUEUED)?;
@@ -116,9 +116,9 @@ impl Shared {
         Ok(())
     }
 
-    /// Notes which claims of these jobs were renewed; the others are lost, and are given back. Those that have ended meanwhile
-    /// are not claimed any more. A claim that is lost is kept for its epoch, by which what is written of the
-    /// job will be refused.
+    /// Notes which claims of these jobs were renewed; the others are lost, and are returned. Those that have ended
+    /// meanwhile are not claimed any more. A lost claim is kept for its epoch, by which later writes of the job will be
+    /// refused.
     fn lose(&self, ids: Vec<Uuid>, renewed: &HashSet<Uuid>, begin: Instant) -> Vec<Uuid> {
         let mut claims = self.claims.lock();
         let mut lost = ids;
@@ -133,8 +133,8 @@ impl Shared {
         lost
     }
 
-    /// Puts the jobs of replicas that are gone back into the queue, or fails those that have been in too many
-    /// crashes. A replica that only was away may go on with its jobs, and writes nothing of them.
+    /// Puts the jobs of dead replicas back into the queue, or fails those that have been in too many crashes. A replica
+    /// that was only disconnected may continue its jobs, but writes nothing of them.
     pub(crate) async fn recover(&self) -> Result<(), StoreError> {
         loop {
             let rows = self.connections.run(0, || sqlx::query(ABANDONED)).await?;
@@ -179,7 +179,7 @@ impl Shared {
         Ok(())
     }
 
-    /// The first jobs that wait, at most so many.
+    /// The first jobs that wait, at most `most`.
     pub(crate) async fn waiting(&self, most: usize) -> Result<Vec<Record>, StoreError> {
         let waiting = || sqlx::query(WAITING).bind(most as i64);
         let rows = self.connections.run(0, waiting).await?;

@@ -2,17 +2,16 @@
 //! transaction.
 //!
 //! - [`connection`]: connections, and statements that are run again when one breaks;
-//! - [`opening`]: opens the database, and brings its schema up to date;
-//! - [`writes`]: what changes a job; [`within`]: new ones within a quota; [`reads`]: what is read of one;
+//! - [`opening`]: opens the database, and migrates its schema;
+//! - [`writes`]: changes of a job; [`within`]: new ones within a quota; [`reads`]: reads of one;
 //!   [`pieces`]: long values;
 //! - [`order`]: changes of one job, one after the other;
-//! - [`leases`]: which replica runs a job, and what becomes of the jobs of one that is gone;
-//! - [`hints`], [`telling`]: what replicas tell each other at once.
+//! - [`leases`]: which replica runs a job, and recovery of the jobs of a dead one;
+//! - [`hints`], [`telling`]: notifications between replicas.
 //!
-//! A job that runs is claimed by a replica, with a number that grows with each claim, its epoch. Whatever a
-//! replica writes of a job says the epoch of its claim; once another replica has claimed the job, it changes
-//! nothing. So it does no harm when two replicas believe that they run a job: both compute the same, and the
-//! database takes the end of one.
+//! A job that runs is claimed by a replica, with a number that grows with each claim, its epoch. Writes of a replica
+//! carry the epoch of its claim; once another replica has claimed the job, they change nothing. So it does no harm when
+//! two replicas believe that they run a job: both compute the same, and the database accepts the end of one.
 
 mod connection;
 pub(crate) mod hints;
@@ -49,7 +48,7 @@ use order::Order;
 use piad_fit::engine::Problem;
 use pieces::Table;
 
-/// The store of several replicas, as one of them has it.
+/// The store of several replicas, as one of them sees it.
 pub(crate) struct Shared {
     options: PgConnectOptions,
     lease: Duration,
@@ -59,17 +58,17 @@ pub(crate) struct Shared {
     /// The jobs that this replica runs.
     claims: Mutex<HashMap<Uuid, Claim>>,
     order: Arc<Order>,
-    /// What the other replicas are told next.
+    /// The hints to send to the other replicas.
     told: mpsc::Sender<Hint>,
     counters: Counters,
 }
 
-/// What a replica does differently.
+/// Settings of a replica.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Settings {
     /// The most connections, besides the one that listens.
     pub(crate) connections: usize,
-    /// For so long a replica is believed to run a job after it has last said so.
+    /// How long a replica is assumed to run a job after its last renewal.
     pub(crate) lease: Duration,
 }
 
@@ -86,7 +85,7 @@ struct Claim {
 }
 
 impl Shared {
-    /// Whether this replica runs a job, and no other one can know anything else of it.
+    /// Returns true if this replica runs a job, and no other one can know anything else of it.
     pub(crate) fn surely_runs(&self, id: Uuid) -> bool {
         let claims = self.claims.lock();
         let holds = |it: &Claim| !it.lost && !it.ends && it.renewed.elapsed() < self.lease;
@@ -219,8 +218,7 @@ impl Shared {
         self.keep_secret(new).await
     }
 
-    /// A change of a job, which takes its place behind those that were called before, and is done whether or
-    /// not anybody waits for it.
+    /// A change of a job, which is queued behind earlier ones, and is done whether or not its result is awaited.
     fn change<T, F>(
         self: &Arc<Self>,
         id: Uuid,
@@ -240,7 +238,7 @@ impl Shared {
     }
 }
 
-/// Does work that may take a while off the threads that serve the network.
+/// Runs work that may take a while off the network threads.
 async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, StoreError> + Send + 'static,
 ) -> Result<T, StoreError> {

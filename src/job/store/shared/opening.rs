@@ -1,4 +1,4 @@
-//! Opening the database: connections, and a schema that is up to date.
+//! Opens the database: connections, and migration of the schema.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -18,32 +18,32 @@ use crate::job::counters::Counters;
 use crate::job::store::{OpenError, StoreError};
 use crate::redact::redacted;
 
-/// How long a database is waited for that cannot be reached, as it may be starting, too.
+/// How long a database that cannot be reached is waited for, as it may be starting, too.
 const STARTING: Duration = Duration::from_secs(60);
 
-/// How often it is tried.
+/// The interval between attempts.
 const AGAIN: Duration = Duration::from_secs(1);
 
-/// How long an attempt may take, and the migrations of it.
+/// The time limit of an attempt, and of its migrations.
 const ATTEMPT: Duration = Duration::from_secs(300);
 
-/// Statements that take longer than this are ended by the server, with what they hold; and transactions whose
-/// replica says nothing for so long.
+/// Statements that take longer than this are ended by the server, with their locks; and transactions whose replica is
+/// silent for this long.
 const LIMITS: [(&str, &str); 3] = [
     ("statement_timeout", "120s"),
     ("idle_in_transaction_session_timeout", "30s"),
     ("lock_timeout", "10s"),
 ];
 
-/// The steps from an empty database to the schema of this version, which are only ever added to. A version of
-/// the program must work with the schema of the next one: replicas are replaced one at a time.
+/// The migrations from an empty database to the schema of this version, which are only ever appended. A version of the
+/// program must work with the schema of the next one: replicas are replaced one at a time.
 const MIGRATIONS: [(i64, &str, &str); 2] = [
     (1, "jobs", include_str!("migrations/0001_jobs.sql")),
     (2, "secrets", include_str!("migrations/0002_secrets.sql")),
 ];
 
 impl Shared {
-    /// Connects with a database, and brings its schema up to date.
+    /// Connects to a database, and migrates its schema.
     pub(crate) async fn open(
         url: &str,
         settings: Settings,
@@ -83,14 +83,14 @@ impl Shared {
     }
 }
 
-/// Brings the schema up to date, one replica at a time.
+/// Migrates the schema, one replica at a time.
 async fn migrate(options: &PgConnectOptions) -> Result<(), StoreError> {
     let migrations = MIGRATIONS.map(|(version, name, sql)| {
         let kind = MigrationType::Simple;
         Migration::new(version, name.into(), kind, sql.into_sql_str(), false)
     });
     let mut migrator = Migrator::with_migrations(migrations.into());
-    // A later version of the program may have been here.
+    // A later version of the program may have migrated it.
     migrator.set_ignore_missing(true);
     let migrated = async {
         // Locks are waited for, and indexes of large tables take their time.
@@ -113,7 +113,7 @@ async fn migrate(options: &PgConnectOptions) -> Result<(), StoreError> {
     }
 }
 
-/// Why a connection could not be made. A certificate that is not trusted does not become so by waiting.
+/// Why a connection could not be made. Waiting does not help with an untrusted certificate.
 fn of_attempt(error: sqlx::Error) -> StoreError {
     match &error {
         sqlx::Error::Io(reason) if reason.get_ref().is_some_and(|it| it.is::<rustls::Error>()) => {

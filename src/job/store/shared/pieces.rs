@@ -1,4 +1,4 @@
-//! Long values are kept in pieces, each in a row of its own: what is sent in one go is bounded.
+//! Long values are stored in pieces, each in a row of its own, which bounds the size of a single message.
 
 use sqlx::PgConnection;
 use uuid::Uuid;
@@ -6,7 +6,7 @@ use uuid::Uuid;
 /// The bytes of a piece; the last one is shorter.
 pub(super) const PIECE: usize = 4 << 20;
 
-/// Where a value is kept.
+/// The table of a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Table {
     Inputs,
@@ -25,8 +25,8 @@ impl Value<'_> {
         &self.bytes[..self.bytes.len().min(PIECE)]
     }
 
-    /// Whether there is more than the first piece. A value that ends with a full piece has an empty one
-    /// behind it.
+    /// Returns true if there is more than the first piece. A value that ends with a full piece has an empty one behind
+    /// it.
     pub(super) fn is_long(&self) -> bool {
         self.bytes.len() >= PIECE
     }

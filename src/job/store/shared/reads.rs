@@ -1,4 +1,4 @@
-//! What is read of jobs, and the secret of all replicas.
+//! Reads of jobs, and the secret of all replicas.
 
 use jiff::{SignedDuration, Timestamp};
 use sqlx::Row;
@@ -13,7 +13,7 @@ use crate::job::store::{
 };
 use crate::job::tenant::Tenant;
 
-/// What [`record_of`] reads.
+/// The columns that [`record_of`] reads.
 const RECORD: &str = "
 SELECT id, outline, status, crashes, on_probation FROM jobs WHERE id = ANY($1)";
 
@@ -37,7 +37,7 @@ const NOW: &str = "SELECT extract(epoch FROM clock_timestamp())::float8";
 const IN_USE: &str = "
 SELECT 1 FROM jobs WHERE state = 'running' AND lease_until > now() LIMIT 1";
 
-/// Keeps a secret unless there is one, and gives the one that is kept. Replicas that do it at the same time get the same.
+/// Stores a secret unless there is one, and returns the stored one. Replicas that do it at the same time get the same.
 const SECRET: &str = "
 INSERT INTO secrets (name, bytes) VALUES ('tickets', $1)
 ON CONFLICT (name) DO UPDATE SET name = excluded.name RETURNING bytes";
@@ -72,7 +72,7 @@ impl Shared {
         Ok(Some(value))
     }
 
-    /// Those of these jobs that are there.
+    /// The existing ones of these jobs.
     pub(crate) async fn records(&self, ids: &[Uuid]) -> Result<Vec<Record>, StoreError> {
         let rows = self
             .connections
@@ -139,7 +139,7 @@ impl Shared {
         Ok(Some(IdempotencyKey { name, digest }))
     }
 
-    /// The secret that is kept; if there is none, this one, which is kept then.
+    /// The stored secret; if there is none, this one, which is then stored.
     pub(super) async fn keep_secret(&self, new: Secret) -> Result<Secret, StoreError> {
         let rows = self
             .connections
@@ -151,13 +151,13 @@ impl Shared {
             .ok_or_else(|| StoreError::Failed("the secret of the database is not one".to_owned()))
     }
 
-    /// Whether there are jobs that replicas run now.
+    /// Returns true if there are jobs that replicas run now.
     pub(crate) async fn is_in_use(&self) -> Result<bool, StoreError> {
         let rows = self.connections.run(0, || sqlx::query(IN_USE)).await?;
         Ok(!rows.is_empty())
     }
 
-    /// Whether there is no such job.
+    /// Returns true if there is no such job.
     pub(super) async fn is_gone(&self, id: Uuid) -> Result<bool, StoreError> {
         let rows = self
             .connections

@@ -1,7 +1,7 @@
-//! What replicas tell each other by NOTIFY. It only spares time: whatever is missed is found by polling.
+//! Notifications between replicas by NOTIFY. They only save time: what is missed is found by polling.
 //!
-//! Transactions with a NOTIFY are committed one after the other, by a lock of the whole database, each with a
-//! write to the disk. So hints are told apart from the changes, many at once, and without waiting for the disk.
+//! Transactions with a NOTIFY are committed one after the other, by a lock of the whole database, each with a write to
+//! the disk. So hints are sent apart from the changes, many at once, and without waiting for the disk.
 
 use std::sync::Weak;
 use std::time::Duration;
@@ -14,19 +14,19 @@ use tracing::debug;
 use super::Shared;
 use super::hints::Hint;
 
-/// Hints that nobody has told or read yet; further ones are dropped.
+/// The most hints that have not been sent or read yet; further ones are dropped.
 pub(super) const MOST: usize = 4096;
 
-/// After so long without a hint the connection is made anew: one that was cut off says nothing.
+/// After this long without a hint the connection is remade, as a dead one is silent.
 const SILENCE: Duration = Duration::from_secs(60);
 
-/// The pause before a connection that was lost is made anew.
+/// The pause before a lost connection is remade.
 const PAUSE: Duration = Duration::from_secs(1);
 
 const NOTIFY: &str = "
 SELECT set_config('synchronous_commit', 'off', true), pg_notify('piad', hint) FROM unnest($1::text[]) AS hint";
 
-/// Tells hints until there is nobody any more who gives some.
+/// Sends hints until their senders are gone.
 pub(super) async fn go_on_telling(store: Weak<Shared>, mut hints: mpsc::Receiver<Hint>) {
     let mut some = Vec::new();
     while hints.recv_many(&mut some, MOST).await > 0 {
@@ -40,12 +40,12 @@ pub(super) async fn go_on_telling(store: Weak<Shared>, mut hints: mpsc::Receiver
 }
 
 impl Shared {
-    /// Tells the other replicas, and this one, in a moment.
+    /// Notifies the other replicas, and this one, in a moment.
     pub(super) fn tell(&self, hint: Hint) {
         let _ = self.told.try_send(hint);
     }
 
-    /// The hints from now on, until nobody reads them any more.
+    /// The hints from now on, until the receiver is dropped.
     pub(crate) fn hints(&self) -> mpsc::Receiver<Hint> {
         let (sender, hints) = mpsc::channel(MOST);
         let pool = PgPoolOptions::new().max_connections(1).min_connections(0);

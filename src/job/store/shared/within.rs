@@ -8,10 +8,10 @@ use super::pieces::Value;
 use crate::job::outline::Outline;
 use crate::job::quota::{Amount, Exceeded, Quota};
 
-/// Who inserts a job of a tenant with a quota waits for who does so already.
+/// Insertions of jobs of a tenant with a quota wait for each other.
 const LOCK: &str = "SELECT pg_advisory_xact_lock(hashtext('piad quota'), hashtext($1))";
 
-/// What the jobs of a tenant take, without this one, which may be there already.
+/// The usage by the jobs of a tenant, without this one, which may be there already.
 const AMOUNT: &str = "
 SELECT count(*) FILTER (WHERE finished IS NULL) AS jobs,
     coalesce(sum(points) FILTER (WHERE finished IS NULL), 0)::bigint AS points,
@@ -22,7 +22,7 @@ FROM jobs WHERE tenant = $1 AND id <> $2";
 pub(super) struct Within<'a, F> {
     pub(super) outline: &'a Outline,
     pub(super) quota: &'a Quota,
-    /// What the job takes.
+    /// The usage by the job.
     pub(super) new: Amount,
     pub(super) insert: F,
     pub(super) value: &'a Value<'a>,
@@ -49,7 +49,7 @@ impl<'q, F: Fn() -> Statement<'q> + Sync> Work for Within<'_, F> {
 }
 
 impl<F> Within<'_, F> {
-    /// What the tenant has, once nobody else inserts a job for it.
+    /// The usage of the tenant, while no other transaction inserts a job for it.
     async fn has(&self, transaction: &mut PgConnection) -> Result<Amount, sqlx::Error> {
         let tenant = self.outline.tenant.name();
         let lock = sqlx::query(LOCK).bind(tenant);

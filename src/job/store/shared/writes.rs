@@ -1,8 +1,7 @@
-//! What changes a job: each change is one statement, or one transaction where there are many bytes.
+//! Changes of a job: each is one statement, or one transaction where there are many bytes.
 //!
-//! Each is done again if its answer is lost, so it must find what it has done before. Changes of a job that
-//! this replica runs say which claim they belong to, its epoch: they change nothing once another replica has
-//! claimed the job.
+//! Each is repeated if its answer is lost, so it must be idempotent. Changes of a job that this replica runs carry the
+//! epoch of their claim: they change nothing once another replica has claimed the job.
 
 use std::time::Instant;
 
@@ -45,8 +44,8 @@ WITH key AS (
 )
 SELECT id FROM job";
 
-/// A claim of a job that waits, or news of one that this replica has claimed. In the queue of the replica that
-/// has accepted it it still waits.
+/// A claim of a job that waits, or progress of one that this replica has claimed. In the queue of the replica that has
+/// accepted it it still waits.
 const START: &str = "
 UPDATE jobs SET state = 'running', status = $2, on_probation = $3,
     epoch = epoch + CASE state WHEN 'queued' THEN 1 ELSE 0 END,
@@ -73,13 +72,13 @@ WITH job AS (
 )
 SELECT others FROM job";
 
-/// Others know of the end of a job that has ended.
+/// True if other replicas know of a job that has ended.
 const REMOVE: &str = "
 DELETE FROM jobs WHERE id = $1
 RETURNING finished IS NULL AND (followed OR owner IS DISTINCT FROM $2) AS others";
 
-/// The jobs that have ended last stay, as many as are allowed and fit in; the others that are not spared go,
-/// the first to end first. One replica at a time looks for them: the others find nothing.
+/// The jobs that have ended last stay, up to the limits of number and bytes; of the others, those that are not in use
+/// are removed, the first to end first. One replica at a time looks for them: the others find nothing.
 const RETAIN: &str = "
 WITH turn AS MATERIALIZED (
     SELECT pg_try_advisory_xact_lock(hashtext('piad retention'), hashtext(current_schema()::text)) AS mine
@@ -109,8 +108,8 @@ const FORGET_KEYS: &str = "DELETE FROM keys WHERE created < now() - make_interva
 /// Seconds of a century: beyond it an interval may not fit into a timestamp.
 const CENTURY: f64 = 3.2e9;
 
-/// How long something is ago, in seconds. The clocks of replicas differ from that of the database, by which
-/// things become old: so it is told how long ago they were, not when.
+/// Seconds since a time. The clocks of replicas differ from that of the database, which decides ages: so an age is
+/// passed, not a time.
 fn age(at: Timestamp) -> f64 {
     let age = Timestamp::now().duration_since(at).as_secs_f64();
     age.clamp(-CENTURY, CENTURY)
@@ -196,7 +195,7 @@ impl Shared {
         Ok(Insertion::New)
     }
 
-    /// Claims a job that waits, or tells of one that was claimed; false if it is claimed by another replica.
+    /// Claims a job that waits, or notes the progress of one that was claimed; false if another replica has claimed it.
     pub(super) async fn write_start(
         &self,
         id: Uuid,
@@ -290,7 +289,7 @@ impl Shared {
         Ok(false)
     }
 
-    /// Deletes a job; says whether there was one.
+    /// Deletes a job; returns true if there was one.
     pub(super) async fn delete(&self, id: Uuid) -> Result<bool, StoreError> {
         let deleted = self
             .connections
@@ -304,7 +303,7 @@ impl Shared {
         Ok(true)
     }
 
-    /// The job of this id. If it has not ended, this replica is told when it has.
+    /// The job of this id. If it has not ended, this replica is notified when it has.
     pub(crate) async fn follow(&self, id: Uuid) -> Result<Option<Record>, StoreError> {
         let follow = || sqlx::query(FOLLOW).bind(id);
         match self.connections.run(0, follow).await?.first() {
@@ -314,7 +313,7 @@ impl Shared {
         }
     }
 
-    /// Tells a hint if the row says that it is one for others.
+    /// Sends a hint if the row says that it is for others.
     fn tell_others(&self, row: &PgRow, hint: Hint) -> Result<(), StoreError> {
         if row.try_get("others").map_err(of_database)? {
             self.tell(hint);
@@ -322,7 +321,7 @@ impl Shared {
         Ok(())
     }
 
-    /// Deletes keys that have expired, and jobs that are beyond the retention; gives the ids of these.
+    /// Deletes keys that have expired, and jobs that are beyond the retention; returns the ids of these.
     pub(super) async fn delete_surplus(
         &self,
         retention: Retention,

@@ -30,7 +30,7 @@ const SURFACE: Grid = Grid {
     columns: 6,
 };
 
-/// How many data points there are.
+/// The number of data points.
 pub(super) fn size(surface: bool) -> Grid {
     if surface { SURFACE } else { CURVE }
 }
@@ -238,7 +238,7 @@ fn trimmed_surfaces() -> impl Iterator<Item = Problem> {
     })
 }
 
-/// A job with such a problem, with all that a client can say of it.
+/// A job with such a problem, with all client data.
 pub(super) fn record(problem: &Problem) -> Record {
     let other = queued();
     let surface = problem.v().is_some();

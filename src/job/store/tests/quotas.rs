@@ -1,10 +1,10 @@
-//! Quotas: however many jobs come at a time, and whatever becomes of them.
+//! Quotas, with many jobs at a time and every kind of end.
 
 use bytesize::ByteSize;
 
 use super::*;
 
-/// So many jobs come at the same time; each has 20 points.
+/// The number of jobs that arrive at the same time; each has 20 points.
 const CROWD: usize = 100;
 
 fn cad() -> Tenant {
@@ -17,7 +17,7 @@ fn queued_of(tenant: Tenant) -> Record {
     record
 }
 
-/// Inserts many jobs of a tenant at the same time; gives those that are kept.
+/// Inserts many jobs of a tenant at the same time; returns those that are stored.
 async fn crowd(store: &Store, quota: Quota) -> Vec<Uuid> {
     let records: Vec<Record> = (0..CROWD).map(|_| queued_of(cad())).collect();
     let insert = |record: &Record| store.insert(record.clone(), Arc::new(problem()), None, quota);
@@ -51,7 +51,7 @@ pub(super) async fn no_more_jobs_are_kept_than_a_quota_allows(store: &Store) {
     let mut found = ids(store).await.split_off(3);
     found.sort();
     assert_eq!(found, kept);
-    // What is refused leaves its key free; what is known is no new job.
+    // A refused job leaves its key free; a known one is not a new job.
     let quota = jobs(9);
     let keyed = async |record: &Record, quota| {
         let key = Some(key("key"));

@@ -53,7 +53,7 @@ impl Schema {
         statement.execute(&mut connection).await.unwrap();
     }
 
-    /// Has all leases run out.
+    /// Lets all leases expire.
     async fn run_out(&self) {
         let statement = format!(
             "UPDATE {}.jobs SET lease_until = now() - interval '1 s'",
@@ -96,7 +96,7 @@ async fn a_job_is_claimed_by_one_replica() {
     } else {
         (&other, &one)
     };
-    // Who does not run it cannot end it.
+    // A replica that does not run it cannot end it.
     assert!(!reader.finish(id, converged(0), None).await.unwrap());
     assert_eq!(state(reader, id).await, State::Running);
     assert!(
@@ -139,7 +139,7 @@ async fn a_lease_is_renewed_and_a_lost_one_is_not() {
     );
     let replica = one.shared().unwrap();
     schema.run_out().await;
-    // Nobody has looked meanwhile: they are still its own.
+    // The job was not taken over meanwhile: it is still its own.
     assert!(replica.renew(silent).await.unwrap().is_empty());
     other.shared().unwrap().recover().await.unwrap();
     for id in [kept, lost, deleted] {
@@ -155,13 +155,13 @@ async fn a_lease_is_renewed_and_a_lost_one_is_not() {
     let mut ended = replica.renew(silent).await.unwrap();
     ended.sort_unstable();
     assert_eq!(ended, [kept, deleted]);
-    // Told once.
+    // Reported once.
     assert_eq!(replica.renew(silent).await.unwrap(), [kept]);
     assert!(!one.finish(lost, converged(0), None).await.unwrap());
     assert!(one.finish(kept, converged(0), None).await.unwrap());
 }
 
-/// A replica that tells of none of its jobs how far it has come.
+/// A replica that reports no progress of its jobs.
 fn silent(_: Uuid) -> Option<Status> {
     None
 }
@@ -209,7 +209,7 @@ async fn a_job_that_its_replica_does_not_know_of_goes_back() {
     assert_eq!(state(&one, unknown).await, State::Running);
     schema.run_out().await;
     replica.renew(silent).await.unwrap();
-    // Others take it for one that runs.
+    // Others consider it running.
     other.shared().unwrap().recover().await.unwrap();
     assert_eq!(state(&one, unknown).await, State::Running);
     replica.release_unknown().await.unwrap();
@@ -260,16 +260,16 @@ async fn a_job_is_cancelled_from_any_replica() {
     );
     cancel(runs).await;
     assert_eq!(state(&one, runs).await, State::Running);
-    // Its replica is gone before it could obey.
+    // Its replica dies before it can cancel it.
     schema.run_out().await;
     other.shared().unwrap().recover().await.unwrap();
     assert_eq!(state(&one, runs).await, State::Cancelled);
-    // What has ended stays as it is.
+    // A job that has ended is unchanged.
     cancel(runs).await;
     assert_eq!(state(&one, runs).await, State::Cancelled);
 }
 
-/// What is said of these jobs, to the last of it. Other tests talk in the same database.
+/// The hints about these jobs, to the last of them. Other tests use the same database.
 async fn heard(hints: &mut Receiver<Hint>, of: &[Uuid], last: Hint) -> Vec<Hint> {
     let mut heard = Vec::new();
     while heard.last() != Some(&last) {
@@ -302,7 +302,7 @@ async fn replicas_hear_of_jobs_that_they_wait_for() {
     other.shared().unwrap().follow(read).await.unwrap();
     for id in [unread, read] {
         assert!(start(&one, id).await && finish(&one, id).await);
-        // Nobody waits for it any more.
+        // It is abandoned.
         assert!(one.remove(id).await.unwrap());
     }
     let said = heard(&mut hints, &ids, Hint::Ended(read)).await;

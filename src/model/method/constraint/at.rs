@@ -13,7 +13,7 @@ use piad_fit::data::Grid;
 use piad_fit::invalid::{Axis, Side};
 use piad_fit::method::At;
 
-/// Where a constraint holds.
+/// The location of a constraint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PlaceInput {
     Side(Side),
@@ -155,7 +155,7 @@ impl PlaceInput {
         })
     }
 
-    /// A place as it would be asked for; points of surfaces are in so many columns.
+    /// A location in the form of a request; points of surfaces are in rows of `columns` points.
     pub(super) fn of(at: At, columns: Option<usize>) -> Self {
         match at {
             At::Side(side) => Self::Side(side),

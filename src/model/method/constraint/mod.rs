@@ -1,4 +1,4 @@
-//! Constraints as they are asked for: where, and one thing that holds there.
+//! Requested constraints: a location, and one condition that holds there.
 
 mod at;
 
@@ -16,8 +16,8 @@ use piad_fit::method::{At, Constraint, Wanted};
 
 use at::PlaceInput;
 
-/// What every iteration obeys: `{"index": i}` passes through a data point; others have `at` and one of
-/// the fields that say what holds there.
+/// A constraint of every iteration: `{"index": i}` passes through a data point; others have `at` and one of the fields
+/// for the condition that holds there.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(rename = "Constraint", example = example())]
@@ -25,7 +25,7 @@ pub(crate) struct ConstraintInput {
     /// It passes through this data point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) index: Option<Index>,
-    /// Where it holds.
+    /// The location.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) at: Option<PlaceInput>,
     /// The point that it passes through.
@@ -83,7 +83,7 @@ fn example() -> Value {
     json!({"at": "start", "tangent": [0.0, 1.0]})
 }
 
-/// What a field of a constraint asks for.
+/// The condition of a field of a constraint.
 #[derive(Clone, Copy)]
 enum Meaning {
     /// A point or a derivative of these orders.
@@ -94,7 +94,7 @@ enum Meaning {
 }
 
 impl ConstraintInput {
-    /// The constraint on data points that are arranged in a grid, or why it is none.
+    /// The constraint on data points that are arranged in a grid, or the error.
     pub(super) fn constraint(self, grid: Grid, surface: bool) -> Result<Constraint, String> {
         use Meaning::{Across, Derivative, Tangent};
         let fields = [
@@ -160,7 +160,7 @@ impl ConstraintInput {
         })
     }
 
-    /// A constraint as it would be asked for.
+    /// A constraint in the form of a request.
     pub(crate) fn of(constraint: &Constraint, grid: Grid, surface: bool) -> Self {
         let columns = (surface && grid.is_rows()).then_some(grid.columns);
         let mut input = Self {

@@ -29,7 +29,7 @@ pub struct Table {
     source: Source,
 }
 
-/// Where the samples of a table are from.
+/// The source of the samples of a table.
 #[derive(Debug)]
 enum Source {
     /// The level of a fit.
@@ -43,8 +43,8 @@ impl Table {
     ///
     /// # Errors
     ///
-    /// If there is a sample that is not finite, or for samples at equal distances what [`check_options`] refuses, or a
-    /// weight that is not positive.
+    /// If a sample is not finite, or, for samples at equal distances, if [`check_options`] refuses them or a weight is
+    /// not positive.
     ///
     /// [`check_options`]: super::check_options
     pub fn new(fitted: &Fitted<'_>) -> Result<Self, ExportError> {
@@ -68,7 +68,7 @@ impl Table {
         Ok(Self { source })
     }
 
-    /// About how many multiplications it takes to evaluate all lines.
+    /// The approximate number of multiplications that it takes to evaluate all lines.
     pub fn multiplications(&self) -> usize {
         match &self.source {
             Source::Level(samples) => samples.multiplications(),
@@ -76,7 +76,7 @@ impl Table {
         }
     }
 
-    /// How many lines follow the names.
+    /// The number of lines after the names.
     pub fn lines(&self) -> usize {
         match &self.source {
             Source::Level(samples) => samples.count(),

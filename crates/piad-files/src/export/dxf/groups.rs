@@ -1,4 +1,4 @@
-//! Groups: a code that says what a value is, and the value, each on a line.
+//! Groups: a code that gives the meaning of a value, and the value, each on a line.
 
 use std::fmt::Arguments;
 

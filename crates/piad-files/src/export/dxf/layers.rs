@@ -1,4 +1,4 @@
-//! The layers of parts, which have their names.
+//! Layers named after the parts.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -8,7 +8,7 @@ use crate::export::document::Document;
 /// The layer that is always there.
 pub(super) const ALWAYS: &str = "0";
 
-/// What layers can be called.
+/// Rules for layer names.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LayerRules {
     /// The most characters of a name.

@@ -1,8 +1,8 @@
 //! DXF, the exchange format of AutoCAD.
 //!
-//! By default of R12, which everything reads that reads DXF: a polyline through samples of a curve, a polygon mesh
-//! through samples of a surface. This version has no units, and numbers are text. With [`Version::R2000`] curves are
-//! exact splines; surfaces stay polygon meshes, as DXF has no spline surfaces outside of solids.
+//! By default R12, which all DXF software reads: a polyline through samples of a curve, a polygon mesh through samples
+//! of a surface. This version has no units, and numbers are text. With [`Version::R2000`] curves are exact splines;
+//! surfaces stay polygon meshes, as DXF has no spline surfaces outside of solids.
 
 mod groups;
 mod layers;

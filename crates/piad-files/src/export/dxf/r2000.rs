@@ -185,7 +185,7 @@ fn layer(text: &mut Text, handle: &str, name: &str) {
     pair(text, 390, format_args!("{PLOT_STYLE}"));
 }
 
-/// What all entities begin with; returns the handle.
+/// Writes the common beginning of all entities; returns the handle.
 fn entity(text: &mut Text, handles: &mut Handles, kind: &str, owner: &str, layer: &str) -> usize {
     let handle = handles.take();
     pair(text, 0, format_args!("{kind}"));

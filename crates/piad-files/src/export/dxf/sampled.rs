@@ -7,7 +7,7 @@ use crate::export::options::Options;
 use crate::export::sampling::{along_curve, finite};
 use piad_fit::engine::nurbs::{SpanParameter, steps_between};
 
-/// The most samples of a polygon mesh in each direction, as AutoCAD has it.
+/// The most samples of a polygon mesh in each direction, the limit of AutoCAD.
 const MOST_IN_MESH: usize = 256;
 
 /// The most steps along a curve, and along each direction of a surface, unless more are requested.

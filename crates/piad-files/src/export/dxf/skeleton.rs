@@ -1,4 +1,4 @@
-//! What a drawing of AutoCAD R2000 has around its entities: tables, blocks and dictionaries, which refer to each
+//! The parts of an AutoCAD R2000 drawing around its entities: tables, blocks and dictionaries, which refer to each
 //! other by handles.
 //!
 //! Here each line is a group: its code and its value. Handles below [`FIRST_FREE`] are fixed, and are those that

@@ -74,7 +74,7 @@ fn label(document: &Document<'_>, shape: &Shape<'_>, entities: &Entities) -> Lab
     }
 }
 
-/// What the file is, for people.
+/// The description of the file, for people.
 fn start(document: &Document<'_>) -> String {
     let title = ascii(&document.title);
     format!("{title}: {}. Written by {GENERATOR}.", document.description)

@@ -165,7 +165,7 @@ pub(super) fn fixed_lines(file: &mut Text, section: char, content: &str) -> usiz
     }
 }
 
-/// What an entity is for.
+/// The use of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Status {
     /// Geometry by itself.
@@ -187,7 +187,7 @@ pub(super) struct DirectoryEntry {
     pub(super) first_line: usize,
     /// The number of these lines.
     pub(super) lines: usize,
-    /// What it is for.
+    /// Its use.
     pub(super) status: Status,
     /// Up to eight characters.
     pub(super) label: String,

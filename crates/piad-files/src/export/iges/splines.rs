@@ -67,8 +67,8 @@ fn net(data: &mut ParameterData, nurbs: &Nurbs, order: impl Iterator<Item = usiz
     }
 }
 
-/// A power of two by which all weights are multiplied, which does not change the geometry, so that none is
-/// below 10⁻⁹: OpenCASCADE would read the file as polynomial.
+/// A power of two by which all weights are multiplied, which does not change the geometry, so that none is below 10⁻⁹:
+/// otherwise OpenCASCADE reads the file as polynomial.
 fn weight_factor(nurbs: &Nurbs) -> f64 {
     let weights = nurbs.weights.as_deref().unwrap_or_default();
     let smallest = weights.iter().copied().fold(1.0, f64::min);

@@ -1,5 +1,5 @@
 //! Trimmed surfaces (entity 144): a surface with curves on it (entity 142), each in its parameters and in space, as composite
-//! curves (entity 102) where there are several edges.
+//! curves (entity 102) if there are several edges.
 
 use super::entities::{Entities, Label};
 use super::sections::Status;

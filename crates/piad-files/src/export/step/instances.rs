@@ -1,4 +1,4 @@
-//! What instances of all kinds have: numbers of others that are always there, knots and real numbers.
+//! Common parts of all instances: numbers of fixed instances, knots and real numbers.
 
 use crate::export::nurbs::KnotVector;
 use crate::export::text::Text;

@@ -6,8 +6,8 @@ use crate::export::nurbs::{KnotVector, Nurbs};
 /// The control points of a cubic Bézier curve.
 pub(super) type Cubic = [[f64; 2]; 4];
 
-/// The largest distance of approximations, as a fraction of the size of the curve: half of what files promise, as it
-/// is measured at some points only.
+/// The largest distance of approximations, as a fraction of the size of the curve: half of what files promise, as it is
+/// measured at sample points only.
 const TOLERANCE: f64 = 5e-5;
 
 /// The most cubics for a span; each time twice as many are sixteen times nearer.
@@ -20,7 +20,7 @@ const MEASURED: usize = 7;
 #[derive(Debug)]
 pub(super) struct Pieces {
     pub(super) cubics: Vec<Cubic>,
-    /// True if they are the curve, without an approximation.
+    /// True if they are the exact curve.
     pub(super) is_exact: bool,
     /// True if they are straight lines.
     pub(super) is_straight: bool,

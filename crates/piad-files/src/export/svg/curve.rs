@@ -18,8 +18,8 @@ const MOST_PIECES: usize = 4096;
 /// The radius of control points.
 const CONTROL_RADIUS: f64 = 2.5;
 
-/// The curve as chords between the requested samples, or as cubic pieces with its end points and tangents:
-/// these are so many that they look like the curve at any reasonable magnification.
+/// The curve as chords between the requested samples, or as cubic pieces with its end points and tangents: enough of
+/// them that they look like the curve at any reasonable magnification.
 pub(super) fn scene(
     problem: &Problem,
     nurbs: &Nurbs,

@@ -1,6 +1,5 @@
-//! How far the data are, along a curve and over a surface: the largest distance of the data points of
-//! each piece, and where a piece has none, what lies between the points around it; or by how much the fit leaves the
-//! data between neighbours, if that is more.
+//! Distances from the data along a curve and over a surface: the largest distance of the data points of each piece, or
+//! the interpolated value for a piece without any; or the deviation of the fit between neighbours, if that is more.
 
 use std::ops::RangeInclusive;
 
@@ -137,7 +136,7 @@ impl<'a> Line<'a> {
         spread
     }
 
-    /// The value at a parameter before data point `after`: what lies between its neighbours.
+    /// The value at a parameter before data point `after`, interpolated between its neighbours.
     fn between(&self, values: &[f64], after: usize, t: f64) -> f64 {
         let last = values.len() - 1;
         let at = |index: usize| (self.parameters[index], values[index]);

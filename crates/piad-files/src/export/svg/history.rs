@@ -1,4 +1,4 @@
-//! How the distance from the data has fallen, level by level, on a logarithmic scale.
+//! A plot of the distance from the data, level by level, on a logarithmic scale.
 
 use super::layout::draw_polygon;
 use super::numbers::{power, short};
@@ -19,7 +19,7 @@ const MOST_LEVELS: usize = 2000;
 /// The most labels of an axis.
 const MOST_LABELS: usize = 7;
 
-/// What stands below the caption.
+/// The content below the caption.
 pub(super) enum History<'a> {
     /// A plot of the errors of levels 0, 1, …, and the levels and logarithms that are drawn: errors that
     /// are zero or infinite have no place on the scale.
@@ -31,7 +31,7 @@ pub(super) enum History<'a> {
 }
 
 impl<'a> History<'a> {
-    /// The history of these errors; of none, the reason why there is no plot.
+    /// The history of these errors; if there is none, the reason why there is no plot.
     pub(super) fn of(errors: &'a [f64]) -> Self {
         if errors.is_empty() {
             return Self::Unknown;

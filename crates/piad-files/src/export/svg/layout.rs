@@ -1,4 +1,4 @@
-//! The size of drawings, and how much of the data and of the control net they show.
+//! The size of drawings, and the share of the data and of the control net that they show.
 
 use std::collections::HashMap;
 
@@ -17,7 +17,7 @@ const MOST_POINTS: usize = 2500;
 /// The most control points of nets that are drawn: the lines of more of them would cover the surface.
 const MOST_OF_NET: usize = 600;
 
-/// Whether the control polygon or net is drawn.
+/// Returns true if the control polygon or net is drawn.
 pub(super) fn shows_net(nurbs: &Nurbs) -> bool {
     let most = if nurbs.v.is_some() {
         MOST_OF_NET
@@ -37,16 +37,16 @@ pub(super) fn draw_polygon(text: &mut Text, class: &str, places: impl Iterator<I
     text.push("\"/>\n");
 }
 
-/// So few dots hide little.
+/// Up to this number, dots hide little.
 const FEW: usize = 100;
 
-/// The part of more dots that may cover each other where nobody asks for dots.
+/// The largest part of dots that may cover each other by default.
 const MOST_COVERED: f64 = 1.0 / 3.0;
 
 /// The data points of the drawing.
 pub(super) struct DrawnData {
     pub(super) places: Vec<Projected>,
-    /// Those that a robust fit leaves out, as many as are drawn.
+    /// Drawn points that a robust fit leaves out.
     outliers: Vec<Projected>,
     /// Every `stride`-th point of a curve, or row and column of a grid, is among them.
     stride: usize,
@@ -77,8 +77,8 @@ impl DrawnData {
         }
     }
 
-    /// Whether dots are drawn: if nobody asks for them or against them, where they do not hide each
-    /// other and what is below them.
+    /// Decides whether dots are drawn: by default if they do not hide each other or the drawing
+    /// below them.
     pub(super) fn choose(&mut self, dots: Dots, canvas: &Canvas) {
         self.dots = match dots {
             Dots::On => true,
@@ -111,12 +111,12 @@ impl DrawnData {
         }
     }
 
-    /// What the circles around outliers are.
+    /// The caption of the circles around outliers.
     pub(super) fn legend_of_outliers(&self) -> Option<&'static str> {
         (!self.outliers.is_empty()).then_some("outliers, left out")
     }
 
-    /// What the dots are.
+    /// The caption of the dots.
     pub(super) fn legend(&self) -> Option<String> {
         let text = match (self.stride, self.is_grid) {
             (1, _) => "data points".to_owned(),
@@ -127,14 +127,14 @@ impl DrawnData {
     }
 }
 
-/// Whether dots of this radius hide neither each other nor what is below them. Along a curve there is
-/// as much space between them as they take.
+/// Returns true if dots of this radius hide neither each other nor the drawing below them. Along a
+/// curve there is as much space between them as they take.
 pub(super) fn are_sparse(pixels: &[(f64, f64)], radius: f64, along_a_curve: bool) -> bool {
     let near = if along_a_curve { 4.0 } else { 2.0 } * radius;
     pixels.len() <= FEW || covered(pixels, near) <= MOST_COVERED
 }
 
-/// Which part of the dots has another one nearer than this.
+/// The part of the dots that have another one nearer than this.
 fn covered(pixels: &[(f64, f64)], near: f64) -> f64 {
     let cell = |(x, y): (f64, f64)| ((x / near).floor() as i64, (y / near).floor() as i64);
     let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();

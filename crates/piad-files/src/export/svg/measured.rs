@@ -1,4 +1,4 @@
-//! How far what is drawn is from the data: at them, and between them.
+//! Distances of the drawing from the data: at them, and between them.
 
 use crate::export::deviation::Deviations;
 use crate::export::fitted::Fitted;
@@ -8,13 +8,13 @@ use piad_fit::engine::between::excesses;
 /// Distances from the data, and the largest of them.
 pub(super) struct Measured {
     pub(super) deviations: Deviations,
-    /// By how much it leaves the data in each gap between neighbours; none of scattered data.
+    /// The deviation in each gap between neighbouring data; `None` for scattered data.
     pub(super) between: Vec<f64>,
     pub(super) most: f64,
 }
 
 impl Measured {
-    /// `None` where nothing is away from the data, or infinitely far.
+    /// `None` where all distances are zero, or one is infinite.
     pub(super) fn of(fitted: &Fitted<'_>, nurbs: &Nurbs) -> Option<Self> {
         let deviations = Deviations::of(fitted.problem, nurbs);
         let between = excesses(fitted.problem, fitted.control_points);

@@ -1,9 +1,8 @@
 //! SVG: a drawing of the fit with its data, 800 pixels wide.
 //!
-//! Curves of the plane are drawn as they are; curves and surfaces in space are seen from above and
-//! aside, with z upwards. Colours show how far the data are. Below the drawing stand what it shows and,
-//! if there are several steps, how the distance from the data has fallen. On pages that are dark, in
-//! browsers, drawings are dark, too.
+//! Curves of the plane are drawn as they are; curves and surfaces in space are seen from above and aside, with z
+//! upwards. Colours show the distances of the data. Below the drawing are a caption and, if there are several steps, a
+//! plot of the distance from the data. In browsers, drawings are dark on dark pages.
 
 mod cubics;
 mod curve;
@@ -65,7 +64,7 @@ pub(super) fn write(nurbs: &Nurbs, fitted: &Fitted<'_>) -> Result<Vec<u8>, Expor
     let history_top = canvas.height() + CAPTION + legend;
     let mut text = Text::default();
     open(&mut text, fitted, history_top + history.height());
-    // The nested element cuts off what is beyond it.
+    // The nested element clips the drawing.
     text.put(format_args!(
         "<svg width=\"{WIDTH}\" height=\"{:.1}\">\n",
         canvas.height()
@@ -105,7 +104,7 @@ fn open(text: &mut Text, fitted: &Fitted<'_>, height: f64) {
     ));
 }
 
-/// The name, what it is, how large it is, and what dots and lines mean.
+/// The name, a description, the size, and the meaning of dots and lines.
 fn caption(text: &mut Text, nurbs: &Nurbs, fitted: &Fitted<'_>, data: &DrawnData, top: f64) {
     let mut title: String = fitted.title().chars().take(TITLE).collect();
     if title.len() < fitted.title().len() {

@@ -37,7 +37,7 @@ pub(in crate::export) fn write(document: &Document<'_>) -> Result<Vec<u8>, Expor
     Ok(text.into_bytes())
 }
 
-/// What the paths are, and how near to the curves.
+/// A description of the paths, and their distance from the curves.
 fn description(document: &Document<'_>, curves: &[Pieces]) -> String {
     let is_exact = curves.iter().all(|curve| curve.is_exact);
     let accuracy = match is_exact {

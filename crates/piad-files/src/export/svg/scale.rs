@@ -11,11 +11,11 @@ pub(super) const HEIGHT: f64 = 42.0;
 const LEFT: f64 = MARGIN + 150.0;
 const WIDTH: f64 = 320.0;
 
-/// Where the legend has numbers, as parts of the largest distance.
+/// The positions of the numbers of the legend, as parts of the largest distance.
 const TICKS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
-/// Colours at equal steps, from no distance to the largest: distinct for people who do not tell red from
-/// green, and none of them dark, so that shades can show the shape.
+/// Colours at equal steps, from no distance to the largest: distinct also for red–green colour blindness, and none of
+/// them dark, so that shades can show the shape.
 const COLOURS: [[f64; 3]; 5] = [
     [92.0, 149.0, 214.0],
     [126.0, 196.0, 208.0],
@@ -24,7 +24,7 @@ const COLOURS: [[f64; 3]; 5] = [
     [214.0, 48.0, 49.0],
 ];
 
-/// So many steps of colour.
+/// The number of colour steps.
 const STEPS: u8 = 32;
 
 /// A distance as a part of the largest one, in steps of colour.
@@ -32,7 +32,7 @@ const STEPS: u8 = 32;
 pub(super) struct Heat(u8);
 
 impl Heat {
-    /// The step of a distance; none where it is not known.
+    /// The step of a distance; `None` where it is unknown.
     pub(super) fn of(distance: f64, most: f64) -> Self {
         let part = (distance / most).clamp(0.0, 1.0);
         Self((part * f64::from(STEPS)).round() as u8)
@@ -47,7 +47,7 @@ impl Heat {
     }
 }
 
-/// A colour as XML attributes have it.
+/// A colour in the form of XML attributes.
 pub(super) fn hexadecimal(colour: [f64; 3]) -> String {
     let [red, green, blue] = colour.map(|it| it as u32);
     format!("#{:06x}", red << 16 | green << 8 | blue)

@@ -1,4 +1,4 @@
-//! What is drawn: a curve in pieces, or the parts of a surface.
+//! The contents of a drawing: a curve in pieces, or the parts of a surface.
 
 use super::layout::DrawnData;
 use super::scale::Heat;
@@ -8,17 +8,17 @@ use crate::export::nurbs::Nurbs;
 /// A cubic Bézier piece.
 pub(super) type Cubic = [Projected; 4];
 
-/// What is drawn.
+/// The contents of a drawing.
 pub(super) enum Scene {
-    /// A curve in cubic pieces, and how far the data are from each, if they are.
+    /// A curve in cubic pieces, and the distance of the data from each, if there are any.
     Curve(Vec<Cubic>, Vec<Heat>),
-    /// Parts of a surface, once they are all there the far ones first.
+    /// Parts of a surface, sorted from far to near once they are complete.
     Surface(Vec<SurfacePart>),
 }
 
 /// A part of the drawing of a surface.
 pub(super) enum SurfacePart {
-    /// A cell of a grid on the surface, the light on it, and how far the data are, if they are.
+    /// A cell of a grid on the surface, the light on it, and the distance of the data, if there are any.
     Face([Projected; 4], f64, Option<Heat>),
     /// An edge of the control net.
     Edge([Projected; 2]),

@@ -15,10 +15,10 @@ use piad_fit::engine::nurbs::{SpanParameter, steps_between};
 use piad_fit::engine::vectors::{cross, minus, unit};
 use piad_fit::geometry::Outline;
 
-/// The most faces in each direction, unless a number of samples is asked for.
+/// The most faces in each direction, unless a number of samples is requested.
 const MOST_FACES: usize = 64;
 
-/// Faces whose diagonal is shorter than so many pixels have no outlines, which would cover them.
+/// Faces whose diagonal is shorter than this many pixels have no outlines, which would cover them.
 const LEAST_LINED: f64 = 5.0;
 
 /// The colour of a face in full light where the data are on the surface.
@@ -33,7 +33,7 @@ pub(super) fn draw(text: &mut Text, parts: &[SurfacePart], data: &DrawnData, can
     }
 }
 
-/// How many pixels there are between opposite corners of a face, on average.
+/// The average number of pixels between opposite corners of a face.
 fn mean_size(parts: &[SurfacePart], canvas: &Canvas) -> f64 {
     let diagonals = parts.iter().filter_map(|part| match part {
         SurfacePart::Face([a, _, c, _], ..) => {
@@ -166,7 +166,7 @@ fn edges(nurbs: &Nurbs, view: &Projection) -> Vec<SurfacePart> {
 }
 
 impl SurfacePart {
-    /// How near a part is for the order of drawing.
+    /// The depth of a part for the order of drawing.
     pub(super) fn depth(&self, lift: f64) -> f64 {
         match self {
             Self::Face(corners, ..) => mean(corners),
@@ -180,7 +180,7 @@ impl SurfacePart {
             Self::Face(corners, light, heat) => {
                 let [a, b, c, d] = corners.map(|corner| canvas.pixel(corner));
                 let colour = heat.map_or(COLOUR, Heat::colour);
-                // Where colours say something, shades leave them apart.
+                // Where colours show distances, there are no shades.
                 let dark = if heat.is_some() { 0.6 } else { 0.42 };
                 let shade = |most: f64| {
                     let light = most * (dark + (1.0 - dark) * light);

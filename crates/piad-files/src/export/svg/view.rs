@@ -14,7 +14,7 @@ pub(super) const MARGIN: f64 = 24.0;
 const MOST_HEIGHT: f64 = 620.0;
 const LEAST_HEIGHT: f64 = 120.0;
 
-/// How far beyond the curve and the data the control net is shown, as a fraction of their extent.
+/// The shown part of the control net beyond the curve and the data, as a fraction of their extent.
 const NET_BEYOND: f64 = 0.3;
 
 /// The direction of view, in degrees: the azimuth around z from the x axis, and the elevation.
@@ -63,7 +63,7 @@ impl Projection {
         }
     }
 
-    /// Whether the page is not the xy plane.
+    /// Returns true if the page is not the xy plane.
     pub(super) fn is_spatial(&self) -> bool {
         self.toward[2] < 1.0
     }

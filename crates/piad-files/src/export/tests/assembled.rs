@@ -28,7 +28,7 @@ fn results_are_assembled() {
     assert_eq!(assemble(u, Some(v), points, Some(weights)).unwrap(), tube);
 }
 
-/// The name of the field, and what is wrong with it.
+/// The name of the field, and the error.
 #[test]
 fn wrong_data_are_named() {
     let wave = wave();

@@ -1,4 +1,4 @@
-//! Files of several parts, read by small readers of their own.
+//! Files of several parts, each with its own reader.
 //!
 //! With `PIAD_PARTS_DIR` the files go to that folder, for software of others.
 
@@ -25,7 +25,7 @@ fn wave() -> Nurbs {
     )
 }
 
-/// A closed cubic curve, whose knots and control points go on beyond its ends.
+/// A closed cubic curve, whose knots and control points continue beyond its ends.
 fn ring() -> Nurbs {
     let free = [
         [10.0, 0.0],

@@ -1,4 +1,4 @@
-//! What is refused, and by which name.
+//! Refused input, and the names in the errors.
 
 use super::*;
 use crate::export::{ExportError, Origin, Style, Version, check_options, check_shape};

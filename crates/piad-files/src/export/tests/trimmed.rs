@@ -1,4 +1,4 @@
-//! Trimmed surfaces: edges on the surface, and meshes of what is inside.
+//! Trimmed surfaces: edges on the surface, and meshes of the inside.
 
 use piad_fit::data::Grid;
 use piad_fit::engine::vectors::{cross, length, minus};
@@ -142,7 +142,7 @@ fn meshes_leave_out_what_is_outside() {
         let is_deep = (0.22..0.3).contains(&around) && (5.7..5.85).contains(&v);
         assert!(!is_deep, "{around} {v}");
     }
-    // Coarse samples are no hindrance.
+    // Coarse samples are sufficient.
     let coarse = Mesh::new(&cylinder(), Some(&outline()), &grid(2), Format::Stl).unwrap();
     assert!(coarse.triangles.len() > 4);
 }

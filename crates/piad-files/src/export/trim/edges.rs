@@ -8,7 +8,7 @@ use piad_fit::data::Points;
 use piad_fit::engine::vectors::{length, minus};
 use piad_fit::geometry::Outline;
 
-/// How far edges are from the surface at most, as a part of its extent.
+/// The largest distance of edges from the surface, as a part of its extent.
 const TOLERANCE: f64 = 1e-6;
 
 /// The most pieces in which a span of an edge is divided.
@@ -26,7 +26,7 @@ pub(in super::super) struct Edge {
     pub in_space: Nurbs,
 }
 
-/// How far edges are from a surface at most.
+/// The largest distance of edges from a surface.
 pub(in super::super) fn tolerance(surface: &Nurbs) -> f64 {
     let extent = TOLERANCE * surface.points.bounding_diagonal();
     extent.max(surface.resolution())
@@ -46,7 +46,7 @@ pub(in super::super) fn of_loops(surface: &Nurbs, outline: &Outline) -> Vec<Vec<
     outline.loops.iter().map(edges).collect()
 }
 
-/// How many edges each loop has with those that are points of space.
+/// The number of edges of each loop, including those that are points of space.
 pub(in super::super) fn counts(outline: &Outline) -> Vec<usize> {
     let loops = outline.loops.iter();
     loops.map(|curve| pieces(curve).len()).collect()

@@ -6,10 +6,10 @@ use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation
 use piad_fit::engine::nurbs::{Jet, SpanParameter};
 use piad_fit::geometry::{Nurbs, Outline};
 
-/// How far samples are from loops at least, in steps between samples: nearer ones would give narrow triangles.
+/// The least distance of samples from loops, in steps between samples: nearer ones would give narrow triangles.
 const APART: f64 = 0.35;
 
-/// The longest steps along loops, likewise.
+/// The longest steps along loops, in the same unit.
 const STEP: f64 = 0.5;
 
 /// Places in the parameters of a surface, and triangles between them, counter-clockwise.
@@ -85,7 +85,7 @@ fn counted(line: &[f64], t: f64) -> f64 {
     (after - 1) as f64 + (t - low) / (high - low)
 }
 
-/// Which samples are near these vertices.
+/// The samples near these vertices.
 fn near(vertices: &[Vertex], rows: usize, columns: usize) -> Vec<bool> {
     let mut near = vec![false; rows * columns];
     for Vertex { at: [x, y], .. } in vertices {

@@ -1,4 +1,4 @@
-//! The columns of a file that a user chooses.
+//! Resolves the columns that a user chooses.
 
 use super::{Column, Columns, Range, too_many};
 use crate::import::choice::{Choice, Time, timed};
@@ -94,7 +94,7 @@ impl File<'_> {
         match from <= to {
             true => Ok((from..=to).collect()),
             false => Err(self.error(format!(
-                "columns {} are none: the second one stands before the first",
+                "columns {} are not a range: the second one is before the first",
                 quoted(text)
             ))),
         }
@@ -127,12 +127,12 @@ impl File<'_> {
             let found: Vec<usize> = (0..names.len())
                 .filter(|column| names.get(*column).is_some_and(is_it))
                 .collect();
-            // Of several, such as x (m) and x (ft), none is meant.
+            // Of several matches, such as x (m) and x (ft), none is taken.
             <[usize; 1]>::try_from(found).ok().map(|[column]| column)
         })
     }
 
-    /// What the file has.
+    /// The columns of the file.
     fn there_are(&self) -> String {
         let count = match self.width {
             1 => "1 column".to_owned(),

@@ -1,4 +1,4 @@
-//! Tables with columns for people: names, texts, times, gaps.
+//! Tables for people: names, texts, times, gaps.
 
 use super::Columns;
 use crate::import::tests::HINTS;
@@ -66,7 +66,7 @@ fn names_say_which_columns_are_coordinates() {
         assert_eq!(read.name, None, "{head}");
         assert_eq!(read.notices.is_empty(), expected.len() == 3, "{head}");
     }
-    // Two columns are what they are, whatever they are called.
+    // Two columns are taken whatever their names.
     for head in ["t,value", "t,x", "id,value", "x,f", "w,h", "N,depth", "a,b"] {
         let read = imported(&format!("{head}\n1,2\n5,7\n"));
         assert_eq!((first(&read), read.notices), (vec![1.0, 2.0], vec![]));
@@ -152,7 +152,7 @@ fn times_are_parameters_where_they_are_chosen_or_columns_are_numbered() {
     let used = read(values.as_bytes(), &times).unwrap();
     assert_eq!(used.points.to_flat(), [3.0, 4.0]);
     assert_eq!(used.parameters, Some(vec![0.0, 86400.0]));
-    // Two groups of numbers are none that is meant.
+    // With two groups of numbers the names do not decide.
     let both = imported("time,q1,q2,dq1,dq2\n0,1,2,3,4\n1,2,4,6,8\n");
     assert_eq!((first(&both), both.parameters), (vec![1.0, 2.0, 3.0], None));
     for (text, line, detail) in [
@@ -293,7 +293,7 @@ fn a_first_column_that_counts_is_left_out() {
         "Columns 2 and 3 are the coordinates; column 1 counts the points and is not read."
     );
     assert_eq!(first(&imported("1 5 6 7\n2 5 7 9\n")), [5.0, 6.0, 7.0]);
-    // Functions, few points, other numbers, and one that does not go on.
+    // Functions, few points, other numbers, and a counter that does not continue.
     assert_eq!(imported(&rows(9, "# 1.#")).points.dimension(), 2);
     for text in [
         "1 5 6\n2 5 7\n".to_owned(),
@@ -341,7 +341,7 @@ fn gaps_are_left_out_of_curves() {
         assert_eq!(read.points.to_flat(), [0.0, 1.0, 3.0, 4.0], "{text:?}");
         assert!(read.notices[0].ends_with("has no coordinates and is left out."));
     }
-    // A part that has nothing else is none.
+    // A part without other contents is left out.
     let parts = "x,y\n0,1\n3,4\n\nnan,nan\n\n1,1\n2,3\n";
     let parts = crate::import::read_parts(parts.as_bytes(), &HINTS).unwrap();
     assert_eq!(parts.len(), 2);
@@ -379,7 +379,7 @@ fn gaps_of_grids_are_missing() {
     assert_eq!(
         read_lattice.notices,
         [
-            "The points are 2 rows of 3: x and y form a lattice.",
+            "The points are 2 rows of 3: x and y form a grid.",
             "2 points are missing in the grid, the first of them in line 3."
         ]
     );
@@ -491,7 +491,7 @@ fn large_tables_are_the_same_in_pieces() {
 }
 
 proptest! {
-    /// Whatever a table holds, and whatever is chosen of it, it is points with finite numbers, or an error.
+    /// Any table and any choice of columns give points with finite numbers, or an error.
     #[test]
     fn no_table_breaks_it(
         head in "((x|y|z|t|lat|lon|e|n|id|q1|q2|j1|w|x \\(m\\))[,;\\t]){0,5}\n",

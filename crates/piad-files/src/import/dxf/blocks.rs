@@ -8,10 +8,10 @@ use crate::import::curves::Point;
 use crate::import::error::FileError;
 use crate::import::sampled::along;
 
-/// The most references inside each other.
+/// The deepest nesting of references.
 pub(super) const MOST_NESTED: usize = 16;
 
-/// The most groups of the entities of all references: few of them can place very many.
+/// The most groups of the entities of all references: a few of them can place very many.
 pub(super) const MOST_PLACED: usize = 1_000_000;
 
 /// An entity, and the vertices of a `POLYLINE`.
@@ -112,7 +112,7 @@ impl Placement {
 ///
 /// # Errors
 ///
-/// If a number is none.
+/// If a number is invalid.
 pub(super) fn placements(
     insert: &Entity<'_>,
     base: Point,

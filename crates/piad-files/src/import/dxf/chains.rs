@@ -1,4 +1,4 @@
-//! Lines and arcs whose ends meet are one curve.
+//! Joins lines and arcs whose ends meet to curves.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -13,7 +13,7 @@ const NOWHERE: usize = usize::MAX;
 /// Where ends of pieces meet.
 struct Joint {
     point: Point,
-    /// How many ends do.
+    /// The number of ends.
     count: usize,
     /// The pieces of the first two.
     pieces: [usize; 2],
@@ -111,7 +111,7 @@ impl Pieces {
     }
 }
 
-/// Finds joints by where they are.
+/// Finds joints by position.
 struct Places {
     near: f64,
     cells: HashMap<[i64; 3], usize>,

@@ -25,7 +25,7 @@ const BINARY: &str = "AutoCAD Binary DXF";
 /// A drawing is flat if no point is higher than this part of its size.
 const FLAT: f64 = 1e-9;
 
-/// The most kinds of entities that are not read that are named.
+/// The most kinds of skipped entities that are named.
 const MOST_NAMES: usize = 10;
 
 /// The units of the header that are named.
@@ -46,8 +46,8 @@ pub(super) fn is_dxf(text: &str) -> bool {
             .is_ok_and(|pair| pair.is_some_and(|pair| pair.code == 0 && pair.value == "SECTION"))
 }
 
-/// Each curve is a part, with the name of its layer; lines and arcs whose ends meet are one, and so are the points of a
-/// layer.
+/// Each curve is a part, with the name of its layer; lines and arcs whose ends meet are joined, and the points of a
+/// layer form one part.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     if text.trim_start().starts_with(BINARY) {
         let detail = "this is a binary DXF file, which is not supported: save it as ASCII DXF";
@@ -67,7 +67,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
 struct Reference<'a> {
     placement: Placement,
     layer: &'a str,
-    /// How many references there are inside each other, with this one.
+    /// The nesting depth of references, including this one.
     depth: usize,
 }
 
@@ -79,14 +79,14 @@ struct Drawing<'a> {
     pieces: BTreeMap<&'a str, Vec<(usize, Curve)>>,
     /// The points of each layer.
     points: BTreeMap<&'a str, (usize, Curve)>,
-    /// How many entities there are, and how many points they have.
+    /// The number of entities, and of their points.
     entities: usize,
     count: usize,
     blocks: Blocks<'a>,
-    /// How many references were read, and how many groups all of them have placed.
+    /// The number of references that were read, and of the groups that they have placed.
     references: usize,
     placed: usize,
-    /// How many entities of a kind are not read.
+    /// The number of skipped entities of each kind.
     unread: BTreeMap<&'a str, usize>,
     paper: usize,
     units: Option<&'static str>,
@@ -189,7 +189,7 @@ impl<'a> Drawing<'a> {
             Shape::Mesh => *self.unread.entry("POLYLINE that is a mesh").or_default() += 1,
             Shape::Unknown => *self.unread.entry(entity.name).or_default() += 1,
         }
-        // Lines share their ends: there are at least half as many points in the end.
+        // Lines share their ends: there are at least half as many points at the end.
         if self.count / 2 > self.most {
             let detail = format!("there are more than {} points, the limit", self.most);
             return Err(FileError::at(entity.line as usize, detail));
@@ -252,7 +252,7 @@ impl<'a> Drawing<'a> {
         curves.finish(if flat { 2 } else { 3 }, notices)
     }
 
-    /// What is said of the drawing.
+    /// The notice about the drawing.
     fn notices(&self) -> Vec<String> {
         let mut notices = Vec::new();
         if let Some(units) = self.units {

@@ -19,7 +19,7 @@ const IS_MESH: u32 = 16 | 64;
 /// The flag of a vertex that is a control point of the smooth curve that the others are on.
 const IS_CONTROL: u32 = 16;
 
-/// What an entity is.
+/// The kind of an entity.
 #[derive(Debug)]
 pub(super) enum Shape {
     /// A curve that others may continue.
@@ -29,7 +29,7 @@ pub(super) enum Shape {
     Point(Point, u32),
     /// A mesh, of which nothing is read.
     Mesh,
-    /// Of no kind that is read.
+    /// A kind that is not read.
     Unknown,
 }
 
@@ -42,11 +42,11 @@ struct Corner {
     line: u32,
 }
 
-/// The points of an entity; `vertices` are those of a `POLYLINE`. A spline has at most so many and some more.
+/// The points of an entity; `vertices` are those of a `POLYLINE`. A spline has at most `most` of them and some more.
 ///
 /// # Errors
 ///
-/// If numbers are missing or none.
+/// If numbers are missing or invalid.
 pub(super) fn shape(
     entity: &Entity<'_>,
     vertices: &[Entity<'_>],

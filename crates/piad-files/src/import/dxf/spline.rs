@@ -16,7 +16,8 @@ struct Spline {
     control: Vec<[f64; 4]>,
 }
 
-/// The points of a spline at 16 places of each piece between its knots, at most so many and one more.
+/// The points of a spline at 16 parameters of each piece between its knots, at most `most` and one
+/// more.
 ///
 /// # Errors
 ///

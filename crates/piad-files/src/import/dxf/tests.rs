@@ -260,7 +260,7 @@ fn blocks_are_where_references_place_them() {
             assert!(distance < 1e-12, "{found:?} {expected:?}");
         }
     };
-    // The base of the block comes to the place of the reference.
+    // The base of the block is placed at the reference.
     let plain = points_of(&insert("vee", ""));
     near(&plain[0], &[[10.0, 20.0], [11.0, 20.0], [11.0, 22.0]]);
     let turned = points_of(&insert("vee", "41 2\n42 3\n50 90\n"));
@@ -356,7 +356,7 @@ fn blocks_have_limits() {
         let error = with_blocks(blocks, &entities).unwrap_err();
         assert!(error.to_string().contains(detail), "{error}");
     }
-    // Few references inside each other place very many, also where there is no point in the end.
+    // A few nested references place very many entities, even if these have no points.
     let inner: Vec<(String, String)> = (0..12)
         .map(|i| {
             (

@@ -6,13 +6,13 @@ use super::tokens::{Tokens, number};
 use crate::short::quoted;
 use piad_fit::data::Grid;
 
-/// The value of heights that are missing, if the file does not say another one.
+/// The value of missing heights, unless the file gives another one.
 const USUAL_NO_DATA: f64 = -9999.0;
 
 /// Values for missing heights beyond this are written with a few digits of what they are; no height is there.
 const HUGE: f64 = 1e30;
 
-/// What the lines above the heights say.
+/// The contents of the lines above the heights.
 const KEYWORDS: [&str; 11] = [
     "ncols",
     "nrows",
@@ -52,7 +52,7 @@ pub(super) struct Entry {
     line: usize,
 }
 
-/// What is above the heights, and these.
+/// The text above the heights, and the heights.
 pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError> {
     let mut tokens = Tokens::new(text);
     let mut entries = Vec::new();
@@ -66,7 +66,7 @@ pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError>
         };
         let is_it = |keyword: &&&str| keyword.as_bytes().eq_ignore_ascii_case(word);
         let Some(keyword) = KEYWORDS.iter().find(is_it) else {
-            // A height that is none, such as nan.
+            // An invalid height, such as nan.
             if number(word).is_some() {
                 return Ok((entries, heights));
             }
@@ -89,7 +89,7 @@ pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError>
     }
 }
 
-/// What the header says.
+/// The contents of the header.
 pub(super) struct Head {
     pub(super) grid: Grid,
     /// The place of the south-western height.

@@ -1,7 +1,7 @@
 //! ASCII grids of ESRI (`.asc`): heights at equal steps, in rows from north to south.
 //!
 //! - `tokens`: words with their lines, which may be wrapped in any way;
-//! - `header`: what is said above the heights.
+//! - `header`: the lines above the heights.
 
 mod header;
 mod tokens;
@@ -49,12 +49,12 @@ struct Heights {
     lines: Vec<u32>,
     /// The indices of missing ones, whose values mean nothing.
     missing: Vec<usize>,
-    /// The line of what is below them.
+    /// The line of the text below them.
     beyond: Option<usize>,
 }
 
 impl Heights {
-    /// Reads as many heights as the file should have, or all of them if there are fewer.
+    /// Reads the announced number of heights, or all of them if there are fewer.
     fn read(mut tokens: Tokens<'_>, head: &Head, count: usize) -> Result<Self, FileError> {
         // Each is a digit and a blank, at least.
         let room = count.min(tokens.rest.len() / 2 + 1);
@@ -89,8 +89,8 @@ impl Heights {
     }
 }
 
-/// What is wrong with a file that has not as many heights as it says. If each row has a line, that of the first one of
-/// another length.
+/// The error for a file whose number of heights differs from its header. If each row has a line, the error is at the
+/// first row of another length.
 fn miscounted(tokens: Tokens<'_>, head: &Head, heights: &Heights) -> FileError {
     let Grid { rows, columns } = head.grid;
     // The heights may begin below the end of the last line of the header.

@@ -1,4 +1,4 @@
-//! What a machine does, block by block.
+//! Interprets blocks as a machine does.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ pub(super) enum Units {
 pub(super) struct Machine {
     pub(super) curves: Curves,
     pub(super) units: Option<Units>,
-    /// How often a word that is not read stands in the file.
+    /// The number of occurrences of each skipped word.
     pub(super) unread: BTreeMap<String, usize>,
     /// True if moves straight up or down were left out.
     pub(super) plunges: bool,
@@ -58,19 +58,19 @@ pub(super) struct Machine {
     moved: bool,
 }
 
-/// What a block says beside the modes of the machine.
+/// The content of a block beside the modes of the machine.
 #[derive(Default)]
 struct Block {
-    /// Its coordinates are none to move to.
+    /// Its coordinates are not a target.
     is_no_move: bool,
-    /// The place is not known from now on.
+    /// True if the position is unknown from now on.
     is_lost: bool,
-    /// The coordinates are what the place is called from now on.
+    /// The coordinates redefine the current position.
     is_renamed: bool,
 }
 
 impl Machine {
-    /// A machine whose paths have at most so many points.
+    /// A machine whose paths have at most `most` points.
     pub(super) fn new(most: usize, feeds: bool) -> Self {
         Self {
             curves: Curves::new(most),
@@ -89,11 +89,11 @@ impl Machine {
         }
     }
 
-    /// Does what a block says.
+    /// Executes a block.
     ///
     /// # Errors
     ///
-    /// If it says what cannot be done, or is not read.
+    /// If the block is invalid, or not supported.
     pub(super) fn block(&mut self, words: &[Word], line: u32) -> Result<(), FileError> {
         let mut block = Block::default();
         for word in words {
@@ -162,7 +162,7 @@ impl Machine {
                 block.is_no_move = true;
                 self.leave(&format!("G{number}"));
             }
-            // Offsets of tools and pieces, speeds, and what else moves nothing.
+            // Offsets of tools and pieces, speeds, and other words without motion.
             80
             | 150
             | 290
@@ -179,7 +179,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Takes note of a word that is not read.
+    /// Counts a word that is skipped.
     fn leave(&mut self, word: &str) {
         *self.unread.entry(word.to_owned()).or_default() += 1;
     }
@@ -230,7 +230,7 @@ impl Machine {
         if self.motion == Motion::Rapid || travels {
             self.end_path()?;
         } else {
-            // Where the tool stands before the first move is not known, but with relative ones it does not matter.
+            // Where the tool is before the first move is not known, but with relative ones it does not matter.
             let is_known = self.is_relative || matches!(self.known, [true, true, _]);
             if self.curve.points.is_empty() && is_known {
                 self.curve.push(self.place, line);

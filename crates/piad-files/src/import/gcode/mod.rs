@@ -1,4 +1,4 @@
-//! Paths of tools in G-code: straight moves and arcs, each path between rapid moves a part.
+//! Tool paths in G-code: straight moves and arcs, each path between rapid moves a part.
 
 mod arc;
 mod machine;
@@ -12,10 +12,10 @@ use super::part::Parts;
 use machine::{Machine, Units, value};
 use words::{Word, words};
 
-/// How many lines may be above the first move.
+/// The most lines above the first move.
 const MOST_HEAD: usize = 1000;
 
-/// The most words that are not read that are named.
+/// The most skipped words that are named.
 const MOST_NAMES: usize = 10;
 
 /// Returns true if all lines down to a first move by coordinates are words of G-code.
@@ -62,7 +62,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     finish(machine, feeds)
 }
 
-/// The blocks of a text with their lines, from 1. The marks of a tape (`%`) are none.
+/// The blocks of a text with their lines, from 1. Tape marks (`%`) are skipped.
 fn blocks(text: &str) -> impl Iterator<Item = (u32, Result<Vec<Word>, String>)> {
     let lines = text.split(line_end(text)).zip(1..);
     let lines = lines.map(|(line, number)| (number, line.trim()));
@@ -92,7 +92,7 @@ fn finish(machine: Machine, feeds: bool) -> Result<Parts, FileErrors> {
         notices.push(format!("The coordinates are in {units}."));
     }
     if feeds {
-        let notice = "Moves that feed no material (E) part the paths, as rapid moves do.";
+        let notice = "Moves that feed no material (E) separate the paths, as rapid moves do.";
         notices.push(notice.to_owned());
     }
     if machine.plunges {

@@ -36,7 +36,7 @@ fn paths_are_parts_between_rapid_moves() {
             "All points have z = -1, which is left out."
         ]
     );
-    // Where the tool stands before is not known, and its height counts where it changes.
+    // Where the tool is before is not known, and its height counts where it changes.
     let part = parts("G1 X1 Y1\nX2 Z1\nX3 Z2\n").unwrap().remove(0);
     assert_eq!(
         points(&part),
@@ -119,7 +119,7 @@ fn what_is_no_path_is_left_out() {
             "Words that are not read: 1 A, 1 G81, 1 G92."
         ]
     );
-    // A printer: moves without material are none.
+    // A printer: moves without material are not paths.
     let text = "M104 S200\nG92 E0\nG1 X0 Y0 F9000\nG1 X1 Y0 E1\nG1 X1 Y1 E2\nG1 E1\nG1 X5 Y5\nG1 X6 Y5 E3\nM117 done\n";
     let found = parts(text).unwrap();
     assert_eq!(points(&found[0]), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);

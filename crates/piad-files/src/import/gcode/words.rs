@@ -10,14 +10,14 @@ pub(super) struct Word {
     pub(super) number: f64,
 }
 
-/// The codes of machines that a text follows.
+/// The dialect of a text.
 const WITH_TEXT: [f64; 3] = [23.0, 117.0, 118.0];
 
 /// The words of a line, without its comments.
 ///
 /// # Errors
 ///
-/// The text that is none, in a sentence.
+/// The invalid text, in a sentence.
 pub(super) fn words(line: &str) -> Result<Vec<Word>, String> {
     let line = without_comments(line);
     let line = line.trim_start_matches('/');
@@ -51,7 +51,7 @@ fn word(letter: char, text: &str) -> Option<(Word, &str)> {
     Some((Word { letter, number }, rest.trim_start()))
 }
 
-/// A line without what is between brackets, and what is behind a semicolon or the mark of a checksum.
+/// A line without comments in brackets, and without text behind a semicolon or a checksum mark.
 fn without_comments(line: &str) -> String {
     let line = line.split([';', '*']).next().unwrap_or_default();
     let mut text = String::new();

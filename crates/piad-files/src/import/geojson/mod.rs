@@ -12,8 +12,8 @@ use crate::short::{quoted, without_mark};
 use object::{Geometry, Object, ObjectType, top_level_type};
 use positions::Positions;
 
-/// Returns true if bytes are a JSON object that says it is GeoJSON, with or without a byte-order mark; what follows its
-/// type may be damaged.
+/// Returns true if bytes are a GeoJSON object, with or without a byte-order mark; the bytes after its type may be
+/// damaged.
 #[must_use]
 pub fn is_geojson(bytes: &[u8]) -> bool {
     let bytes = without_mark(bytes).trim_ascii_start();
@@ -21,7 +21,7 @@ pub fn is_geojson(bytes: &[u8]) -> bool {
         && top_level_type(bytes).is_some_and(|name| ObjectType::of(&name) != ObjectType::Other)
 }
 
-/// Each line and each ring of a polygon is a part; all points together are one.
+/// Each line and each ring of a polygon is a part; all points together are one part.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let file: Object = serde_json::from_str(text).map_err(|error| {
         let message = error.to_string();
@@ -42,10 +42,10 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
 struct Reader {
     curves: Curves,
     points: Curve,
-    /// How many numbers a position has at least and at most.
+    /// The least and the largest number of numbers of a position.
     least: usize,
     largest: usize,
-    /// How many objects are of no type that is known.
+    /// The number of objects of unknown type.
     other: usize,
 }
 
@@ -71,7 +71,7 @@ impl Reader {
 
     fn object(&mut self, object: &Object, feature: Option<usize>) -> Result<(), FileError> {
         let name = object.name.as_deref();
-        // Nesting is limited to what the reader of JSON takes.
+        // Nesting is limited by the JSON reader.
         let mut left = vec![object];
         while let Some(object) = left.pop() {
             match object.kind {
@@ -146,7 +146,7 @@ impl Reader {
     }
 }
 
-/// What is said of coordinates that are no degrees, if they are none.
+/// The notice about coordinates that are not degrees, if there are any.
 fn planar(curves: &Curves, reference: Option<&str>) -> Option<String> {
     let degrees = |name: &&str| {
         let name = name.to_ascii_uppercase();

@@ -1,4 +1,4 @@
-//! Objects of GeoJSON, as far as they are read.
+//! The supported objects of GeoJSON.
 
 use std::fmt;
 
@@ -7,19 +7,19 @@ use serde_json::Value;
 
 use super::positions::Positions;
 
-/// What an object says it is.
+/// The type of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ObjectType {
     FeatureCollection,
     Feature,
     GeometryCollection,
-    /// How many lists are around the numbers of its positions, and what these are.
+    /// The nesting depth of its positions, and their kind.
     Geometry(usize, Geometry),
-    /// Nothing of GeoJSON.
+    /// An unknown type.
     Other,
 }
 
-/// What the positions of a geometry are.
+/// The kind of the positions of a geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Geometry {
     Points,
@@ -31,7 +31,7 @@ pub(super) enum Geometry {
 #[derive(Debug)]
 pub(super) struct Object {
     pub(super) kind: ObjectType,
-    /// What its properties call it.
+    /// The name in its properties.
     pub(super) name: Option<Box<str>>,
     /// Its features, its geometry or its geometries.
     pub(super) members: Vec<Object>,
@@ -123,7 +123,7 @@ fn text(value: &Value) -> Option<String> {
     }
 }
 
-/// What the properties of a feature call it.
+/// The name of a feature in its properties.
 struct Properties {
     name: Option<String>,
 }
@@ -148,11 +148,11 @@ impl<'de> Deserialize<'de> for Properties {
     }
 }
 
-/// The type of an object in JSON, as far as its first member of this name: what follows is not looked at.
+/// The type of an object in JSON, as far as its first member of this name: what follows is ignored.
 pub(super) fn top_level_type(json: &[u8]) -> Option<String> {
     let mut found = None;
     let mut deserializer = serde_json::Deserializer::from_slice(json);
-    // Stops with an error, which says nothing else.
+    // Stops with an error, which has no meaning.
     let _stopped = deserializer.deserialize_map(TypeOnly(&mut found));
     found
 }

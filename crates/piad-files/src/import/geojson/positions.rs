@@ -15,23 +15,23 @@ pub(super) struct Positions {
     pub(super) points: Vec<Point>,
     /// Behind which positions a list of them ends.
     ends: Vec<usize>,
-    /// How many numbers a position has at least and at most.
+    /// The least and the largest number of numbers of a position.
     pub(super) least: usize,
     pub(super) largest: usize,
-    /// How many lists are around the numbers of all positions.
+    /// The nesting depth of all positions.
     depth: Option<usize>,
-    /// How many lists are around the deepest empty one, it included.
+    /// The nesting depth of the deepest empty list, including it.
     empty: usize,
-    /// What is wrong with the first position that is none.
+    /// The error of the first invalid position.
     wrong: Option<String>,
 }
 
 impl Positions {
-    /// Refuses positions that are none, or within another number of lists.
+    /// Refuses invalid positions, or another nesting depth.
     ///
     /// # Errors
     ///
-    /// What is wrong.
+    /// The error.
     pub(super) fn check(&self, depth: usize) -> Result<(), String> {
         if let Some(wrong) = &self.wrong {
             return Err(wrong.clone());
@@ -53,14 +53,14 @@ impl Positions {
             .filter_map(|(start, end)| self.points.get(start..*end))
     }
 
-    /// Takes note of what is wrong with the next position.
+    /// Notes the error of the next position.
     fn refuse(&mut self, detail: impl fmt::Display) {
         if self.wrong.is_none() {
             self.wrong = Some(format!("position {}: {detail}", self.points.len()));
         }
     }
 
-    /// Adds a position within so many lists.
+    /// Adds a position at this nesting depth.
     fn push(&mut self, numbers: [f64; 3], count: usize, depth: usize) {
         if count < 2 {
             self.refuse(format!(
@@ -103,13 +103,13 @@ impl<'de> Deserialize<'de> for Positions {
     }
 }
 
-/// What stands in a list, which is within so many others.
+/// An element of a list, at this nesting depth.
 struct Element<'a> {
     positions: &'a mut Positions,
     depth: usize,
 }
 
-/// What an element is.
+/// The kind of an element.
 #[derive(Clone, Copy, PartialEq)]
 enum Found {
     Number(f64),

@@ -15,7 +15,7 @@ pub(super) fn is_gpx(text: &str) -> bool {
     xml::root(text).as_deref() == Some("gpx")
 }
 
-/// Each segment of a track and each route is a part. Waypoints are one if there is nothing else.
+/// Each segment of a track and each route is a part. Waypoints are a part if there is nothing else.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let mut reader = Reader::new(hints.most);
     let mut nodes = Nodes::new(text);
@@ -33,7 +33,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     reader.finish(hints)
 }
 
-/// What an element is, by its name and by what it stands in.
+/// The meaning of an element, by its name and its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tag {
     File,
@@ -115,7 +115,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Returns true if the text within the last element means something.
+    /// Returns true if the text within the last element is used.
     fn reads_text(&self) -> bool {
         matches!(
             self.around.last(),

@@ -67,7 +67,7 @@ fn times_are_parameters_where_they_are_asked_for() {
     let part = parts(&body(timed), &times).unwrap().remove(0);
     assert_eq!(part.parameters, Some(vec![0.0, 60.0, 120.0, 180.0]));
     assert!(part.notices.iter().all(|it| !it.contains("not used")));
-    // One that has none, or is none.
+    // A missing and an invalid one.
     for more in [
         (|i| if i == 2 { String::new() } else { timed(i) }) as fn(u32) -> String,
         |i| timed(i).replace("T10:02", "T30:02"),
@@ -171,7 +171,7 @@ fn deep_and_wide_files_take_no_more_than_their_size() {
         "<!DOCTYPE gpx [<!ENTITY a0 'aaaaaaaa'>{entities}]><gpx><trk><name>&a59;</name></trk></gpx>"
     );
     assert!(read_parts(bomb.as_bytes(), &HINTS).is_err());
-    // In Latin 1: the letter is lost, the points are not.
+    // In Latin 1: the letter is lost, but not the points.
     let route = points("rtept", |_| String::new());
     let mut latin = b"<gpx><rte><name>\xe4</name>".to_vec();
     latin.extend(route.bytes().chain(*b"</rte></gpx>"));

@@ -18,7 +18,7 @@ pub(super) fn is_kml(text: &str) -> bool {
     xml::root(text).as_deref() == Some("kml")
 }
 
-/// Each line, ring and track is a part, with the name of its placemark. Points are one if there is nothing else.
+/// Each line, ring and track is a part, with the name of its placemark. Points are a part if there is nothing else.
 pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     let mut reader = Reader {
         curves: Curves::new(hints.most),
@@ -41,7 +41,7 @@ pub(super) fn read(text: &str, hints: &Hints) -> Result<Parts, FileErrors> {
     reader.finish(hints)
 }
 
-/// What an element is, by its name and by what it stands in.
+/// The meaning of an element, by its name and its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tag {
     Placemark,
@@ -84,7 +84,7 @@ struct Reader {
     name: Option<String>,
     text: String,
     curve: Curve,
-    /// The times of a track; none where one cannot be read.
+    /// The times of a track; `None` where one cannot be read.
     times: Vec<Option<Timestamp>>,
 }
 
@@ -99,7 +99,7 @@ impl Reader {
         self.text.clear();
     }
 
-    /// Returns true if the text within the last element means something.
+    /// Returns true if the text within the last element is used.
     fn reads_text(&self) -> bool {
         let tag = self.around.last().map(|(tag, _)| *tag);
         matches!(

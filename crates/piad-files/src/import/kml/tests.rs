@@ -34,7 +34,7 @@ fn lines_and_rings_are_parts() {
             "1 points are not read."
         ]
     );
-    // Altitudes of 0 are none.
+    // Altitudes of 0 count as missing.
     let flat = parts(&placemark("area", ring), &HINTS).unwrap();
     assert_eq!(flat[0].points.dimension(), 2);
     // Points alone are a cloud.
@@ -73,7 +73,7 @@ fn tracks_have_times() {
         "{:?}",
         found.notices
     );
-    // Times of other points than there are mean none.
+    // Times whose number differs from the points are ignored.
     let few: String = (0..3).map(when).collect();
     let found = parts(&track(&few), &HINTS).unwrap().remove(0);
     assert_eq!((found.notices.len(), found.points.len()), (1, 4));

@@ -62,18 +62,18 @@ struct Reader {
     seen: Seen,
     /// The object or the group that the lines belong to.
     name: Option<String>,
-    /// How many names there were.
+    /// The number of names.
     names: usize,
 }
 
-/// What was seen and is not read.
+/// Statements that were skipped.
 #[derive(Default)]
 struct Seen {
     faces: u64,
     weights: bool,
     colours: bool,
     free_form: bool,
-    /// How many lines are no statements, and the first of them.
+    /// The number of lines that are no statements, and the first of them.
     unknown: usize,
     first_unknown: usize,
 }

@@ -125,7 +125,7 @@ pub(super) fn vertex_index(word: &str, above: usize, at: usize) -> Result<usize,
     })
 }
 
-/// What is wrong with the number of a vertex that is not there.
+/// The error for the number of a vertex that does not exist.
 pub(super) fn no_vertex(number: u64, count: usize, at: usize) -> FileError {
     let detail = format!("there is no vertex {number}, the file has {count} (OBJ)");
     FileError::at(at, detail)

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::super::line::line_end;
 
-/// What a statement is, by its first word.
+/// The kind of a statement, by its first word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Vertex,
@@ -14,7 +14,7 @@ pub(super) enum Kind {
     Name,
     /// Curves and surfaces, and their points in the plane of parameters.
     FreeForm,
-    /// Normals, materials and the like, which say nothing about points.
+    /// Normals, materials and the like, which are skipped.
     Other,
     Unknown,
 }

@@ -45,7 +45,7 @@ fn vertices_are_the_points() {
     );
     assert!(other.notices[3].starts_with("The free-form curves and surfaces"));
     assert_eq!(other.notices[4], "Line 9 is not understood and not read.");
-    // A table with such a name is none.
+    // A table with such a name is not OBJ.
     assert_eq!(surface("v\n1 2\n3 4\n").unwrap().points.len(), 2);
 }
 

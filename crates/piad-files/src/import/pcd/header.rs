@@ -1,11 +1,11 @@
-//! The head of a PCD file, which says what a point is and how the points are stored.
+//! The head of a PCD file: the fields of a point and the storage of the points.
 
 use super::super::binary::Scalar;
 use super::super::byte_lines::{ByteLines, text, words};
 use super::super::error::FileError;
 use crate::short::quoted;
 
-/// What the lines of a head begin with.
+/// The keywords of a head.
 const KEYWORDS: [&[u8]; 10] = [
     b"VERSION",
     b"FIELDS",
@@ -19,7 +19,7 @@ const KEYWORDS: [&[u8]; 10] = [
     b"VIEWPOINT",
 ];
 
-/// How the points are stored.
+/// The storage of the points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Data {
     Text,
@@ -33,11 +33,11 @@ pub(super) struct Header<'a> {
     /// The number of points.
     pub(super) count: usize,
     pub(super) data: Data,
-    /// What is below the head.
+    /// The bytes below the head.
     pub(super) body: ByteLines<'a>,
 }
 
-/// What a point has.
+/// The fields of a point.
 pub(super) struct Field {
     pub(super) name: String,
     /// The bytes of each value.
@@ -52,9 +52,9 @@ pub(super) struct Field {
 pub(super) struct Coordinate<'a> {
     pub(super) name: &'a str,
     pub(super) kind: Scalar,
-    /// How many values of a point are before it.
+    /// The number of values of a point before it.
     pub(super) column: usize,
-    /// How many bytes of a point are before it.
+    /// The number of bytes of a point before it.
     pub(super) offset: usize,
 }
 
@@ -71,7 +71,7 @@ pub(in super::super) fn is_pcd(bytes: &[u8]) -> bool {
     is_next(&[b"VERSION", b"FIELDS", b"COLUMNS"]) && is_next(&KEYWORDS)
 }
 
-/// The lines of a head, without what they begin with.
+/// The lines of a head, without their keywords.
 #[derive(Default)]
 struct Lines {
     names: Vec<String>,
@@ -84,7 +84,7 @@ struct Lines {
 }
 
 impl Lines {
-    /// Takes a line of the head; `None` if it is none.
+    /// Reads a line of the head; `None` if it is invalid.
     fn take(&mut self, line: &[u8]) -> Option<()> {
         let mut words = words(line);
         let keyword = words.next()?;
@@ -138,7 +138,7 @@ impl<'a> Header<'a> {
     ///
     /// # Errors
     ///
-    /// What is wrong with it.
+    /// The error in it.
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, FileError> {
         let mut body = ByteLines::new(bytes);
         let mut lines = Lines::default();
@@ -216,7 +216,7 @@ impl<'a> Header<'a> {
     ///
     /// # Errors
     ///
-    /// If no file can have as many.
+    /// If no file can have that many.
     pub(super) fn record_size(&self) -> Result<usize, FileError> {
         let mut sizes = self.fields.iter().map(|it| it.count.checked_mul(it.size));
         let size = sizes.try_fold(0_usize, |sum, size| sum.checked_add(size?));
@@ -225,7 +225,7 @@ impl<'a> Header<'a> {
     }
 }
 
-/// What the last line of a head says.
+/// The content of the last line of a head.
 fn data(line: &[u8]) -> Option<Data> {
     let mut words = words(line);
     match (words.next()?, words.next()?) {

@@ -3,13 +3,13 @@
 /// The farthest that a reference reaches back.
 const WINDOW: usize = 8192;
 
-/// How many bytes are decompressed at a time.
+/// The number of bytes that are decompressed at a time.
 const PIECE: usize = 64 * 1024;
 
-/// Decompresses data to this many bytes, and gives them piece by piece; `None` if the data are damaged.
+/// Decompresses data to this many bytes, and passes them on piece by piece; `None` if the data are damaged.
 pub(super) fn decompress(mut data: &[u8], size: usize, mut put: impl FnMut(&[u8])) -> Option<()> {
     let mut out: Vec<u8> = Vec::with_capacity(PIECE + WINDOW);
-    // How many bytes of `out` were given, and how many before it.
+    // The number of bytes of `out` that were passed on, and of those before it.
     let (mut given, mut before) = (0, 0_usize);
     while !data.is_empty() {
         step(&mut data, &mut out)?;

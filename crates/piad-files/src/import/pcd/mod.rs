@@ -96,8 +96,8 @@ fn records(
     Ok(cloud)
 }
 
-/// The points of a compressed file, which has one field after the other. Of what is decompressed only the coordinates
-/// are kept: it may be a hundred times as large as the file.
+/// The points of a compressed file, which has one field after the other. Only the coordinates are kept of the
+/// decompressed data, which may be a hundred times as large as the file.
 fn compressed(
     header: &Header<'_>,
     coordinates: &[Coordinate<'_>],

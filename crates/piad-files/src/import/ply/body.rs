@@ -1,4 +1,4 @@
-//! What is below the head of a PLY file: elements one after the other, in lines or in bytes.
+//! The body of a PLY file: elements one after the other, in lines or in bytes.
 
 use super::super::binary::Cursor;
 use super::super::byte_lines::{ByteLines, number, text, words};
@@ -23,7 +23,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Passes over all elements of a kind; `None` if the file ends before.
+    /// Skips all elements of a kind; `None` if the file ends before.
     pub(super) fn skip(&mut self, element: &Element) -> Option<()> {
         // Elements without properties are no lines, and no bytes.
         if element.properties.is_empty() {
@@ -43,7 +43,7 @@ impl<'a> Body<'a> {
     ///
     /// # Errors
     ///
-    /// If the file ends early, a line is no vertex, or there are more of them than the limit.
+    /// If the file ends early, a line is not a vertex, or there are more of them than the limit.
     pub(super) fn vertices(
         &mut self,
         element: &Element,
@@ -51,7 +51,7 @@ impl<'a> Body<'a> {
         hints: &Hints,
     ) -> Result<(Cloud, Vec<u32>), FileError> {
         let room = match self {
-            // Two numbers and what is around them.
+            // Two numbers and their separators.
             Self::Text(lines) => lines.rest().len() / 4,
             Self::Binary(cursor) => cursor.len() / element.least_size().max(1),
         };
@@ -87,7 +87,8 @@ impl<'a> Body<'a> {
 
     /// The faces, whose corners are this property, between this number of vertices.
     ///
-    /// # Errors
+    /// If the file ends early, a line is not a face, a vertex does not exist, or there are more triangles than the
+    /// limit.
     ///
     /// If the file ends early, a line is no face, a vertex is not there, or there are more triangles than the limit.
     pub(super) fn faces(
@@ -127,7 +128,7 @@ impl<'a> Body<'a> {
     }
 }
 
-/// Passes over one element, and gives the values of its properties that are numbers.
+/// Skips one element, and returns the values of its properties that are numbers.
 fn record(
     cursor: &mut Cursor<'_>,
     element: &Element,
@@ -145,7 +146,7 @@ fn record(
     Some(())
 }
 
-/// Passes over a face, and gives the values of one of its lists.
+/// Skips a face, and returns the values of one of its lists.
 fn face_record(
     cursor: &mut Cursor<'_>,
     element: &Element,
@@ -169,7 +170,7 @@ fn face_record(
     Some(())
 }
 
-/// Reads the line of a face, and gives the values of one of its lists.
+/// Reads the line of a face, and returns the values of one of its lists.
 fn face_line(
     line: &[u8],
     at: usize,
@@ -196,7 +197,7 @@ fn face_line(
     Ok(())
 }
 
-/// Reads the line of a vertex, and gives its number.
+/// Reads the line of a vertex, and returns its number.
 fn vertex(
     line: &[u8],
     at: usize,
@@ -222,7 +223,7 @@ fn vertex(
         match property.kind {
             PropertyKind::Scalar(_) => set(index, first),
             PropertyKind::List { .. } => {
-                // A count that is no number, or is huge, ends with the line.
+                // A count that is not a number, or is huge, ends with the line.
                 for _ in 0..first as u64 {
                     value(&property.name)?;
                 }

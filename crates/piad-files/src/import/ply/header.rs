@@ -1,4 +1,4 @@
-//! The head of a PLY file, which says what is below it.
+//! The head of a PLY file, which describes its body.
 
 use super::super::binary::{Endian, Scalar};
 use super::super::byte_lines::{ByteLines, text, words};
@@ -8,12 +8,12 @@ use crate::short::quoted;
 /// The name of the vertices.
 pub(super) const VERTEX: &str = "vertex";
 
-/// The head of a file, and what is below.
+/// The head of a file, and its body.
 pub(super) struct Header<'a> {
     /// The order of bytes; `None` if the file is text.
     pub(super) endian: Option<Endian>,
     pub(super) elements: Vec<Element>,
-    /// What is below the head.
+    /// The body.
     pub(super) body: ByteLines<'a>,
 }
 
@@ -45,7 +45,7 @@ impl<'a> Header<'a> {
     ///
     /// # Errors
     ///
-    /// What is wrong with it, at its line.
+    /// The error in it, at its line.
     pub(super) fn read(bytes: &'a [u8]) -> Result<Self, FileError> {
         let mut lines = ByteLines::new(bytes);
         lines.next_filled();
@@ -124,7 +124,7 @@ impl Element {
         self.properties.iter().position(is_it)
     }
 
-    /// The bytes of each, if all have as many.
+    /// The bytes of each element, if all have the same number.
     pub(super) fn size(&self) -> Option<usize> {
         let sizes = self.properties.iter().map(|property| match property.kind {
             PropertyKind::Scalar(kind) => Some(kind.size()),
@@ -160,7 +160,7 @@ impl Property {
     }
 }
 
-/// What `format` says; the outer one is `None` if it is unknown.
+/// The value of `format`; the outer one is `None` if it is unknown.
 fn endian(kind: &[u8]) -> Option<Option<Endian>> {
     match kind {
         b"ascii" => Some(None),

@@ -1,7 +1,7 @@
 //! PLY files, as text and binary: the vertices of meshes and clouds are points, between which the faces are; colours are not
 //! read.
 //!
-//! - `header`: what is in the file;
+//! - `header`: the elements of the file;
 //! - `body`: the vertices and the faces.
 
 mod body;
@@ -15,7 +15,7 @@ use super::part::Part;
 use body::Body;
 use header::{Element, Header};
 
-/// Returns true if a file is PLY: what such files begin with could be the title of a table.
+/// Returns true if a file is PLY: its first line could be the title of a table.
 pub(super) fn is_ply(bytes: &[u8]) -> bool {
     let mut lines = ByteLines::new(bytes);
     let mut first_word = || lines.next_filled().and_then(|line| words(line).next());

@@ -216,7 +216,7 @@ fn what_is_wrong_is_said() {
         surface(&bytes).unwrap_err(),
         "the file has 2 vertices, and says that it has 3 (PLY)"
     );
-    // What could be a table is none.
+    // Tables that could be PLY are tables.
     assert_eq!(surface(b"ply\n1 2\n3 4\n").unwrap().points.len(), 2);
 }
 
@@ -232,7 +232,7 @@ fn points_that_are_none_are_left_out() {
         file.notices
             .contains(&"1 point has no coordinates and is left out.".to_owned())
     );
-    // With its bytes in the other order a file has other numbers, but never breaks the reader.
+    // With the other byte order a file has other numbers, but never makes the reader panic.
     if let Ok(swapped) = surface(&of("binary_little_endian", &binary(true))) {
         assert_ne!(swapped.points.to_flat(), POINTS);
     }

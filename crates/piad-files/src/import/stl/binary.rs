@@ -19,11 +19,11 @@ const TRIANGLE: usize = 50;
 /// The bytes of its normal.
 const NORMAL: usize = 12;
 
-/// Coordinates of damaged files that are told from other data are between these.
+/// Coordinates of damaged files are distinguished from other data by this range.
 const PLAUSIBLE: std::ops::Range<f64> = 1e-12..1e12;
 
-/// Returns true if a file is binary STL. The title may be anything, also `solid` as in text: the size of the file says
-/// it, or the first triangle of a file of the wrong size.
+/// Returns true if a file is binary STL. The title may be anything, also `solid` as in text: the size of the file
+/// identifies it, or the first triangle of a file of the wrong size.
 pub(in super::super) fn is_binary(bytes: &[u8]) -> bool {
     let size = triangles(bytes).and_then(|count| count.checked_mul(TRIANGLE)?.checked_add(HEAD));
     size.is_some_and(|size| size == bytes.len()) || is_damaged(bytes)
@@ -53,7 +53,7 @@ fn is_damaged(bytes: &[u8]) -> bool {
         && corners.iter().any(|x| *x != 0.0)
 }
 
-/// The number of triangles that a file says it has.
+/// The number of triangles according to the file.
 fn triangles(bytes: &[u8]) -> Option<usize> {
     count_field(bytes, TITLE, Scalar::U32)
 }

@@ -67,7 +67,7 @@ fn corners_are_points_once() {
     }
     let two = text(&CORNERS[..3]) + &text(&CORNERS[3..]);
     assert_eq!(surface(two.as_bytes()).unwrap().points.to_flat(), POINTS);
-    // A title is none.
+    // A title is not STL.
     assert_eq!(surface(b"solid\n1 2\n3 4\n").unwrap().points.len(), 2);
 }
 
@@ -92,7 +92,7 @@ fn sizes_of_binary_files_match() {
         error(&[&whole[..], b"\r\n"].concat()),
         "the file has 2 bytes below its 2 triangles (STL)"
     );
-    // None at all, the other order of bytes, and what is no triangle.
+    // No triangles, the other byte order, and invalid triangles.
     assert_eq!(
         error(&binary("", &[], 0)),
         "there are no points in the file"

@@ -7,7 +7,7 @@ use super::super::part::Part;
 use super::Corners;
 use crate::short::quoted;
 
-/// What lines begin with.
+/// The keywords of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Keyword {
     Solid,
@@ -15,7 +15,7 @@ enum Keyword {
     Vertex,
     EndFacet,
     EndSolid,
-    /// `outer loop` and its end, which say nothing.
+    /// `outer loop` and its end, which are skipped.
     Loop,
 }
 
@@ -65,7 +65,7 @@ struct Reader {
     corners: Corners,
     name: Option<String>,
     triangles: usize,
-    /// How many corners the triangle has whose end was not there yet.
+    /// The number of corners of the triangle whose end was not read yet.
     inside: Option<usize>,
     /// True below a `solid` without its end.
     is_open: bool,

@@ -20,7 +20,7 @@ use scan::{Scanner, Transform, length};
 /// The elements that hold others.
 const GROUPS: [&str; 3] = ["g", "a", "switch"];
 
-/// The elements that are drawn and not read.
+/// The elements that are drawn and not supported.
 const UNREAD: [&str; 4] = ["foreignObject", "image", "svg", "text"];
 
 /// The element that draws another one again, and the group that is drawn only so.
@@ -71,7 +71,7 @@ struct Reader<'a> {
     prefix: Option<String>,
     /// At the element that a reference names.
     referred: Option<Referred>,
-    /// How many elements of a name are not read.
+    /// The number of skipped elements of each name.
     unread: BTreeMap<String, usize>,
     hidden: usize,
     notices: Vec<String>,
@@ -255,7 +255,7 @@ fn is_hidden(element: &Element<'_>) -> Result<bool, FileError> {
     Ok(styled || element.attribute("display")?.as_deref() == Some("none"))
 }
 
-/// Draws the outlines of an element; none if it has lengths that are not known.
+/// Draws the outlines of an element; `None` if a length is unknown.
 fn draw(element: &Element<'_>, pen: &mut Pen, most: usize) -> Result<Option<()>, FileError> {
     match element.name() {
         "path" => draw_path(element, pen, most)?,
@@ -298,7 +298,7 @@ fn draw_points(element: &Element<'_>, pen: &mut Pen, closed: bool) -> Result<(),
     Ok(())
 }
 
-/// The lengths of an element, 0 where they are not there; none if one is not known.
+/// The lengths of an element, 0 where they are missing; `None` if one is unknown.
 fn lengths<const N: usize>(
     element: &Element<'_>,
     names: [&str; N],

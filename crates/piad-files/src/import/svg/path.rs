@@ -15,7 +15,7 @@ enum Control {
 ///
 /// # Errors
 ///
-/// The text that is not understood.
+/// The invalid text.
 pub(super) fn draw<'a>(data: &'a str, pen: &mut Pen, most: usize) -> Result<(), &'a str> {
     let mut scanner = Scanner::new(data);
     let mut control = Control::None;
@@ -42,7 +42,7 @@ pub(super) fn draw<'a>(data: &'a str, pen: &mut Pen, most: usize) -> Result<(), 
     Ok(())
 }
 
-/// Draws what one command does once; none if its numbers are not there.
+/// Draws what one command does once; `None` if its numbers are missing.
 fn step(
     letter: char,
     scanner: &mut Scanner<'_>,

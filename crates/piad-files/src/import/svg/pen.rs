@@ -7,7 +7,7 @@ use crate::import::sampled::{Arc, SAMPLED, cubic};
 /// A place in the coordinates of an element.
 pub(super) type Place = [f64; 2];
 
-/// The ellipse that an arc is part of, as SVG has it.
+/// The ellipse that an arc is part of, in the terms of SVG.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ArcShape {
     pub(super) radii: [f64; 2],
@@ -19,7 +19,7 @@ pub(super) struct ArcShape {
     pub(super) sweep: bool,
 }
 
-/// Makes points of what is drawn.
+/// Converts drawing commands to points.
 pub(super) struct Pen {
     transform: Transform,
     /// The line of all points.
@@ -46,7 +46,7 @@ impl Pen {
         }
     }
 
-    /// How many points there are.
+    /// The number of points.
     pub(super) fn count(&self) -> usize {
         self.count
     }
@@ -148,7 +148,7 @@ impl Pen {
     }
 }
 
-/// The arc from one place to another, as the notes on implementation of SVG have it (F.6.5); none if it is a line.
+/// The arc from one place to another, by the implementation notes of SVG (F.6.5); `None` if it is a line.
 fn arc(from: Place, shape: ArcShape, to: Place) -> Option<Arc> {
     let (sine, cosine) = shape.rotation.to_radians().sin_cos();
     let [mut rx, mut ry] = shape.radii.map(f64::abs);
@@ -228,7 +228,7 @@ mod tests {
         };
         let half = arc([0.0, 0.0], small, [2.0, 0.0]).unwrap();
         assert!((half.sweep - std::f64::consts::PI).abs() < 1e-7, "{half:?}");
-        // Nothing of these hangs or panics.
+        // None of these hangs or panics.
         for radius in [f64::MIN_POSITIVE, 1e300] {
             for place in [1e-300, 1.0, 1e300] {
                 let shape = ArcShape {

@@ -8,19 +8,19 @@ use crate::import::error::FileError;
 use crate::import::xml::{Element, Node, Nodes, Place};
 use crate::short::quoted;
 
-/// The most references inside each other.
+/// The deepest nesting of references.
 const MOST_NESTED: usize = 16;
 
-/// The most bytes that are read again for all references: few of them can draw very much.
+/// The most bytes that are read again for all references: a few of them can draw very much.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// What a reference says of what it names.
+/// The attributes of a reference.
 pub(super) struct Referred {
-    /// The width and the height; 0 where it does not say them, none if they are not known.
+    /// The width and the height; 0 if missing, `None` if unknown.
     pub(super) size: Option<[f64; 2]>,
 }
 
-/// Where the elements with an id begin, and how much was read of them again.
+/// The positions of the elements with an id, and the number of bytes read again.
 pub(super) struct References<'a> {
     text: &'a str,
     /// Found when the first reference is read.
@@ -67,7 +67,7 @@ impl<'a> References<'a> {
         Ok(Some(Nodes::from_place(self.text, *place)))
     }
 
-    /// Ends the reference that was entered last, for which so many bytes were read.
+    /// Ends the reference that was entered last, for which this many bytes were read.
     ///
     /// # Errors
     ///
@@ -112,7 +112,7 @@ fn places(text: &str) -> Result<HashMap<String, Place>, FileError> {
     Ok(places)
 }
 
-/// How a symbol is fitted into a window of this size, centred; `None` if that cannot be known.
+/// The transform that fits a symbol into a window of this size, centred; `None` if it is unknown.
 pub(super) fn in_window(
     symbol: &Element<'_>,
     size: Option<[f64; 2]>,

@@ -1,4 +1,4 @@
-//! What stands in attributes of SVG: numbers, lengths and transforms.
+//! Contents of SVG attributes: numbers, lengths and transforms.
 
 /// The numbers and letters of a text.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ impl<'a> Scanner<'a> {
         number.is_finite().then_some(number)
     }
 
-    /// So many numbers.
+    /// This many numbers.
     pub(super) fn numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
@@ -73,7 +73,7 @@ impl<'a> Scanner<'a> {
     }
 }
 
-/// How many pixels a unit has.
+/// The number of pixels of a unit.
 const UNITS: [(&str, f64); 8] = [
     ("", 1.0),
     ("px", 1.0),
@@ -85,7 +85,7 @@ const UNITS: [(&str, f64); 8] = [
     ("pc", 16.0),
 ];
 
-/// A length in pixels; none in units that depend on the window or on fonts.
+/// A length in pixels; `None` in units that depend on the window or on fonts.
 pub(super) fn length(text: &str) -> Option<f64> {
     let mut scanner = Scanner::new(text);
     let number = scanner.number()?;
@@ -101,7 +101,7 @@ pub(super) struct Transform([f64; 6]);
 impl Transform {
     pub(super) const IDENTITY: Self = Self([1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
 
-    /// Makes y what it lacks to a height.
+    /// Replaces y by its difference from a height.
     pub(super) fn turned_over(height: f64) -> Self {
         Self([1.0, 0.0, 0.0, -1.0, 0.0, height])
     }

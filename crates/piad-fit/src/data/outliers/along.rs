@@ -1,22 +1,22 @@
-//! Points along a curve, compared with those before and behind them.
+//! Outliers of a curve: points compared with those before and behind them.
 //!
-//! A point may be where any of these polynomials of its neighbours is:
+//! A point is expected where any of these polynomials of its neighbours is:
 //!
 //! - the cubic through the two on either side, which follows a curve that is sampled coarsely;
 //! - the parabola nearest to the five on either side, which averages noise;
 //! - the straight lines through the two before it, or behind it, and along the five there, which reach up to corners.
 //!
-//! It is off by its distance from the nearest of them. The cubic and the chord between the neighbours disagree where
-//! samples are coarse: that is the doubt.
+//! It is off by its distance from the nearest of them. The doubt is the distance between the cubic and the chord
+//! between the neighbours, which is large where samples are coarse.
 
 use super::{Combination, Neighbourhood, apart, fitted, median};
 use crate::data::aligned::Lane;
 use crate::data::points::Points;
 
-/// How many neighbours on either side are looked at.
+/// The number of neighbours used on either side.
 const NEAREST: usize = 5;
 
-/// Neighbours are looked for no further away than this number of places.
+/// Neighbours are searched at most this number of places away.
 const REACH: usize = 64;
 
 /// The points of a curve.
@@ -37,7 +37,7 @@ struct Site<'a> {
     behind: Vec<Neighbour>,
 }
 
-/// A neighbour, and where it is along the curve from the point that is compared.
+/// A neighbour, and its position along the curve from the compared point.
 #[derive(Clone, Copy)]
 struct Neighbour {
     index: usize,
@@ -45,7 +45,7 @@ struct Neighbour {
 }
 
 impl Along<'_> {
-    /// The nearest neighbours that are not left out on one side, in steps of 1 or -1.
+    /// The nearest neighbours on one side that are not left out, in steps of 1 or -1.
     fn side(&self, index: usize, step: isize, is_left_out: &[bool]) -> Vec<usize> {
         let count = self.points.len() as isize;
         let reach = (count / 2).min(REACH as isize);
@@ -72,7 +72,7 @@ impl Along<'_> {
         }
     }
 
-    /// Where neighbours are along the curve.
+    /// The positions of neighbours along the curve.
     fn placed(&self, index: usize, before: &[usize], behind: &[usize]) -> [Vec<Neighbour>; 2] {
         if self.parameters.is_some() || self.points.dimension() == 1 {
             let side = |indices: &[usize], sign: f64| {
@@ -90,7 +90,7 @@ impl Along<'_> {
         if let (Some(&first), Some(&last)) = (before.first(), behind.first())
             && back + ahead > 0.0
         {
-            // An outlier is between its neighbours all the same.
+            // An outlier is still between its neighbours.
             let part = distance(first, last) / (back + ahead);
             (back, ahead) = (back * part, ahead * part);
         }
@@ -144,7 +144,7 @@ impl Neighbourhood for Along<'_> {
 }
 
 impl Site<'_> {
-    /// How far the point is from the nearest place to which its neighbours lead; `None` if there are too few.
+    /// The distance of the point from the nearest prediction of its neighbours; `None` if there are too few.
     fn off(&self) -> Option<f64> {
         let through = interpolated(&nearest(&self.before, &self.behind)?);
         let all: Vec<Neighbour> = self.before.iter().chain(&self.behind).copied().collect();
@@ -159,8 +159,8 @@ impl Site<'_> {
         Some(combined.chain(lines).fold(f64::INFINITY, f64::min))
     }
 
-    /// How far the chord between the neighbours beside the point is from the cubic. One of the neighbours may be wrong: most
-    /// choices of them are without it, and the third least doubt is that of one of these.
+    /// The distance of the chord between the neighbours beside the point from the cubic. One of the neighbours may be
+    /// wrong: most choices do not include it, so the third least doubt is that of a choice without it.
     fn doubt(&self) -> f64 {
         let doubt = |before: &[Neighbour], behind: &[Neighbour]| {
             let all = nearest(before, behind)?;
@@ -179,8 +179,8 @@ impl Site<'_> {
         doubts.get(2).map_or(own, |third| own.min(*third))
     }
 
-    /// The same site of an end that is no further from its neighbours than they are from each other: an outlier is not as far
-    /// along the curve as it is away. `None` if it is no end.
+    /// The same site, for an end, moved to be no further from its neighbours than they are from each other, as an
+    /// outlier is displaced from the curve. `None` if it is no end.
     fn nearer(&self) -> Option<Self> {
         let by = match (&self.before[..], &self.behind[..]) {
             ([], [a, b, ..]) => (b.place - a.place).min(a.place) - a.place,
@@ -276,7 +276,7 @@ fn line(points: &Points, index: usize, neighbours: &[Neighbour]) -> Vec<f64> {
     points.lanes().iter().map(along).collect()
 }
 
-/// The parabola nearest to neighbours, at place zero; `None` of hardly more than three.
+/// The parabola nearest to neighbours, at place zero; `None` if there are hardly more than three.
 fn parabola(neighbours: &[Neighbour]) -> Option<Combination> {
     let largest = neighbours
         .iter()

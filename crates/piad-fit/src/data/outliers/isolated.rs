@@ -1,6 +1,6 @@
-//! Points in space that are by themselves: their neighbours are far away, and lie on no surface with them.
+//! Isolated points in space: their neighbours are far away, and lie on no surface with them.
 //!
-//! They are left out before anything is known of the surface, which they would turn: far points get parameters outside of
+//! They are left out before the surface is parametrized, as they would distort it: far points get parameters outside of
 //! those of the others, where nothing contradicts them.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
@@ -11,16 +11,16 @@ use rstar::primitives::GeomWithData;
 use super::median;
 use crate::data::points::Points;
 
-/// The neighbours that are looked at.
+/// The number of neighbours.
 const NEAR: usize = 12;
 
-/// The last of them is this number of times further away than that of most points.
+/// For an isolated point the last of them is this number of times further away than for most points.
 const SPARSE: f64 = 4.0;
 
 /// The least extent of points that lie on no surface, as a part of their largest: random points have .4 to .6.
 const FLAT: f64 = 0.2;
 
-/// True for each point that is by itself; false for all points that do not have three coordinates.
+/// True for each isolated point; false for all points that do not have three coordinates.
 pub(crate) fn isolated(points: &Points) -> Vec<bool> {
     let [x, y, z] = points.lanes() else {
         return vec![false; points.len()];

@@ -1,15 +1,15 @@
-//! Points that are wrong: their neighbours lead elsewhere.
+//! Outliers: points that are far from where their neighbours predict them.
 //!
-//! Each point is compared with where its neighbours would put it: it is *off* by some distance from there, and there is
-//! *doubt* of that, as far as its neighbours do not agree. It is an outlier if
+//! Each point is compared with a prediction by its neighbours: it is *off* by its distance from the prediction, and the
+//! *doubt* is the disagreement of its neighbours. It is an outlier if
 //!
 //! ```text
 //! off > 4.685 · 1.4826 · median of all distances + c · doubt,
 //! ```
 //!
-//! beyond which Tukey's biweight is zero (Beaton, Tukey 1974; 1.4826 times the median is the standard deviation of normal
-//! errors). Neighbours that were outliers in the round before are left out, so that in each round better ones are compared;
-//! nothing changes after a few.
+//! beyond which Tukey's biweight is zero (Beaton, Tukey 1974; 1.4826 times the median is the standard deviation of
+//! normal errors). Neighbours that were outliers in the round before are left out, so that the comparison improves in
+//! each round; after a few rounds nothing changes.
 //!
 //! - [`along`] a curve, where each point has neighbours before and behind it;
 //! - [`scattered`] over a surface, where neighbours have the nearest parameters, without those that are [`isolated`] in
@@ -29,7 +29,7 @@ pub(crate) use along::Along;
 pub(crate) use isolated::isolated;
 pub(crate) use scattered::Cloud;
 
-/// Fewer points do not show which of them are wrong.
+/// With fewer points, outliers cannot be identified.
 pub(crate) const FEWEST_POINTS: usize = 8;
 
 /// The most rounds.
@@ -53,7 +53,7 @@ fn fitted(rows: impl Iterator<Item = (usize, [f64; 3])>) -> Option<Combination> 
     Some(rows.iter().map(|(i, row)| (*i, first.dot(row))).collect())
 }
 
-/// How far two combinations are apart, or one and a point: nothing stands for it.
+/// The distance between two combinations, or of one and a point; `None` is a point itself.
 fn apart(points: &Points, index: usize, one: &[(usize, f64)], other: &[(usize, f64)]) -> f64 {
     let differences = points.lanes().iter().map(|lane| {
         let sum = |terms: &[(usize, f64)]| -> f64 {
@@ -75,14 +75,15 @@ pub(crate) trait Neighbourhood: Sync {
     /// The number of points.
     fn count(&self) -> usize;
 
-    /// How far a point is from where its neighbours would put it, of which some are left out; `None` if there are too few.
+    /// The distance of a point from the prediction of its neighbours, of which some are left out; `None` if there are
+    /// too few.
     fn off(&self, index: usize, is_left_out: &[bool]) -> Option<f64>;
 
-    /// How far these disagree.
+    /// The disagreement of these neighbours.
     fn doubt(&self, index: usize, is_left_out: &[bool]) -> f64;
 }
 
-/// The outliers, in order. Points that are off by no more than `least` are none, and neither are those that `is_kept`.
+/// The outliers, in order. Points that are off by at most `least`, or that `is_kept`, are not outliers.
 pub(crate) fn find<N: Neighbourhood>(
     points: &N,
     least: f64,
@@ -113,7 +114,7 @@ pub(crate) fn find<N: Neighbourhood>(
         .collect()
 }
 
-/// Of fewer points of a curve spikes are looked for.
+/// With fewer points of a curve only spikes are searched.
 const MOST_WITH_SPIKES: usize = 100_000;
 
 /// Spikes are at most one point in this number.
@@ -122,7 +123,7 @@ const ONE_IN: usize = 10;
 /// A spike is this number of times further from its neighbours than they are from each other.
 const LONG: f64 = 2.0;
 
-/// The points of a curve, if they are few, that are outliers whatever the noise is: their neighbours on either side are
+/// The spikes of a curve with few points, which are outliers whatever the noise is: their neighbours on either side are
 /// nearer to each other than to them.
 pub(crate) fn spikes(points: &Points, closed: bool) -> Vec<usize> {
     let count = points.len();

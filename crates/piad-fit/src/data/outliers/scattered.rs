@@ -1,8 +1,9 @@
 //! Scattered points of a surface, compared with those whose parameters are nearest.
 //!
 //! A point is off by its distance from the plane over the parameters that is nearest to two thirds of its twelve
-//! neighbours, as the others may be wrong. The twelve behind them lead to another plane where the surface bends: that is the
-//! doubt. A point by itself, whose neighbours are much further away than others', is off by how far it is away.
+//! neighbours, as the others may be wrong. The twelve next neighbours give another plane where the surface bends: the
+//! doubt is the difference. An isolated point, whose neighbours are much further away than others', is off by that
+//! distance.
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -12,19 +13,19 @@ use rstar::primitives::GeomWithData;
 use super::{Neighbourhood, median};
 use crate::data::points::Points;
 
-/// How many neighbours make a plane.
+/// The number of neighbours that make a plane.
 const NEAR: usize = 12;
 
-/// How many more are compared with them.
+/// The number of further neighbours that are compared with them.
 const FAR: usize = 12;
 
-/// How many are looked up, as some of them may be outliers.
+/// The number that is looked up, as some of them may be outliers.
 const LOOKED_UP: usize = 2 * (NEAR + FAR);
 
 /// How often the third of the neighbours that is furthest from a plane is left out.
 const STEPS: usize = 3;
 
-/// A point is by itself if its neighbours are this number of times further away than theirs, ...
+/// A point is isolated if its neighbours are this number of times further away than theirs, ...
 const BY_ITSELF: f64 = 4.0;
 
 /// ... or than those of most points.
@@ -37,12 +38,12 @@ pub(crate) struct Cloud<'a> {
     parameters: Vec<[f64; 2]>,
     /// The nearest others of each point, the nearest first.
     neighbours: Vec<Vec<u32>>,
-    /// How far they are away from most points.
+    /// Their distance for most points.
     usual_reach: f64,
 }
 
 impl<'a> Cloud<'a> {
-    /// Of points with these parameters, whose range does not matter. Some of them, as they are isolated, are no neighbours.
+    /// Scattered points with these parameters, whose range does not matter. Isolated ones are not neighbours.
     pub(crate) fn new(points: &'a Points, [u, v]: &[Vec<f64>; 2], is_isolated: &[bool]) -> Self {
         let scales = [u, v].map(|lane| Points::from_lanes([lane.clone()]).inner_diagonal());
         let scaled = |t: f64, scale: f64| if scale > 0.0 { t / scale } else { t };
@@ -83,7 +84,7 @@ impl<'a> Cloud<'a> {
         all.filter(|&it| !is_left_out[it])
     }
 
-    /// How far the last neighbour that makes a plane is away, by parameters.
+    /// The distance of the last neighbour that makes a plane, in parameters.
     fn reach(&self, index: usize, is_left_out: &[bool]) -> Option<f64> {
         let last = self.around(index, is_left_out).take(NEAR).last()?;
         let ([u, v], [s, t]) = (self.parameters[index], self.parameters[last]);
@@ -97,7 +98,8 @@ impl<'a> Cloud<'a> {
         reach > usual.min(SPARSE * self.usual_reach)
     }
 
-    /// The plane nearest to two thirds of some points, at another one: relative to that, for each coordinate.
+    /// The plane nearest to two thirds of some points, evaluated at another one and relative to it, for each
+    /// coordinate.
     fn plane(&self, index: usize, some: &[usize], reach: f64) -> Option<Vec<f64>> {
         let [u, v] = self.parameters[index];
         let row = |it: usize| {

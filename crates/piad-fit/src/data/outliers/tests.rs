@@ -26,7 +26,7 @@ fn curve(count: usize, at: impl Fn(f64) -> [f64; 2]) -> Points {
     Points::from_flat(2, &points.collect::<Vec<_>>())
 }
 
-/// How many of the moved points are not found, and how many others are.
+/// The number of moved points that are not found, and of others that are.
 fn mistakes(moved: &[usize], found: &[usize]) -> [usize; 2] {
     let without =
         |some: &[usize], others: &[usize]| some.iter().filter(|it| !others.contains(it)).count();

@@ -10,19 +10,19 @@ use crate::geometry::freedom;
 use crate::invalid::Side;
 use crate::setup::Setup;
 
-/// Places at which gaps and spans are looked at, as parts of them.
+/// Places at which gaps and spans are examined, as parts of them.
 const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// The same of surfaces, in each direction.
 const PLACES_OF_SURFACES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 
-/// Only the middle is looked at where there are more gaps than this.
+/// Only the middle is examined if there are more gaps than this.
 const MANY: usize = 100_000;
 
 /// The sides of a cell are parallel if the sine of their angle has a square below this.
 const SINGULAR: f64 = 1e-9;
 
-/// About how many places are evaluated at a time.
+/// The approximate number of places evaluated at a time.
 pub(super) const AT_ONCE: usize = 16_384;
 
 /// The gaps of a curve, or the cells of a grid.
@@ -92,7 +92,8 @@ impl<'a> Gaps<'a> {
     }
 
     /// The freedom of each cell: that which its bends leave, but no more than its corners are apart, and infinite where
-    /// one of these is missing; none where edges are data. Beside ends at which the fit stands still, it is how far these are apart.
+    /// one of these is missing; none where edges are data. Beside ends at which the fit has a zero derivative, it is
+    /// how far these are apart.
     pub(super) fn freedom(&self) -> Vec<f64> {
         if self.setup.polyline {
             return vec![0.0; self.count()];
@@ -178,8 +179,8 @@ impl<'a> Gaps<'a> {
         (0..self.count()).map(of_cell).collect()
     }
 
-    /// How far the corners of each cell, or of one of those around it, are apart at most, and a part of that of others, which
-    /// is passed on: fits go beyond a flat place beside a steep one.
+    /// The largest distance between the corners of each cell, or of one of those around it, and a part of that of
+    /// others, which is passed on: fits overshoot in a flat place next to a steep one.
     fn apart(&self) -> Vec<f64> {
         let is_curve = self.setup.v().is_none();
         let own = |cell: usize| {

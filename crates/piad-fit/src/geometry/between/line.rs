@@ -1,8 +1,8 @@
-//! The gaps between the data of a direction, and the places in them that are looked at.
+//! The gaps between the data of a direction, and the places in them that are examined.
 
 use crate::basis::direction::Direction;
 
-/// The steps in which a gap is looked at closely.
+/// The steps in which a gap is examined closely.
 const CLOSER: usize = 16;
 
 /// The gaps between successive data of a direction.

@@ -1,5 +1,5 @@
-//! Random data with control points `auto`: what has converged stays near its data between them. What is measured here
-//! is another distance than the fit goes by, at more places: that of the curve from the segment between neighbours.
+//! Random data with control points `auto`: converged fits stay near their data between them. The measure here is
+//! independent of the fit's own, and at more places: the distance of the curve from the segment between neighbours.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::problem::request::{Request, Tolerance};
 use crate::termination::Outcome;
 use crate::termination::Reason;
 
-/// How many polylines, and four times as many as grids; `PIAD_TEST_ROUNDS` sets another number.
+/// The number of polylines to test, and four times the number of grids; `PIAD_TEST_ROUNDS` overrides it.
 fn rounds() -> usize {
     let set = std::env::var("PIAD_TEST_ROUNDS");
     set.map_or(120, |rounds| {

@@ -30,8 +30,8 @@ pub struct CurveShape {
     /// Where its curvature is least and largest, to rounding beside samples of each knot span. Curvature of plane curves
     /// has a sign, so that the least is the sharpest turn to the right.
     pub extremes: Extremes,
-    /// Parameters at which the derivative vanishes, so that there is no curvature, and near which it may be
-    /// unbounded: at most [`MOST_DEGENERATE`] of those at which it was looked for.
+    /// Parameters at which the derivative vanishes, so that there is no curvature, and near which it may be unbounded:
+    /// at most [`MOST_DEGENERATE`] of those at which it was searched for.
     pub degenerate: Vec<f64>,
     /// The number of inner knots, and of the one where a closed curve returns to its start.
     pub joint_count: usize,
@@ -48,7 +48,7 @@ pub struct CurveSamples {
     pub parameters: Vec<f64>,
     /// The coordinates of the points, point by point.
     pub points: Vec<f64>,
-    /// The curvatures; NaN where there is none.
+    /// The curvatures; NaN where they are undefined.
     pub curvature: Vec<f64>,
 }
 
@@ -83,7 +83,7 @@ fn samples(nurbs: &Nurbs, vanishing: &Vanishing, sites: &[SpanParameter]) -> Cur
     samples
 }
 
-/// Where the curvature is least and largest, and where there is none.
+/// The places of the least and the largest curvature, and those where it is undefined.
 fn extremes(nurbs: &Nurbs, vanishing: &Vanishing) -> (Extremes, Vec<f64>) {
     let knots = &nurbs.u;
     let spans = knots.spans();

@@ -1,4 +1,4 @@
-//! Where derivatives vanish but for rounding.
+//! Places where derivatives vanish but for rounding.
 
 use crate::data::points::Points;
 use crate::geometry::nurbs::sampling::SpanParameter;
@@ -7,7 +7,7 @@ use crate::geometry::nurbs::{KnotVector, Nurbs};
 /// The most places without a curvature that are listed.
 pub const MOST_DEGENERATE: usize = 100;
 
-/// A derivative that is this small beside those that the control points allow is zero.
+/// A derivative that is this small relative to the control points is zero.
 const VANISHING: f64 = 1e-12;
 
 /// The rounding errors of a derivative, in units of those of its terms.

@@ -1,4 +1,4 @@
-//! Where a number that changes along a curve or surface is least and largest.
+//! The places where a value along a curve or surface is least and largest.
 
 /// A place of a curve or surface with a value.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Extremes {
     pub largest: Option<Extreme>,
 }
 
-/// An interval of a knot span in which a value is looked for.
+/// An interval of a knot span in which a value is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bracket {
     pub span: usize,
@@ -66,7 +66,7 @@ impl<P: Copy> Best<P> {
         [-1.0, 1.0].map(|sign| Self { sign, found: None })
     }
 
-    /// Keeps a value if it is better than the one before; NaN is none.
+    /// Keeps a value if it is better than the one before; NaN is ignored.
     pub(super) fn offer(&mut self, value: f64, place: impl FnOnce() -> P) {
         if value.is_finite() && self.is_below(value) {
             self.found = Some((value, place()));
@@ -80,7 +80,7 @@ impl<P: Copy> Best<P> {
     }
 }
 
-/// A place, and what is around it, in which the value may be better.
+/// A place, and its neighbourhood, in which the value may be better.
 impl<S: Copy, B: Copy> Best<(S, Option<B>)> {
     /// Without a value yet.
     pub(super) fn again(&self) -> Self {
@@ -96,7 +96,7 @@ impl<S: Copy, B: Copy> Best<(S, Option<B>)> {
         let Some((value, place)) = round.found else {
             return false;
         };
-        // What is better by no more than rounding is no better place.
+        // A difference within rounding is not better.
         let is_better =
             |before: f64| self.sign * (value - before) > 4.0 * f64::EPSILON * before.abs();
         let (value, site) = match self.found {

@@ -10,10 +10,10 @@ use crate::geometry::nurbs::{KnotVector, Nurbs};
 /// The most knots whose continuity is listed.
 pub const MOST_JOINTS: usize = 10_000;
 
-/// The knots that are looked at at a time.
+/// The knots that are examined at a time.
 const TOGETHER: usize = 1 << 11;
 
-/// Tangents within this angle are one direction: a hundredth of a degree.
+/// Tangents within this angle have the same direction: a hundredth of a degree.
 const SAME_DIRECTION: f64 = 0.01 * std::f64::consts::PI / 180.0;
 
 /// Derivatives that differ by this part of them are equal.
@@ -27,14 +27,14 @@ const STRAIGHT: f64 = 1e-6;
 /// The highest order of continuity that is measured.
 const MEASURED: i64 = 2;
 
-/// What is on both sides of a knot.
+/// The two sides of a knot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sides {
     /// The parameters before and behind it: both are the knot, but where a closed direction returns to its start.
     pub before: SpanParameter,
     /// The one behind it.
     pub behind: SpanParameter,
-    /// How many times the knot stands there; at most p + 1.
+    /// The multiplicity of the knot; at most p + 1.
     pub multiplicity: usize,
     /// The order of continuity that the multiplicity m guarantees, p − m; −1 allows a gap.
     pub guaranteed: i64,
@@ -47,12 +47,12 @@ pub struct Joint {
     pub parameter: f64,
     /// The point there.
     pub point: Vec<f64>,
-    /// How many times the knot stands there.
+    /// The multiplicity of the knot.
     pub multiplicity: usize,
     /// The order of continuity that the multiplicity guarantees.
     pub guaranteed: i64,
-    /// The order of parametric continuity that was measured: the number of derivatives that are equal on both sides. At least what is
-    /// guaranteed; more than 2 is not looked for.
+    /// The order of parametric continuity that was measured: the number of derivatives that are equal on both sides. At
+    /// least what is guaranteed; orders above 2 are not tested.
     pub parametric: i64,
     /// The order of geometric continuity that was found: 0 a corner, 1 the same tangent, 2 the same curvature.
     pub geometric: i64,
@@ -81,7 +81,7 @@ pub(super) fn sides(knots: &KnotVector) -> Vec<Sides> {
         (Some(&first), Some(&last)) if knots.closed => {
             let start = knots.knots[first];
             let equal = knots.knots.iter().filter(|t| **t == start).count();
-            // Clamped ends are one point, as if a knot less stood there.
+            // Clamped ends coincide, as if their multiplicity were one less.
             let multiplicity = equal.min(degree);
             Some(Sides {
                 before: knots.site(last, 1.0),
@@ -119,7 +119,7 @@ pub(super) fn joints(nurbs: &Nurbs, vanishing: &Vanishing) -> (Vec<Joint>, usize
 
 /// What counts as nothing on a curve of some size.
 struct Sizes {
-    /// The gap between points that are one.
+    /// The distance within which points coincide.
     resolution: f64,
     /// The curvature of a line that is straight.
     straight: f64,
@@ -150,7 +150,7 @@ fn joint(jets: &CurveJets, i: usize, sides: Sides, sizes: &Sizes) -> Joint {
         angle <= SAME_DIRECTION,
     );
     let parametric = parametric.max(sides.guaranteed);
-    // Where the derivative vanishes, equal ones say nothing of the tangents.
+    // Where the derivative vanishes, equal ones do not determine the tangents.
     let regular = if angle.is_nan() { -1 } else { parametric };
     Joint {
         parameter: sides.behind.t,
@@ -166,7 +166,7 @@ fn joint(jets: &CurveJets, i: usize, sides: Sides, sizes: &Sizes) -> Joint {
     }
 }
 
-/// Keeps as many as are listed.
+/// Keeps at most as many joints as the list may have.
 fn keep_least_smooth(joints: &mut Vec<Joint>) {
     if joints.len() > MOST_JOINTS {
         joints.sort_by(smoothness);

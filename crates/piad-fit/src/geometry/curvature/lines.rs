@@ -16,11 +16,11 @@ const LEAST_STEPS: usize = 4;
 pub struct KnotLine {
     /// The knot.
     pub parameter: f64,
-    /// How many times the knot stands there.
+    /// The multiplicity of the knot.
     pub multiplicity: usize,
     /// The order of continuity across the line that the multiplicity guarantees.
     pub guaranteed: i64,
-    /// Where that is no tangent plane, the largest angle between the normals on both sides, in radians.
+    /// If that is no tangent plane, the largest angle between the normals on both sides, in radians.
     pub angle: Option<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! The shape of curves and surfaces: curvature and its extremes, length, area, and continuity at knots.
 //!
-//! - `curve` and `surface`: what is measured of each; `jets`: curvature of curves; `principal`: of surfaces;
-//! - `extremes`: where it is least and largest; `degenerate`: where there is none;
+//! - `curve` and `surface`: the measurements of each; `jets`: curvature of curves; `principal`: of surfaces;
+//! - `extremes`: its least and largest values; `degenerate`: where it is undefined;
 //! - `joints` and `lines`: continuity at knots of curves and across knot lines of surfaces; `area`: areas.
 //!
 //! Curvatures that do not exist, where a derivative vanishes or a surface has no normal, are NaN.

@@ -17,7 +17,7 @@ pub(super) fn normal(jet: &SecondJet, limits: [f64; 2]) -> Option<[f64; 3]> {
     unit(cross(du, dv), PARALLEL)
 }
 
-/// The larger and the smaller principal curvature; NaN where there is no normal.
+/// The larger and the smaller principal curvature; NaN where the normal is undefined.
 pub(super) fn principal(jet: &SecondJet, limits: [f64; 2]) -> [f64; 2] {
     let none = [f64::NAN; 2];
     let Some(normal) = normal(jet, limits) else {

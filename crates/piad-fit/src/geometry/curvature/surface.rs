@@ -8,10 +8,10 @@ use super::principal::principal;
 use crate::geometry::nurbs::sampling::SpanParameter;
 use crate::geometry::nurbs::{KnotVector, Nurbs};
 
-/// About the number of parameters of each direction at which extremes are looked for.
+/// About the number of parameters of each direction at which extremes are searched for.
 const PARAMETERS: usize = 512;
 
-/// The least number of steps in a knot span, where there are few.
+/// The least number of steps in a knot span, if there are few spans.
 const USUAL_STEPS: usize = 16;
 
 /// The places that are evaluated at a time.
@@ -28,8 +28,8 @@ pub struct SurfaceShape {
     pub area: f64,
     /// Where the larger and the smaller principal curvature, the Gaussian and the mean curvature are least and largest.
     pub extremes: [Extremes; 4],
-    /// Parameters at which there is no normal, and near which curvatures may be unbounded: at most
-    /// [`MOST_DEGENERATE`] of those at which it was looked for.
+    /// Parameters at which there is no normal, and near which curvatures may be unbounded: at most [`MOST_DEGENERATE`]
+    /// of those at which it was searched for.
     pub degenerate: Vec<[f64; 2]>,
     /// The number of inner knots in each direction, with that where a closed one returns to its start.
     pub line_counts: [usize; 2],
@@ -46,7 +46,7 @@ pub struct SurfaceSamples {
     pub parameters: [Vec<f64>; 2],
     /// The coordinates of the points, point by point.
     pub points: Vec<f64>,
-    /// The larger and the smaller principal curvature; NaN where there is no normal.
+    /// The larger and the smaller principal curvature; NaN where the normal is undefined.
     pub principal: [Vec<f64>; 2],
 }
 
@@ -127,14 +127,14 @@ impl Measured<'_> {
         samples
     }
 
-    /// Where curvatures are least and largest, and where there are none.
+    /// The places of the least and the largest curvatures, and those where they are undefined.
     fn extremes(self) -> ([Extremes; 4], Vec<[f64; 2]>) {
         let mut bests = [(); 4].map(|()| Best::<Place>::both());
         let mut degenerate = Vec::new();
         let (u, v) = (Steps::new(&self.nurbs.u), Steps::new(self.across));
         let columns = v.sites.len();
         let mut values = Vec::with_capacity(columns * (u.count + 1));
-        // All rows of a knot span are there before its places are looked at, so that the places beside them are known.
+        // All rows of a knot span are there before its places are examined, so that the places beside them are known.
         for (span, rows) in u.sites.chunks(u.count + 1).enumerate() {
             values.clear();
             self.each(rows, &v.sites, |_, _, principal| values.push(principal));

@@ -193,7 +193,7 @@ impl Search<'_> {
     }
 }
 
-/// How many cells a knot span is.
+/// The number of cells of a knot span.
 pub(super) fn pieces(degree: usize) -> usize {
     degree.div_ceil(SIMPLE).max(1)
 }

@@ -1,11 +1,11 @@
-//! How far the data are from a curve or surface.
+//! Distances of the data from a curve or surface.
 //!
 //! ```text
 //! d_i = min over t of ‖C(t) − P_i‖
 //! ```
 //!
-//! Errors of levels are distances at the parameters of the data, ‖C(t_i) − P_i‖, which is what the
-//! methods make small. These are the distances that a gauge would measure; they are never larger.
+//! Errors of levels are distances at the parameters of the data, ‖C(t_i) − P_i‖, which the methods minimize. The
+//! distances here are those to the nearest points, as a gauge would measure them; they are never larger.
 
 use super::{NoFootPoints, nearest};
 use crate::data::points::Points;

@@ -4,13 +4,12 @@
 //! (u, v)(P) = argmin ‖S(u, v) − P‖
 //! ```
 //!
-//! The surface is divided into *cells*, pieces of its knot spans. As a Bézier patch a cell lies in
-//! the convex hull of its control points (weights are positive), so that the box around them tells
-//! how near it can be at most. A search tree yields the cells by the distances of their boxes; in
-//! each of them Newton's method finds the nearest point, until boxes are farther away than the
-//! nearest point so far. A cell that bends has several points that are nearer than those beside them:
-//! so Newton's method starts in its quarters again, and theirs, where the control points allow a point
-//! that is nearer. Where several points are equally near, the least u counts, then the least v.
+//! The surface is divided into *cells*, pieces of its knot spans. As a Bézier patch a cell lies in the convex hull of
+//! its control points (weights are positive), so that the box around them bounds its distance from below. A search tree
+//! yields the cells by the distances of their boxes; in each of them Newton's method finds the nearest point, until
+//! boxes are farther away than the nearest point so far. A cell that bends has several points that are nearer than
+//! those beside them: so Newton's method starts in its quarters again, and theirs, where the control points allow a
+//! point that is nearer. Where several points are equally near, the least u counts, then the least v.
 //!
 //! A point costs some patches of O((p + 1)(q + 1)(p + q)) and some steps of O((p + 1)(q + 1)), and the
 //! tree O(log n) for n cells.
@@ -163,7 +162,7 @@ fn nearest(
     Ok(found)
 }
 
-/// Whether a fit has foot points.
+/// Returns true if a fit has foot points.
 fn check(fit: &Nurbs, v: &KnotVector, points: &Points) -> Result<(), NoFootPoints> {
     let (of_fit, of_points) = (fit.points.dimension(), points.dimension());
     if of_fit != of_points {
@@ -188,8 +187,8 @@ fn check(fit: &Nurbs, v: &KnotVector, points: &Points) -> Result<(), NoFootPoint
     Ok(())
 }
 
-/// About how many bytes the search on a fit takes: its control net in three forms, the pieces of its knot
-/// spans with their matrices, and its cells in the tree.
+/// The approximate number of bytes that the search on a fit takes: its control net in three forms, the pieces of its
+/// knot spans with their matrices, and its cells in the tree.
 pub fn memory(setup: &Setup) -> usize {
     let counts = setup.directions().map(|direction| {
         let (functions, degree) = (direction.basis.functions(), direction.basis.degree());

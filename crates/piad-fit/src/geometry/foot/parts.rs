@@ -3,7 +3,7 @@
 /// A point in homogeneous coordinates `(w x, w y, w z, w)`.
 pub(super) type Homogeneous = [f64; 4];
 
-/// How often a patch is halved, in each direction.
+/// The number of times that a patch is halved, in each direction.
 pub(super) const DEEPEST: usize = 3;
 
 /// A part of a patch.
@@ -21,7 +21,7 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Whether it has the point at these parameters.
+    /// Returns true if it has the point at these parameters.
     pub(super) fn has(&self, at: [f64; 2]) -> bool {
         let has = |k: usize| (self.low[k]..=self.low[k] + self.size).contains(&at[k]);
         has(0) && has(1)

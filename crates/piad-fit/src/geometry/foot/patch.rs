@@ -247,8 +247,8 @@ impl Patch {
     }
 }
 
-/// Whether a step changes nothing of the distance but rounding, and halves the gradient of the
-/// parameters that can move.
+/// Returns true if a step changes nothing of the distance but rounding, and halves the gradient of the parameters that
+/// can move.
 fn settles(before: (&Jet, [f64; 2]), after: (&Jet, [f64; 2])) -> bool {
     let steepness = |(jet, at): (&Jet, [f64; 2])| {
         let (gradient, free) = (jet.gradient(), free(jet, at));

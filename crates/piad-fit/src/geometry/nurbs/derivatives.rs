@@ -76,8 +76,8 @@ impl KnotVector {
         values
     }
 
-    /// Makes the derivatives of the functions of degree q on a span of what stands in front: the functions of degree
-    /// q − 1, or derivatives of these.
+    /// Makes the derivatives of the functions of degree q on a span from the values in front: the functions of degree q
+    /// − 1, or derivatives of these.
     fn differentiate(&self, q: usize, span: usize, values: &mut [f64]) {
         let mut next = 0.0;
         for r in (0..=q).rev() {

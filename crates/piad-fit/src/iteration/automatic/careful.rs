@@ -1,5 +1,6 @@
-//! The second schedule of a fit, which keeps it near its data where there are none: curves with points between the data,
-//! surfaces with the most fairness that their tolerance allows. A fit that is far from its data even so has stalled.
+//! The second schedule of a fit, which keeps it near its data where there are none: curves with points between the
+//! data, surfaces with the most fairness that their tolerance allows. A fit that still deviates from its data has
+//! stalled.
 
 use std::sync::Arc;
 
@@ -19,12 +20,13 @@ use crate::problem::Problem;
 /// spans of equal length.
 const FAIRNESS: f64 = 1e-6;
 
-/// How far a fit may be from its data where there are none.
+/// The largest deviation of a fit from its data in gaps.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Reach {
-    /// Beyond this the fit goes on: curves should need a part of the freedom of their data.
+    /// Beyond this number of control points the fit continues: a curve should need only a part of the freedom of its
+    /// data.
     Near,
-    /// A fit that has gone on has stalled beyond this.
+    /// A fit that has continued has stalled beyond this.
     Far,
 }
 
@@ -40,7 +42,7 @@ impl Reach {
 }
 
 impl Schedules {
-    /// Returns true if it keeps the fit near its data where there are none.
+    /// Returns true if it keeps the fit near its data in gaps.
     pub(super) fn is_careful(&self) -> bool {
         !matches!(self, Self::Curve(_, None) | Self::Surface(_))
     }
@@ -106,7 +108,7 @@ impl Schedules {
 }
 
 impl Fit {
-    /// Returns true if it is further from its data where there are none than this allows.
+    /// Returns true if it deviates from its data more than this allows.
     pub(super) fn leaves(&self, reach: Reach) -> bool {
         let (problem, points) = (&*self.problem, &*self.control_points);
         if problem.is_scattered() {

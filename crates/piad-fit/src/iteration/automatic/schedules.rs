@@ -42,7 +42,7 @@ pub(super) enum Schedules {
     /// Those of several fits.
     Several(Box<dyn Levels>),
     Surface(Box<SurfaceSchedule>),
-    /// With some fairness where none was asked for.
+    /// With some fairness although none was requested.
     FairSurface(Box<SurfaceSchedule>),
     /// Not even the first level has finite numbers.
     Nowhere,

@@ -1,8 +1,8 @@
 //! The control points of the current level and of the next one.
 //!
-//! Readers may share the control points of a level (an `Arc`), while the iteration goes on. Then
-//! the sweep writes the next level into other memory: such as a reader has given back, if there is
-//! any.
+//! Readers may share the control points of a level (an `Arc`) while the iteration continues. Then
+//! the sweep writes the next level into other memory, if possible into memory that a reader has
+//! given back.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl Vectors {
 pub(super) struct Returned(Vec<Arc<Points>>);
 
 impl Returned {
-    /// How many are kept: as many as slow readers are likely to share at a time.
+    /// The most buffers that are kept: about the number that slow readers share at a time.
     const MOST: usize = 4;
 
     /// Keeps points for later, unless there are enough.
@@ -49,7 +49,7 @@ impl Returned {
         }
     }
 
-    /// Takes points that nobody else shares any more. If there are several, the others are freed.
+    /// Takes points that are no longer shared. If there are several, the others are freed.
     pub(super) fn take(&mut self) -> Option<Points> {
         let mut free = None;
         for points in std::mem::take(&mut self.0) {

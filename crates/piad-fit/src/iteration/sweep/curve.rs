@@ -1,8 +1,8 @@
 //! One level of a curve in one pass.
 //!
 //! Block by block of 1024 points: the rows of B that belong to a block read `X` in the block and a
-//! few points on both sides of it, so that each number comes from memory once. What is written is
-//! not read again in the pass.
+//! few points on both sides of it, so that each number comes from memory once. Output is not read
+//! again in the pass.
 
 use super::buffers::Vectors;
 use super::fused::Rows;

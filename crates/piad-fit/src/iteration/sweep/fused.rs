@@ -12,10 +12,10 @@
 //! and the squares are summed up, all of it while it is in registers: a level costs `d (W + 3)`
 //! multiplications for each point, and each number is loaded once.
 //!
-//! The loop is written with vectors of whatever length the processor has ([`pulp`]), as compilers
-//! give up on so many arrays. Sums are kept in [`LANES`] lanes whatever that length is, so that
-//! they are the same on every processor. Rows that are few, unusually long, or reach around the end
-//! of a closed curve are computed one by one, by the same operations.
+//! The loop is written with vectors of the processor's length ([`pulp`]), as compilers do not
+//! vectorize loops over this many arrays. Sums are kept in [`LANES`] lanes whatever that length is,
+//! so that they are the same on every processor. Rows that are few, unusually long, or reach around
+//! the end of a closed curve are computed one by one, by the same operations.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -30,12 +30,12 @@ use crate::method::relaxation::{Coefficients, Step};
 /// Stretches of fewer rows are computed row by row.
 const SHORT: usize = 2 * LANES;
 
-/// What is read and written for some rows: one array for each of the D coordinates, with a number
-/// for each row, but for `x`.
+/// The arrays that are read and written for some rows: one for each of the D coordinates, with a
+/// number for each row, but for `x`.
 pub(super) struct Rows<'a, const D: usize> {
     /// The columns of X that the rows need, from column `base` on.
     pub x: [&'a [f64]; D],
-    /// The column of B that stands first in `x`.
+    /// The column of B that is first in `x`.
     pub base: i64,
     /// The data P at the rows.
     pub data: [&'a [f64]; D],
@@ -209,7 +209,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
 
     /// Rows as vectors, in rounds that fill the lanes: each round computes [`LANES`] rows, and adds
     /// their squares to the lanes in order. The branch on the step is the same in all rounds, so
-    /// that the processor foresees it.
+    /// that the processor predicts it.
     #[inline(always)]
     fn vectors<S: Simd, const MOMENTUM: bool>(&mut self, simd: S, range: Range<usize>) {
         let (start, rounds) = (range.start, range.len() / LANES);
@@ -269,7 +269,7 @@ impl<const D: usize, const W: usize> Fused<'_, '_, D, W> {
         sums.store(self.sums);
     }
 
-    /// Computes row `i` of the given ones by itself.
+    /// Computes row `i` of the given ones.
     #[inline(always)]
     fn row(&mut self, i: usize) {
         let local = i - self.range.start;

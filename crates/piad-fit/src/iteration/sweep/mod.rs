@@ -11,7 +11,7 @@
 //!
 //! while they are in the nearest cache, reading `X`, `P` and `B` and writing `X'` once. `X'` is
 //! another array than `X`, as the next block still needs the old values; it is the control points
-//! of the next level, so that the loop is one step *ahead* of the level that is told.
+//! of the next level, so that the loop is one step *ahead* of the level that is reported.
 //!
 //! # Bit for bit
 //!
@@ -74,7 +74,7 @@ const TILED: usize = 32_768;
 pub struct Plan {
     /// The number of parts that threads can work on at the same time, at least 1.
     pub parts: usize,
-    /// How many levels are computed in one pass: 1 to [`LEVELS`], of surfaces always 1.
+    /// The number of levels computed in one pass: 1 to [`LEVELS`], of surfaces always 1.
     pub levels: usize,
     /// The number of points of a tile of `tiles`, a multiple of `BLOCK`.
     pub tile: usize,
@@ -111,7 +111,7 @@ pub struct Sweep {
     /// the method transforms all of them together; else the level from which the last pass began.
     spare: Vectors,
     returned: Returned,
-    /// Whether `spare` holds what the next step needs.
+    /// True if `spare` holds what the next step needs.
     ahead: bool,
     norms: Norms,
     layout: Blocks,
@@ -205,7 +205,7 @@ impl Sweep {
         self.returned.add(points);
     }
 
-    /// How many levels are best computed in one pass.
+    /// The best number of levels for one pass.
     pub fn levels(&self) -> usize {
         self.plan.levels
     }
@@ -249,7 +249,7 @@ impl Sweep {
             *step = self.relaxation.step();
             self.relaxation.advance();
         }
-        // Nobody reads the levels between: what readers have given back is not needed any more.
+        // The levels between are not read: buffers that readers have given back can be freed.
         self.returned = Returned::default();
         self.run(system, &steps[..count], Way::Tiles);
         std::mem::swap(&mut self.current, &mut self.spare);
@@ -321,7 +321,8 @@ fn sweep<const D: usize>(pass: &Pass<'_>, part: Part<'_>) {
     }
 }
 
-/// Whether all points count alike, residuals are distances, and all matrices are square and banded.
+/// Returns true if all points count alike, residuals are distances, and all matrices are square and
+/// banded.
 fn is_plain(system: &System) -> bool {
     let problem = system.problem();
     let banded = |matrix: &Collocation| {

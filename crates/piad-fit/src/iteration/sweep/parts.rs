@@ -1,4 +1,4 @@
-//! What a pass writes, divided among threads.
+//! The output of a pass, divided among threads.
 //!
 //! A part is consecutive lines of the grid (of a curve, points) with the blocks of their errors.
 //! Parts are halved until there is one for each workspace, so that all borrow disjoint slices of the
@@ -22,8 +22,8 @@ use crate::data::points::Points;
 pub(super) const LANES: usize = 3;
 
 /// Consecutive lines of the next level and the norms of their points. The slices of points are
-/// empty if the pass only measures, and so are those of coordinates, steps and levels that there
-/// are not.
+/// empty if the pass only measures, and so are those of coordinates, steps and levels that do not
+/// exist.
 pub(super) struct Part<'a> {
     /// The lines, by index: rows of the grid, which of a curve are its points.
     pub lines: Range<usize>,
@@ -37,7 +37,7 @@ pub(super) struct Part<'a> {
     pub workspaces: &'a mut [Workspace],
     /// The points of a line.
     columns: usize,
-    /// How many whole lines are how many whole blocks.
+    /// The numbers of whole lines that make whole blocks.
     unit: (usize, usize),
 }
 

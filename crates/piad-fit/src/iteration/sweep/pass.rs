@@ -1,4 +1,4 @@
-//! What all threads of a pass share.
+//! Shared data of the threads of a pass.
 //!
 //! A pass reads the control points X of one level, n points of R^d, with P and B, and writes those
 //! of a later level X' elsewhere. Its threads write to disjoint [parts](super::parts).

@@ -1,4 +1,4 @@
-//! Every sweep is held to the plain loop: control points and errors to the last bit.
+//! Every sweep must match the plain loop: control points and errors to the last bit.
 
 use std::sync::Arc;
 

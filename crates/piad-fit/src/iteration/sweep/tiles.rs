@@ -15,8 +15,8 @@
 //! Memory is moved once for up to eight levels; the margins are computed by both neighbours, about
 //! one point in a hundred. On closed curves margins go around the end.
 //!
-//! The levels between are not kept: if one of them is the last of the fit, the pass is taken again
-//! with fewer levels, from control points that it has not touched.
+//! The levels between are not kept: if one of them is the last of the fit, the pass is repeated with fewer levels, from
+//! control points that it has not touched.
 
 use std::ops::Range;
 
@@ -33,8 +33,8 @@ struct Tile<'a, 'b> {
     workspace: &'b mut Workspace,
     /// The points that it is to compute, without its margins.
     points: Range<i64>,
-    /// The point that stands first in the workspace. On closed curves points before the first one are
-    /// those at the end, and points behind the last one those at the start.
+    /// The point that is first in the workspace. On closed curves points before the first one are those at the end, and
+    /// points behind the last one those at the start.
     base: i64,
     /// True if the control points of the first level have been copied to the workspace, rather than read
     /// from where they are.

@@ -1,7 +1,7 @@
 //! Arrays and sums as vectors of whatever length the processor has.
 //!
-//! What stands in a loop that is compiled for every width, dimension and instruction set is
-//! compiled as often; these functions are compiled for few types.
+//! Code in a loop that is compiled for every width, dimension and instruction set is compiled as
+//! often; these functions are compiled for few types.
 
 use std::array::from_fn;
 
@@ -56,7 +56,7 @@ pub(super) struct VectorSums<S: Simd> {
 }
 
 impl<S: Simd> VectorSums<S> {
-    /// Vectors that go on with these sums.
+    /// Vectors that continue from these sums.
     #[inline(always)]
     pub(super) fn new(sums: &Sums) -> Self {
         let vectors = |lanes: &[f64; LANES]| {

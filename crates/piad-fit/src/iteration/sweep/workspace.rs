@@ -1,5 +1,4 @@
-//! Where a thread works: points that are written and read again within a pass, and forgotten after
-//! it.
+//! The workspace of a thread: points that are written and read again within a pass, and forgotten after it.
 
 use std::ops::Range;
 
@@ -14,8 +13,8 @@ pub(super) struct Workspace {
     /// Tiles: the control points of a tile at some level, with its margins. Surfaces: a part of a
     /// line of `B_u X`.
     pub front: Points,
-    /// Tiles: the control points of the next level. If the level is only measured: a block of
-    /// numbers that nobody reads, as the innermost loop always writes.
+    /// Tiles: the control points of the next level. If the level is only measured: a scratch block, as the innermost
+    /// loop always writes.
     pub back: Points,
     /// Tiles: the steps d of methods with momentum.
     pub step: Points,
@@ -55,8 +54,8 @@ impl Workspace {
     }
 }
 
-/// The number of points on either side of a tile that it needs for so many levels: `levels + 1`
-/// times the reach of a row of B, rounded up to whole cache lines so that the tile starts at one.
+/// The number of points on either side of a tile that it needs for `levels` levels: `levels + 1` times the reach of a
+/// row of B, rounded up to whole cache lines so that the tile starts at one.
 pub(super) fn margin(pass: &Pass<'_>, levels: usize) -> usize {
     ((levels + 1) * pass.u.reach()).next_multiple_of(LANES)
 }

@@ -21,14 +21,14 @@ impl<M: Minimum> Schedule<M> {
         };
         let fewest = line.control_points() <= self.options.degree + 1;
         self.issue_new(line, &values, control_points);
-        // Fewer there are not.
+        // Already the minimum.
         if self.best.is_none() || !fewest {
             self.stage = self.begin_steps(values);
         }
     }
 
-    /// The given curve; or p + 1 control points, at data points that are as far from each other, of
-    /// fewer data on the segment between the ends.
+    /// The given curve; or p + 1 control points, at data points that are evenly spaced; with fewer
+    /// data, on the segment between the ends.
     fn first(&mut self) -> Option<(Breaks, Values, Points)> {
         if let Some((line, control_points)) = self.options.first.take() {
             let values = Values::new(&line, &self.parameters);
@@ -65,7 +65,7 @@ impl<M: Minimum> Schedule<M> {
         Stage::Steps(Box::new(steps), values, 0)
     }
 
-    /// One step of conjugate gradients, unless it brings nothing.
+    /// One step of conjugate gradients, unless it gains nothing.
     pub(super) fn step(&mut self, mut steps: Box<Steps>, values: Values, done: usize) {
         let Some(last) = self.last.clone() else {
             return;

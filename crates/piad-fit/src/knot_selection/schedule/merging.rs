@@ -1,5 +1,4 @@
-//! After knots have left: one takes the place of a crowd of them, or of two beside each other, and all move to where they
-//! are needed.
+//! After the removal of knots: one knot replaces a cluster, or two neighbours, and all move to better positions.
 
 use std::sync::Arc;
 
@@ -11,7 +10,7 @@ use super::super::values::Values;
 use super::{Level, Schedule};
 use crate::interrupt;
 
-/// Pairs of which the fits with one knot instead are compared.
+/// The number of pairs whose fits with one knot instead are compared.
 const CANDIDATES: usize = 12;
 
 /// The number of these fits, those nearest to the data, whose knots are moved; their largest distance must be at most
@@ -34,7 +33,7 @@ const MOST_DAMPING: f64 = 0.1;
 const COST: usize = 8;
 
 impl<M: Minimum> Schedule<M> {
-    /// The best level with a knot less, or some; whether there is such a level within the tolerance.
+    /// The best level with at least one knot fewer; returns true if there is such a level within the tolerance.
     pub(super) fn merge(&mut self) -> bool {
         let can_move = |it: &Arc<Level>| can_move(&it.line, self.points.len());
         let Some(best) = self.best.clone().filter(can_move) else {
@@ -51,7 +50,7 @@ impl<M: Minimum> Schedule<M> {
         true
     }
 
-    /// With one knot in place of each crowd.
+    /// With one knot in place of each cluster.
     fn without_crowds(&mut self, best: &Level) -> Option<Arc<Level>> {
         let level = self.fit_over(thinned(&best.line)?, best, None)?;
         self.moved(level, best)
@@ -68,7 +67,7 @@ impl<M: Minimum> Schedule<M> {
         nearest.find_map(|level| self.moved(level, best))
     }
 
-    /// A level within the tolerance over as many knots as this one has, which move to where they are needed.
+    /// A level within the tolerance with the same number of knots, moved to better positions.
     fn moved(&mut self, mut now: Arc<Level>, best: &Level) -> Option<Arc<Level>> {
         let mut damping = FIRST_DAMPING;
         for _ in 0..STEPS {

@@ -1,4 +1,5 @@
-//! After the last attempt: knots leave the best level, where data are sparse, first several at once, then one by one.
+//! After the last attempt: knots are removed from the best level, where data are sparse, first several at once, then
+//! one by one.
 
 use std::sync::Arc;
 
@@ -9,23 +10,23 @@ use super::super::values::Values;
 use super::{Level, NEAR, Schedule, WEIGHINGS};
 use crate::knot_selection::breaks::Breaks;
 
-/// Single knots leave where there are fewer data than this for each control point.
+/// Single knots are removed if there are fewer data than this for each control point.
 const SPARSE: usize = 8;
 
-/// Knots of which the removal is tried, where none before can be spared.
+/// The number of removals tried in a row without success.
 const CANDIDATES: usize = 12;
 
-/// Of fewer spans knots leave one by one.
+/// With fewer spans knots are removed one by one.
 const MANY: usize = 64;
 
-/// The most knots that leave at once, and the fewest, are these parts of all.
+/// The most knots that are removed at once, and the fewest, are these parts of all.
 const MOST: usize = 4;
 
 /// See [`MOST`].
 const FEWEST: usize = 128;
 
 impl<M: Minimum> Schedule<M> {
-    /// The best level without some of its knots; whether there is such a level within the tolerance.
+    /// The best level without some of its knots; returns true if there is such a level within the tolerance.
     pub(super) fn prune(&mut self) -> bool {
         let sparse = |it: &Arc<Level>| SPARSE * it.line.control_points() > self.points.len();
         let Some(best) = self.best.clone().filter(sparse) else {
@@ -34,7 +35,7 @@ impl<M: Minimum> Schedule<M> {
         self.prune_several(&best) || self.prune_one(&best)
     }
 
-    /// Without several knots at once: half as many each time that they cannot be spared.
+    /// Without several knots at once: half as many after each failure.
     fn prune_several(&mut self, best: &Arc<Level>) -> bool {
         let spans = best.line.spans();
         self.batch = self.batch.min(spans / MOST);
@@ -79,7 +80,7 @@ impl<M: Minimum> Schedule<M> {
         self.fit_over(line, best, weights)
     }
 
-    /// The same, as often as it is asked for.
+    /// The same, with the requested number of repetitions.
     pub(super) fn fit_over(
         &self,
         line: Breaks,
@@ -95,7 +96,7 @@ impl<M: Minimum> Schedule<M> {
         Some(self.level_at(line, &values, control_points, parameters))
     }
 
-    /// A level within the tolerance over the knots of this one, if weights bring it there.
+    /// A level within the tolerance over the knots of this one, if weights achieve it.
     fn weighed(&mut self, level: Arc<Level>) -> Option<Arc<Level>> {
         let tolerance = self.options.tolerance;
         let mut weights = Weights::new(self.points.len());

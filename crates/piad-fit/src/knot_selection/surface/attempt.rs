@@ -8,8 +8,8 @@ use crate::knot_selection::placement::{even, place};
 /// Redistributions of an attempt.
 const TRIES: usize = 5;
 
-/// Attempts whose largest distance is above so many tolerances, and would still be above one if
-/// it went on falling as in the last redistribution, end early.
+/// Attempts end early if their largest distance is above this many tolerances and would still be
+/// above one if it kept falling as in the last redistribution.
 const NEAR: f64 = 1.3;
 
 /// How far knots go towards equal distances.
@@ -21,19 +21,19 @@ pub(super) struct Attempt {
     counts: [usize; 2],
     /// The knots of the last fit.
     lines: [Breaks; 2],
-    /// What the next knots come from.
+    /// The source of the next knots.
     monitors: [Monitor; 2],
-    /// Whether the first knots follow the data.
+    /// True if the first knots follow the data.
     begins_even: bool,
     tries: usize,
     /// The smallest largest distance so far.
     lowest: f64,
-    /// The part of it that the last redistribution has left.
+    /// The ratio of it to the one before the last redistribution.
     part: f64,
 }
 
 impl Attempt {
-    /// With so many control points, whose first knots are those that a fit asks for.
+    /// An attempt with these numbers of control points, whose first knots come from the fit `from`.
     pub(super) fn new(data: &dyn Data, from: &Fit, counts: [usize; 2]) -> Self {
         Self {
             counts,
@@ -54,7 +54,7 @@ impl Attempt {
         }
     }
 
-    /// The knots to be tried next, if the data can determine such.
+    /// The next knots, if the data can determine them.
     pub(super) fn lines(&self, data: &dyn Data) -> Option<[Breaks; 2]> {
         let place = |axis: usize| {
             let (monitor, count) = (&self.monitors[axis], self.counts[axis]);
@@ -81,7 +81,7 @@ impl Attempt {
         is_closer
     }
 
-    /// Whether it has failed.
+    /// Returns true if it has failed.
     pub(super) fn is_over(&self, tolerance: f64) -> bool {
         let left = TRIES.saturating_sub(self.tries);
         let hoped = self.lowest * self.part.powi(left as i32);

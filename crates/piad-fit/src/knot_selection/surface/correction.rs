@@ -4,8 +4,8 @@
 //! (u, v) ← (u, v) + (JᵀJ + λ diag JᵀJ)⁻¹ Jᵀ (P − S(u, v)),   J = (S_u, S_v)
 //! ```
 //!
-//! After it the distance of a datum is nearly that from the surface (Hoschek 1988). No parameter goes further than half of
-//! its knot span, nor beyond the ends of an open direction; a closed one comes back.
+//! After it the distance of a datum is nearly that from the surface (Hoschek 1988). No parameter moves further than
+//! half of its knot span, nor beyond the ends of an open direction; a closed one wraps around.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::knot_selection::correction::derivative;
 /// λ, so that a step is finite where one derivative vanishes, as at a pole.
 const DAMPING: f64 = 1e-6;
 
-/// How far a parameter may go, as a part of the mean length of the spans.
+/// The largest move of a parameter, as a part of the mean length of the spans.
 const PART: f64 = 0.5;
 
 /// The parameters of sorted points after one step, u and v of each; `None` for degrees without derivatives.

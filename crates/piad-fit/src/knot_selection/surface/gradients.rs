@@ -1,10 +1,9 @@
 //! Least squares of scattered points, by conjugate gradients from a surface near them.
 //!
-//! Conjugate gradients of the normal equations of each coordinate, preconditioned with the diagonal D = 1 / column sums of A, as in
-//! [`crate::knot_selection::steps`]. Control points that no datum sees stay where they are, and what
-//! the data hardly say is followed last: in gaps of the data the surface keeps the shape that it had
-//! with fewer knots. The normal equations of scattered data can be singular, and a factorization of
-//! them would leave large control points there.
+//! Conjugate gradients of the normal equations of each coordinate, preconditioned with the diagonal D = 1 / column sums
+//! of A, as in [`crate::knot_selection::steps`]. Control points without data stay where they are, and weakly determined
+//! ones change last: in gaps of the data the surface keeps the shape that it had with fewer knots. The normal equations
+//! of scattered data can be singular, and a factorization of them would leave large control points there.
 
 use super::normal::{Normal, Preconditioner};
 use super::rows::Rows;
@@ -31,18 +30,18 @@ const ROUNDS: usize = 50;
 pub(super) struct Effort {
     /// The most steps.
     steps: usize,
-    /// The least part of the sum of squares that a few steps lower it by.
+    /// The least part by which a few steps lower the sum of squares.
     gain: f64,
 }
 
 impl Effort {
-    /// As long as it is worth it: what is left are gaps of the data, mostly.
+    /// As long as it is worth it: the remaining error is mostly in gaps of the data.
     pub(super) const USUAL: Self = Self {
         steps: 200,
         gain: 1e-3,
     };
 
-    /// As long as there may be something to gain.
+    /// As long as there may be a gain.
     pub(super) fn whole(rows: &Rows) -> Self {
         let steps = WORK / (2 * rows.numbers()).max(1);
         Self {

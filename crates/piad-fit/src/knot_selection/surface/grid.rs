@@ -7,10 +7,10 @@
 //! P − Π_u Π_v P = (P − Π_u P) + Π_u (P − Π_v P)
 //! ```
 //!
-//! so what either direction leaves is known by itself, and each has a density of knots of its own:
-//! that of a curve in as many dimensions as there are lines across. Where both directions are open
-//! the corners are interpolated, and each boundary is the fit of the data there, whatever lies
-//! inside. A grid with fewer data in a direction than p + 1 is fitted as scattered points.
+//! so the residual of each direction is known separately, and each has its own density of knots: that of a curve in as
+//! many dimensions as there are lines across. Where both directions are open the corners are interpolated, and each
+//! boundary is the fit of the data there, whatever lies inside. A grid with fewer data in a direction than p + 1 is
+//! fitted as scattered points.
 
 use std::sync::Arc;
 
@@ -23,14 +23,14 @@ use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::equations::{LeastSquares, Minimum};
 use crate::knot_selection::values::Values;
 
-/// Both directions together may leave the tolerance: each about this part of it.
+/// The part of the tolerance for each of the two directions.
 const SHARE: f64 = 0.6;
 
-/// Data points of all fits with fewer knot lines: a second or so.
+/// The number of data points times fits with fewer knot lines: about a second.
 const WORK: usize = 4_000_000;
 
-/// How fair a surface is that is kept near its data where there are none, by decades as far as its tolerance asks for:
-/// multiples of the energy of spans of equal length.
+/// The fairness of a surface that is kept near its data where there are none, decreased by decades down to its
+/// tolerance: multiples of the energy of spans of equal length.
 const FAIRNESS: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
 
 /// A grid of points.
@@ -41,7 +41,7 @@ pub(crate) struct GridData {
     parameters: [Arc<Vec<f64>>; 2],
     /// The data as curves in u and in v, with a coordinate for each coordinate of each line across.
     curves: [Arc<Points>; 2],
-    /// The tolerance of a fit that is to be fair, too, as far as that allows it.
+    /// The tolerance of a fit that is as fair as it allows.
     fair_within: Option<f64>,
 }
 
@@ -95,7 +95,7 @@ impl GridData {
         Some((fits, left))
     }
 
-    /// The least-squares surface with so much fairness in each direction.
+    /// The least-squares surface with this fairness in each direction.
     fn nearest_with(&self, lines: &[Breaks; 2], fairness: f64) -> Option<Nearest> {
         let columns = self.grid.columns;
         let dimension = self.points.dimension();
@@ -130,7 +130,7 @@ impl Data for GridData {
         counts[0] <= self.grid.rows && counts[1] <= self.grid.columns
     }
 
-    /// With the most fairness with which it is within the tolerance, if it is to be fair.
+    /// With the most fairness within the tolerance, if it has some.
     fn nearest(&self, lines: &[Breaks; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
         let Some(tolerance) = self.fair_within else {
             return self.nearest_with(lines, 0.0);
@@ -169,7 +169,7 @@ impl Data for GridData {
         Distances::of_squares(squares, unit)
     }
 
-    /// The one that leaves more.
+    /// The direction with the larger residual.
     fn prefers(&self, fit: &Fit, _finer: &[Breaks; 2]) -> usize {
         let most = |axis: usize| fit.left[axis].iter().copied().fold(0.0, f64::max);
         usize::from(most(1) > most(0))

@@ -1,23 +1,21 @@
-//! Surfaces: whole knot lines, in the direction that gains more.
+//! Surfaces: knot lines are inserted in the direction that gains more.
 //!
-//! The levels are those of curves: growth from p + 1 × q + 1 control points, then redistribution and
-//! removal. A knot of one direction is a line of control points of the other one, so both share the
-//! tolerance, and each has a density of knots of its own.
+//! The levels are those of curves: growth from p + 1 × q + 1 control points, then redistribution and removal. A knot of
+//! one direction is a line of control points of the other one, so both share the tolerance, and each has its own
+//! density of knots.
 //!
-//! - [`schedule`]: which level comes next; [`search`]: with how many control points; [`attempt`]:
-//!   redistributions of some number of them.
-//! - [`Data`]: what the schedule asks of the data. [`grid`]: a grid of points, which is fitted one
-//!   direction after the other; [`scattered`]: points without order, whose matrix is that of
-//!   [`rows`], by conjugate [`gradients`] of the [`normal`] equations.
+//! - [`schedule`]: the choice of the next level; [`search`]: its numbers of control points; [`attempt`]:
+//!   redistributions of a number of them.
+//! - [`Data`]: the interface of the schedule to the data. [`grid`]: a grid of points, which is fitted one direction
+//!   after the other; [`scattered`]: points without order, whose matrix is that of [`rows`], by conjugate [`gradients`]
+//!   of the [`normal`] equations.
 //! - [`sections`]: points between those of sections.
 //! - [`correction`]: parameters of scattered points that follow a surface near them.
-//! - [`lines`]: the lines of grids as curves in many dimensions; [`transfer`]: where a surface starts
-//!   over other knots.
+//! - [`lines`]: the lines of grids as curves in many dimensions; [`transfer`]: the start of a surface over other knots.
 //!
-//! # What can be relied on
+//! # Guarantees
 //!
-//! - Levels are pure functions of data and options, the same to the last bit, and are computed when
-//!   they are asked for.
+//! - Levels are pure functions of data and options, the same to the last bit, and are computed on demand.
 //! - No level has more control points in a direction than allowed (but p + 1 at least), nor more
 //!   than data.
 //! - The last level is within the tolerance if any was, with the fewest control points found.
@@ -50,7 +48,7 @@ pub(crate) use normal::MOST_FACTOR;
 pub(crate) use scattered::ScatteredData;
 pub(crate) use schedule::SurfaceSchedule;
 
-/// What is asked for; pairs are those of u and v.
+/// Options of a surface fit; pairs are those of u and v.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceOptions {
     /// The degrees p, q ≥ 1.
@@ -63,14 +61,14 @@ pub(crate) struct SurfaceOptions {
     pub correct_parameters: bool,
     /// The most control points of each direction; never more than data.
     pub max_control_points: [usize; 2],
-    /// The surface to begin with; without it that of the coarsest knots.
+    /// The initial surface; `None` means that of the coarsest knots.
     pub first: Option<([Breaks; 2], Points)>,
     /// The coarsest knots with which there is a surface; without them those of p + 1 × q + 1 control
     /// points.
     pub coarsest: Option<[Breaks; 2]>,
 }
 
-/// A surface on the way.
+/// A surface during the search.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceLevel {
     /// The knots in u and in v.
@@ -103,7 +101,7 @@ impl SurfaceLevel {
     }
 }
 
-/// What the schedule asks of the data.
+/// The interface of the schedule to the data.
 pub(crate) trait Data: Debug + Send + Sync {
     /// The parameters of a direction, each once, increasing.
     fn parameters(&self, axis: usize) -> &[f64];
@@ -111,14 +109,14 @@ pub(crate) trait Data: Debug + Send + Sync {
     /// The part of the tolerance that each direction may leave.
     fn share(&self) -> f64;
 
-    /// Whether there are enough data for so many control points.
+    /// Returns true if there are enough data for this many control points.
     fn allows(&self, counts: [usize; 2]) -> bool;
 
-    /// The control points nearest to the data by the sum of squares, if the data determine them,
-    /// and what each direction leaves. They may depend on the surface that they are to follow.
+    /// The control points nearest to the data by the sum of squares, if the data determine them, and the residual of
+    /// each direction. They may depend on the initial surface.
     fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest>;
 
-    /// The same, however long it takes, where as many control points as data are to lead to all of them.
+    /// The same without a limit of time, where as many control points as data must lead to all of them.
     fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
         self.nearest(lines, from)
     }
@@ -126,7 +124,7 @@ pub(crate) trait Data: Debug + Send + Sync {
     /// The distances of the surface of some control points from the data.
     fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances;
 
-    /// In which direction more knots gain more, if each has some.
+    /// The direction in which more knots gain more, for these new knots of each.
     fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize;
 
     /// The same data with parameters that follow a surface over the same knots, if they can.
@@ -139,19 +137,18 @@ pub(crate) trait Data: Debug + Send + Sync {
         None
     }
 
-    /// Whether something else than the data keeps the surface away from them, however many control
-    /// points it has.
+    /// Returns true if something other than the data keeps the surface away from them, whatever the number of control
+    /// points.
     fn has_floor(&self) -> bool {
         false
     }
 
-    /// How many fits with fewer knot lines are tried after all others.
+    /// The number of fits with fewer knot lines that are tried after all others.
     fn prunings(&self) -> usize {
         0
     }
 
-    /// The same data in a form of which a surface need not be determined, where that of the fewest
-    /// control points is not.
+    /// The same data for surfaces that need not be determined, if even that of the fewest control points is not.
     fn undetermined(&self, _options: &SurfaceOptions) -> Option<Box<dyn Data>> {
         None
     }
@@ -164,7 +161,7 @@ pub(crate) struct Nearest {
     pub control_points: Points,
     /// The distances from the data, in their order.
     pub distances: Distances,
-    /// For each direction, the largest distance that it leaves at each of its parameters.
+    /// For each direction, the largest residual at each of its parameters.
     pub left: [Vec<f64>; 2],
 }
 
@@ -173,7 +170,7 @@ pub(crate) struct Nearest {
 pub(crate) struct Fit {
     /// The surface.
     pub level: Arc<SurfaceLevel>,
-    /// For each direction, the largest distance that it leaves at each of its parameters.
+    /// For each direction, the largest residual at each of its parameters.
     pub left: Arc<[Vec<f64>; 2]>,
 }
 
@@ -192,7 +189,7 @@ impl Fit {
         })
     }
 
-    /// What each direction asks for.
+    /// The knot density of each direction.
     fn monitors(&self, data: &dyn Data, damping: f64) -> [Monitor; 2] {
         [0, 1].map(|axis| {
             let line = &self.level.lines[axis];
@@ -201,7 +198,7 @@ impl Fit {
         })
     }
 
-    /// How many control points would do if each span of a direction were divided by itself.
+    /// The number of control points that would suffice if each span of a direction were divided by itself.
     fn asked(&self, data: &dyn Data, tolerance: f64) -> [usize; 2] {
         [0, 1].map(|axis| {
             let line = &self.level.lines[axis];

@@ -41,8 +41,8 @@ impl<'a> Normal<'a> {
         self.energy.is_some()
     }
 
-    /// What directions are multiplied with: N⁻¹ where an energy determines it and it does not take too long, as an energy
-    /// has most to say of what conjugate gradients find last; else the diagonal D.
+    /// The preconditioner: N⁻¹ where an energy determines it and it does not take too long, as an energy mostly affects
+    /// what conjugate gradients find last; else the diagonal D.
     pub(super) fn preconditioner(&self) -> Preconditioner {
         match (&self.products, self.energy, Band::of(self.rows)) {
             (Some(products), Some(energy), Some(band)) => {
@@ -112,7 +112,7 @@ impl<'a> Normal<'a> {
     }
 }
 
-/// What a gradient is multiplied with.
+/// The preconditioner of a gradient.
 #[derive(Debug)]
 pub(super) enum Preconditioner {
     /// The diagonal of [`Normal::diagonal`].
@@ -166,7 +166,7 @@ impl Band {
         numbers <= MOST_FACTOR && numbers.saturating_mul(self.width) <= MOST_WORK
     }
 
-    /// The factor of a sum of matrices; control points of which they say nothing are left out.
+    /// The factor of a sum of matrices; control points without entries are left out.
     fn factor(&self, matrices: [&Stencil; 2]) -> Triangular {
         let [rows, columns] = self.free;
         let line = match self.reach[0].is_closed {

@@ -29,9 +29,9 @@ const CUBIC: usize = 4;
 pub(super) struct Sites {
     /// The different parameters of each direction, increasing.
     pub parameters: [Arc<Vec<f64>>; 2],
-    /// Which of them is that of each point.
+    /// The index of the parameter of each point.
     pub places: [Vec<u32>; 2],
-    /// Which ends of v are poles, at which all control points are one.
+    /// The ends of v that are poles, at which all control points coincide.
     pub poles: [bool; 2],
 }
 
@@ -171,7 +171,7 @@ impl Rows {
         self.each_with_margin(|control_point, k| y[control_point] += sums[k]);
     }
 
-    /// What the points from one on add to the lines of u that they reach, and the first of these.
+    /// The contribution of the points from one on to the lines of u that they reach, and the first of these lines.
     fn sums_of_part(&self, start: usize, x: &[f64]) -> (usize, Vec<f64>) {
         let columns = self.v.count();
         let row = |i: usize| self.functions(i)[0].0;
@@ -235,7 +235,7 @@ impl Rows {
         }
     }
 
-    /// Returns true if all control points of a column are one.
+    /// Returns true if all control points of a column coincide.
     fn is_pole(&self, column: usize) -> bool {
         let [first, last] = self.poles;
         first && column == 0 || last && column + 1 == self.v.line.control_points()
@@ -246,7 +246,7 @@ impl Rows {
         self.poles != [false; 2]
     }
 
-    /// Makes all control points of a pole what the first of them is, in one coordinate.
+    /// Sets all control points of a pole to the first of them, in one coordinate.
     pub(super) fn join_poles(&self, x: &mut [f64]) {
         let columns = self.v.line.control_points();
         for column in (0..columns).filter(|&column| self.is_pole(column)) {

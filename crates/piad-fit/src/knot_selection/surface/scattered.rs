@@ -1,8 +1,8 @@
-//! Scattered data: points without order, each with a (u, v) of its own.
+//! Scattered data: points without order, each with its own (u, v).
 //!
-//! Least squares do not fall apart into directions, so all that is known of a knot span is the
-//! largest distance of the data in it, whatever their other parameter. Which direction gains more is
-//! tried: one step towards the least-squares fit over the knots that each would get.
+//! Least squares do not separate into directions, so for a knot span only the largest distance of the data in it is
+//! known, whatever their other parameter. The direction that gains more is found by trial: one step towards the
+//! least-squares fit over the knots that each would get.
 //!
 //! The surface does not depend on the order of the data: they are sorted by their parameters.
 
@@ -19,7 +19,7 @@ use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
 use crate::linear::stencil::Stencil;
 
-/// A root of the mean square below this part of the tolerance does not have to fall any more.
+/// A root of the mean square below this part of the tolerance need not fall further.
 const ENOUGH: f64 = 1e-3;
 
 /// Where neither direction lowers the sum of squares by this part, both are tried with twice the knots.
@@ -86,7 +86,7 @@ impl ScatteredData {
         }
     }
 
-    /// The same with so many control points at most, rather than as many as data.
+    /// The same with at most `most` control points, rather than one for each datum.
     pub(crate) fn with_most(self, most: usize) -> Self {
         Self { most, ..self }
     }
@@ -156,7 +156,7 @@ impl ScatteredData {
         Distances::of_squares(squares, self.unit)
     }
 
-    /// The surface near the data, and with little of an energy, that a descent from some control points leads to.
+    /// The surface near the data, and with little energy, by descent from some control points.
     pub(crate) fn nearest_from(
         &self,
         start: Option<Points>,
@@ -203,7 +203,7 @@ impl Data for ScatteredData {
         &self.sites.parameters[axis]
     }
 
-    /// What is left is known of both together.
+    /// The residual of both directions together.
     fn share(&self) -> f64 {
         1.0
     }
@@ -238,7 +238,7 @@ impl Data for ScatteredData {
         (WORK / self.points.len().max(1)).min(PRUNINGS)
     }
 
-    /// The one where a step lowers the sum of squares more, for each new control point.
+    /// The direction in which a step lowers the sum of squares more, for each new control point.
     fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize {
         let level = &fit.level;
         let rows = Rows::new(&self.sites, &level.lines);

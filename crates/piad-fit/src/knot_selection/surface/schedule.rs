@@ -1,4 +1,4 @@
-//! From p + 1 × q + 1 control points to as few as the tolerance needs: which level comes next.
+//! From p + 1 × q + 1 control points to the fewest for the tolerance: the choice of the next level.
 
 mod pruning;
 
@@ -14,15 +14,15 @@ use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::growth::grown;
 use crate::termination::Outcome;
 
-/// Where something keeps a surface away from its data, so many times more knots that lower the root of
-/// the mean square by less than [`GAIN`] of it are enough: each direction twice.
+/// Where something keeps a surface away from its data, the search ends when this many times more knots lower the root
+/// of the mean square by less than [`GAIN`] of it: each direction twice.
 const STILL: usize = 4;
 
 /// See [`STILL`].
 const GAIN: f64 = 0.01;
 
-/// Parameters follow a surface whose largest distance is this multiple of the tolerance or less: a coarser one would crowd
-/// them together.
+/// Parameters follow a surface whose largest distance is at most this multiple of the tolerance: a coarser one would
+/// move them too close together.
 const NEAR: f64 = 4.0;
 
 /// Bisections of a factor of numbers of control points, to rounding.
@@ -41,20 +41,20 @@ pub(crate) struct SurfaceSchedule {
     best: Option<Arc<SurfaceLevel>>,
     /// The level with the smallest largest distance.
     closest: Option<Arc<SurfaceLevel>>,
-    /// Whether more control points were asked for than are allowed.
+    /// True if more control points were needed than are allowed.
     limited: bool,
     /// The root of the mean square of the last fit of the growth, and how many fits have hardly lowered
     /// it.
     rms: f64,
     still: usize,
-    /// The most lines of each direction that are tried to be left out at once.
+    /// The most lines of each direction that are tried to be removed at once.
     batches: [usize; 2],
     /// Fits that are left for the removal of lines.
     prunings: usize,
     outcome: Option<Outcome>,
 }
 
-/// What the next level comes from.
+/// The source of the next level.
 #[derive(Debug)]
 enum Stage {
     /// Nothing: the first level.
@@ -63,7 +63,7 @@ enum Stage {
     Steps,
     /// The choice of new knots after a fit.
     Growth(Fit),
-    /// The choice of how many control points are tried next.
+    /// The choice of the next number of control points.
     Search(Search),
     /// Redistribution.
     Attempt(Search, Box<Attempt>),
@@ -72,7 +72,7 @@ enum Stage {
 }
 
 impl SurfaceSchedule {
-    /// A fit of data; nothing is computed before the first level is asked for.
+    /// A fit of data; nothing is computed before the first level is requested.
     pub(crate) fn new(data: Box<dyn Data>, options: SurfaceOptions) -> Self {
         Self {
             batches: [usize::MAX; 2],
@@ -248,7 +248,7 @@ impl SurfaceSchedule {
         }
     }
 
-    /// Whether more knots have not brought the surface nearer for some time, and will not.
+    /// Returns true if more knots have not brought the surface nearer for some time, and will not.
     fn stands_still(&mut self, fit: &Fit) -> bool {
         let rms = fit.level.distances.rms;
         self.still = match rms < (1.0 - GAIN) * self.rms {
@@ -259,8 +259,7 @@ impl SurfaceSchedule {
         self.data.has_floor() && self.still >= STILL
     }
 
-    /// The most control points: of data that do not determine as many as are allowed of each
-    /// direction, in about this ratio.
+    /// The most control points, in about this ratio, if the data do not determine the allowed number in each direction.
     fn most_towards(&self, ratio: [usize; 2]) -> [usize; 2] {
         let (fewest, most) = (self.fewest(), self.most());
         let part = |factor: f64| {
@@ -356,7 +355,7 @@ impl SurfaceSchedule {
         }
     }
 
-    /// Goes on after an attempt has failed.
+    /// Continues after an attempt has failed.
     fn failed(mut search: Search) -> Stage {
         match search.fail() {
             true => Stage::Search(search),
@@ -401,7 +400,7 @@ impl SurfaceSchedule {
         })
     }
 
-    /// Hands out a level, and remembers it if it is the best or the closest.
+    /// Returns a level, and remembers it if it is the best or the closest.
     fn issue(&mut self, level: &Arc<SurfaceLevel>) {
         let within = level.distances.max <= self.options.tolerance;
         let fewer = |best: &Arc<SurfaceLevel>| level.count() <= best.count();

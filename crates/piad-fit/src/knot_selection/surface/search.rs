@@ -1,23 +1,22 @@
-//! How many control points of each direction are tried next.
+//! The next numbers of control points of each direction.
 //!
-//! First as many as the distances after growth ask for, and if these do not do, numbers in between;
-//! then one line less at a time (of many lines a small part of them), as long as either direction
-//! can spare one. Where growth has not
-//! come within the tolerance, redistribution may still, with as many as are allowed; and at last, where data of both
-//! directions together limit them, knots that follow the data, as in an interpolation.
+//! First the number that the distances after growth suggest, and if it is too small, numbers in between; then one line
+//! less at a time (of many lines a small part of them), as long as either direction can spare one. Where growth has not
+//! come within the tolerance, redistribution may still reach it with the largest allowed number; and at last, where
+//! data of both directions together limit them, knots that follow the data, as in an interpolation.
 
 use super::Fit;
 
 /// Attempts with fewer lines.
 const ATTEMPTS: usize = 40;
 
-/// Of so many lines one is tried to be spared at a time.
+/// The search tries to remove one in this many lines at a time.
 const PART: usize = 32;
 
-/// Bisections where all that is known to do is the most that is allowed.
+/// Bisections where only the largest allowed number is known to suffice.
 const BISECTIONS: usize = 4;
 
-/// The numbers of control points that are known to do, and those that are not.
+/// The numbers of control points that are known to suffice, and those that are not.
 #[derive(Debug)]
 pub(super) struct Search {
     /// The fewest control points.
@@ -30,32 +29,32 @@ pub(super) struct Search {
     within: Option<Fit>,
     /// The fit that it starts from.
     start: Fit,
-    /// For each direction, from where a line less has failed.
+    /// For each direction, the number from which one line fewer has failed.
     failed: [Option<[usize; 2]>; 2],
-    /// For each direction, how many lines less are tried.
+    /// For each direction, the number of lines that are tried to be removed.
     spared: [usize; 2],
     /// Attempts with fewer lines that are left.
     attempts: usize,
 }
 
-/// What an attempt is for.
+/// The purpose of an attempt.
 #[derive(Clone, Copy, Debug)]
 enum Goal {
-    /// As many as the distances ask for.
+    /// The number that follows from the distances.
     Asked([usize; 2]),
-    /// As many as are allowed; what is known not to do.
+    /// The largest allowed number; the largest that is known to fail.
     Most([usize; 2]),
-    /// As many in both directions, with knots that follow the data; the same.
+    /// The same number in both directions, with knots that follow the data; the largest that is known to fail.
     Even([usize; 2]),
-    /// Between what is known not to do and what is; how often still.
+    /// Between a number that is known to fail and one that suffices; the remaining steps.
     Between([usize; 2], usize),
     /// Fewer lines of a direction.
     Fewer(usize),
 }
 
 impl Search {
-    /// After growth: `start` is its last fit, which is within the tolerance or not, and `asked` what
-    /// its distances ask for.
+    /// After growth: `start` is its last fit, within the tolerance or not, and `asked` the numbers that follow from its
+    /// distances.
     pub(super) fn new(
         start: Fit,
         is_within: bool,
@@ -107,7 +106,7 @@ impl Search {
         Some(counts)
     }
 
-    /// Fewer lines of the direction that saves more, if a line less is not known to fail.
+    /// Fewer lines of the direction that saves more, if one line fewer is not known to fail.
     fn fewer(&mut self, now: [usize; 2]) -> Option<[usize; 2]> {
         self.attempts = self.attempts.checked_sub(1)?;
         // A line of u has as many control points as there are lines of v.
@@ -121,7 +120,7 @@ impl Search {
         Some(counts)
     }
 
-    /// Goes on after an attempt came within the tolerance.
+    /// Continues after an attempt came within the tolerance.
     pub(super) fn succeed(&mut self, fit: Fit) {
         self.goal = match self.goal {
             Goal::Most(low) | Goal::Even(low) => Goal::Between(low, BISECTIONS),
@@ -131,7 +130,7 @@ impl Search {
         self.within = Some(fit);
     }
 
-    /// Goes on after an attempt has failed.
+    /// Continues after an attempt has failed.
     pub(super) fn fail(&mut self) -> bool {
         let now = self.within.as_ref().map(|fit| fit.level.counts());
         self.goal = match (self.goal, now) {

@@ -1,6 +1,6 @@
-//! The control points from which a surface goes on over other knots.
+//! The control points from which a surface continues over other knots.
 //!
-//! Over finer knots insertion is exact. Over other ones each control point is the point of the
+//! Over finer knots insertion is exact. Over other knots each control point is the point of the
 //! surface at its Greville abscissae (means of p successive knots): a surface near the one before
 //! (Schoenberg's operator), which keeps planes.
 

@@ -1,4 +1,4 @@
-//! Data of a spline with few knots take as many, smooth data with few more no more for a larger tolerance.
+//! Data of a spline with few knots need that number; smooth data do not need more for a larger tolerance.
 
 use super::*;
 use crate::knot_selection::values::Values;

@@ -1,4 +1,4 @@
-//! The fits of a tolerance, against what other programs need.
+//! Fits with a tolerance, compared with other programs.
 
 mod few_knots;
 mod rules;
@@ -102,7 +102,7 @@ pub(super) fn valid(points: &Points, levels: &[Arc<Level>]) {
     }
 }
 
-/// Whether knots were inserted, and all others stayed.
+/// Returns true if knots were inserted, and all others stayed.
 pub(super) fn is_refined(coarse: &Breaks, fine: &Breaks) -> bool {
     let mut breaks = fine.breaks().iter();
     let stayed = coarse

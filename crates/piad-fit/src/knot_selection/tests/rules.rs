@@ -1,4 +1,4 @@
-//! What can be relied on, of usual data and of unusual ones.
+//! Guarantees, for usual and unusual data.
 
 use super::*;
 use crate::knot_selection::breaks::Breaks;

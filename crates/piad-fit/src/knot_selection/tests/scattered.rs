@@ -31,8 +31,8 @@ fn fit(
     all(SurfaceSchedule::new(Box::new(data), options))
 }
 
-/// As few points as need a control point each: the normal equations of these have a condition of 1e10, and are solved
-/// even so.
+/// As few points as need a control point each: the normal equations of these have a condition of 1e10, and are still
+/// solved.
 #[test]
 fn few_points_are_met_with_as_many_control_points() {
     let steps = [0.618_033_988_749_895, 0.754_877_666_246_693];

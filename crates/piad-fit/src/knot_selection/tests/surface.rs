@@ -4,7 +4,7 @@ use super::*;
 use crate::data::grid::Grid;
 use crate::knot_selection::surface::{GridData, SurfaceLevel, SurfaceOptions, SurfaceSchedule};
 
-/// Whether the second of two levels is the first one with more knots in one direction.
+/// Returns true if the second of two levels is the first one with more knots in one direction.
 pub(super) fn is_inserted(pair: &[Arc<SurfaceLevel>]) -> bool {
     let [coarse, fine] = [0, 1].map(|k| &pair[k].lines);
     (0..2).any(|axis| is_refined(&coarse[axis], &fine[axis]) && coarse[1 - axis] == fine[1 - axis])
@@ -148,7 +148,7 @@ fn levels_are_computed_when_they_are_asked_for() {
     assert_eq!(one.outcome(), Some(Outcome::Converged));
 }
 
-/// A limit holds for every level; if it is what keeps the fit from its tolerance, that is said.
+/// A limit holds for every level; if it keeps the fit from its tolerance, that is reported.
 #[test]
 fn a_limit_stops_the_fit() {
     let f = |u, v| [u, v, franke(u, v)];
@@ -274,7 +274,7 @@ fn tiny_grids() {
     assert_eq!((levels.len(), outcome), (0, Some(Outcome::Overflow)));
 }
 
-/// Across a crease knots want to be together, and along it there are as few as there can be.
+/// Across a crease knots are close together, and along it there are as few as possible.
 #[test]
 fn creases_take_few_lines() {
     let (_, levels, outcome) = graph(60, 200, 1e-6, |u, _| (u - 29.0 / 59.0).abs());

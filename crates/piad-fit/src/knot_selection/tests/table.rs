@@ -1,6 +1,6 @@
-//! How many control points a tolerance takes, and how many with `splprep` of scipy 1.17.1 (the best
-//! of ten smoothing factors) and `GeomAPI_PointsToBSpline` of OpenCASCADE 7.9, all of them cubic:
-//! `benches/tolerance` compares them through the API.
+//! The number of control points for a tolerance, and how many with `splprep` of scipy 1.17.1 (the
+//! best of ten smoothing factors) and `GeomAPI_PointsToBSpline` of OpenCASCADE 7.9, all of them
+//! cubic: `benches/tolerance` compares them through the API.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! What collocation matrices and their factorizations are held to.
+//! Tests of collocation matrices and their factorizations.
 
 use std::sync::Arc;
 

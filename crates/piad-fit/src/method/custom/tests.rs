@@ -1,4 +1,4 @@
-//! The methods that are special cases of a given transform, and what is refused.
+//! The methods that are special cases of a given transform, and refused matrices.
 
 use nalgebra::{Complex, DMatrix};
 
@@ -209,7 +209,7 @@ fn one_matrix_serves_both_directions() {
     assert_eq!(error.place, Place::Transform(Axis::V));
 }
 
-/// Every mistake names its place.
+/// Every validation error names its location.
 #[test]
 fn wrong_matrices_are_refused() {
     let identity = rows(&DMatrix::identity(30, 30));

@@ -1,12 +1,12 @@
-//! Conjugate gradients of the normal equations (CGLS), preconditioned with D, for each coordinate by
-//! itself. With projected gradients all directions are among those that conditions leave free.
+//! Conjugate gradients of the normal equations (CGLS), preconditioned with D, for each coordinate
+//! by itself. With projected gradients all directions satisfy the conditions.
 
 use super::objective::Objective;
 use crate::data::points::Points;
 use crate::method::equations::Equations;
 use crate::method::update::State;
 
-/// What conjugate gradients remember.
+/// The state of conjugate gradients.
 #[derive(Clone, Debug)]
 pub(super) struct Conjugate {
     /// The directions d of the last step, one for each coordinate.
@@ -15,12 +15,12 @@ pub(super) struct Conjugate {
     image: Vec<f64>,
     /// `gᵀ D g` of each coordinate.
     gamma: Vec<f64>,
-    /// Whether there was a step.
+    /// True if there was a step.
     begun: bool,
 }
 
 impl Conjugate {
-    /// Before the first step of so many control points and data points.
+    /// The state before the first step, for these numbers of control points and data points.
     pub(super) fn new(dimension: usize, control_points: usize, data_points: usize) -> Self {
         Self {
             direction: Points::zeros(dimension, control_points),
@@ -59,7 +59,7 @@ impl Conjugate {
                 missing.clear(&mut self.image);
             }
             let curvature = objective.curvature(direction, &self.image, *unit);
-            // At the minimum there is nowhere to go.
+            // At the minimum there is no direction.
             let alpha = if curvature > 0.0 {
                 gamma / curvature
             } else {

@@ -1,9 +1,8 @@
-//! Minima that obey and weigh more than distances, over knots that a schedule chooses: constraints,
-//! fairness, weights of data, free ends.
+//! Minima with more than distances, over knots that a schedule chooses: constraints, fairness,
+//! weights of data, free ends.
 //!
-//! They are those of the direct variant, as far as [`AT_ONCE`] multiplications go. Where a surface
-//! takes more, conjugate gradients lead from the surface before to near the minimum; they obey the
-//! same conditions.
+//! The direct variant computes them in up to [`AT_ONCE`] multiplications. For surfaces that take more,
+//! conjugate gradients lead from the previous surface to near the minimum, under the same conditions.
 
 use std::sync::Arc;
 
@@ -29,7 +28,7 @@ const AT_ONCE: usize = 100_000_000;
 /// The most steps of conjugate gradients.
 const STEPS: usize = 200;
 
-/// What is minimized, over any knots.
+/// The objective, over any knots.
 #[derive(Clone, Debug)]
 pub(crate) struct Constrained {
     setup: Arc<Setup>,
@@ -64,7 +63,7 @@ impl Constrained {
     }
 
     /// The minimum over the knots of each direction, in control points of these lines. A surface
-    /// that takes many steps goes on from control points near it.
+    /// that takes many steps starts from control points near it.
     pub(crate) fn minimum(
         &self,
         lines: &[Breaks],

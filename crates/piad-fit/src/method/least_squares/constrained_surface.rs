@@ -1,6 +1,6 @@
-//! Surfaces that obey and weigh more than distances, over knots that a schedule chooses.
+//! Surfaces with constraints or more than distances, over knots that a schedule chooses.
 //!
-//! What is known of their data is that of scattered points, also where the points are a grid.
+//! Their data are treated as scattered points, also where they are a grid.
 
 use std::sync::Arc;
 
@@ -12,13 +12,13 @@ use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
 use crate::setup::Setup;
 
-/// The data of a surface, and what is minimized.
+/// The data of a surface, and the objective.
 #[derive(Debug)]
 pub(crate) struct ConstrainedSurface {
     scattered: ScatteredData,
-    /// What is minimized.
+    /// The objective.
     constrained: Constrained,
-    /// Whether a fairness term keeps the surface away from its data.
+    /// True if a fairness term keeps the surface away from its data.
     fair: bool,
 }
 

@@ -1,5 +1,5 @@
-//! The fairness that noisy data ask for, by generalised cross-validation (Craven, Wahba, *Smoothing noisy data with
-//! spline functions*, Numer. Math. 31 (1979)):
+//! The fairness for noisy data, by generalised cross-validation (Craven, Wahba, *Smoothing noisy data with spline
+//! functions*, Numer. Math. 31 (1979)):
 //!
 //! ```text
 //! V(f) = (1/Σω) Σ ω_i ‖P_i − C_f(t_i)‖² / (1 − tr H_f / n)²,   tr H_f = tr (M + f K)⁻¹ M
@@ -28,7 +28,7 @@ use band::Band;
 /// Values of f: powers of ten from this one on, by quarters.
 const FIRST_POWER: f64 = -14.0;
 
-/// How many values there are, up to ten.
+/// The number of values, up to ten.
 const VALUES: usize = 61;
 
 /// A score that is at most this multiple of the smallest is as good.
@@ -54,7 +54,7 @@ const VALUES_OF_SURFACES: usize = 22;
 ///
 /// # Errors
 ///
-/// Why the data choose none.
+/// Why the data determine none.
 pub(crate) fn chosen(
     setup: &Setup,
     settings: &LeastSquares,
@@ -107,12 +107,12 @@ const TOO_MANY: &str =
     "there are too many control points for the data to choose it: give a number, or fewer of them";
 
 /// The data determine no curve with any fairness.
-const UNKNOWN: &str = "the data do not say what is noise: give a number, or fewer control points";
+const UNKNOWN: &str = "the data do not determine the noise: give a number, or fewer control points";
 
 /// They have no noise.
-const NOTHING: &str = "the data have no noise, so that nothing is to be smoothed: leave fairness out, or give a number";
+const NOTHING: &str = "the data have no noise, so that there is nothing to smooth: leave fairness out, or give a number";
 
-/// What is known of a value of f.
+/// The result for a value of f.
 struct Score {
     /// V.
     value: f64,
@@ -211,7 +211,7 @@ impl<'a> Equations<'a> {
         })
     }
 
-    /// About how many multiplications the choice takes for a surface.
+    /// The approximate number of multiplications that the choice takes for a surface.
     fn cost(&self) -> usize {
         let band = self.data.width.saturating_mul(self.data.width);
         let factor = self.places.len().saturating_mul(band);

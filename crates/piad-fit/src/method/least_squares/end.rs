@@ -1,4 +1,4 @@
-//! When a least-squares fit is at its minimum.
+//! The end of a least-squares fit at its minimum.
 //!
 //! With the [objective](super::objective) f and its gradient g, f lies above its minimum f* by
 //!
@@ -6,11 +6,11 @@
 //! f − f* = gᵀ N⁻¹ g,   N = AᵀΩA + w H
 //! ```
 //!
-//! exactly, whatever the variant (with conditions by the projected step N⁻¹ g): a small step says nothing of it, as slow methods take small steps
-//! far from the minimum. So when the length of the residual has nearly stopped falling, the normal
-//! equations are solved for g, and the fit ends where f − f* is a small part of f. Where their
-//! factorization would take too long (large surfaces with holes) f − f* is what is left of
-//! decreases that go on shrinking by the same factor (Aitken).
+//! exactly, whatever the variant (with conditions by the projected step N⁻¹ g): the step length does not show it, as
+//! slow methods take small steps far from the minimum. So when the length of the residual has nearly stopped falling,
+//! the normal equations are solved for g, and the fit ends where f − f* is a small part of f. Where their factorization
+//! would take too long (large surfaces with holes) f − f* is what is left of decreases that continue shrinking by the
+//! same factor (Aitken).
 //!
 //! Where the data lie on the curve, f falls to rounding and f* is zero: that is the end, too.
 
@@ -32,7 +32,7 @@ const SLOW: f64 = 1e-6;
 /// A fit is at its minimum if its objective is above it by at most this part.
 const NEAR: f64 = 1e-6;
 
-/// A residual that grows by more than this part, and not at the minimum, goes on growing.
+/// A residual that grows by more than this part, away from the minimum, keeps growing.
 const GROWS: f64 = 1e-12;
 
 /// Residuals whose mean is below this part of the data are rounding.
@@ -41,7 +41,7 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// The most multiplications of a factorization for the sake of the end.
 const MOST: usize = 200_000_000;
 
-/// How far the minimum is.
+/// Distance from the minimum.
 #[derive(Clone, Debug)]
 pub(super) struct End {
     /// A power of two for all coordinates, as they are squared.
@@ -50,11 +50,11 @@ pub(super) struct End {
     last: Option<f64>,
     /// Its decrease.
     fall: f64,
-    /// Whether the normal equations can be solved in a short time.
+    /// True if the normal equations can be solved in a short time.
     solvable: bool,
     /// True if the normal equations are summed up as products for that.
     sums_products: bool,
-    /// What every level obeys.
+    /// The conditions of every level.
     conditions: Vec<Condition>,
     /// The normal equations, once they were needed.
     solver: Option<Arc<Solver>>,
@@ -81,7 +81,7 @@ impl End {
         }
     }
 
-    /// Whether the fit ends at the level that was measured last.
+    /// The outcome if the fit ends at the level that was measured last.
     pub(super) fn outcome(&self) -> Option<Outcome> {
         self.outcome
     }
@@ -125,7 +125,7 @@ impl End {
         }
     }
 
-    /// Whether a sum of squares is no more than rounding of the data leaves.
+    /// Returns true if a sum of squares is no more than rounding of the data leaves.
     fn is_rounding(&self, equations: &Equations, value: f64) -> bool {
         let coordinates = equations.setup.data().lanes().iter();
         let coordinates = coordinates.flat_map(|lane| lane.iter());

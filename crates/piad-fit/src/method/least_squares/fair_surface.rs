@@ -15,15 +15,15 @@ use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceL
 use crate::linear::stencil::Stencil;
 use crate::setup::Setup;
 
-/// How fair a surface is that is kept near its data where there are none, and how stiff its gaps are; both are lowered by
-/// decades as far as its tolerance asks for.
+/// The fairness of a surface that is kept near its data where there are none, and the stiffness of its gaps; both are
+/// lowered by decades down to its tolerance.
 const FAIRNESS: f64 = 1e-9;
 const STIFFNESS: f64 = 1e-6;
 
-/// How often they are lowered.
+/// The number of times that they are lowered.
 const DECADES: i32 = 6;
 
-/// Less energy that lowers the largest distance by less than this part of it is not what the tolerance asks for.
+/// Less energy is not needed if it lowers the largest distance by less than this part of it.
 const GAIN: f64 = 0.01;
 
 /// Normal equations may have this many numbers more than the matrix of the data.
@@ -33,7 +33,7 @@ pub(crate) const MORE_NUMBERS: usize = 1_000_000;
 #[derive(Debug)]
 pub(crate) struct FairSurface {
     setup: Arc<Setup>,
-    /// With less and less energy, of which the first is taken that is within the tolerance.
+    /// With less and less energy, until the surface is within the tolerance.
     settings: Vec<LeastSquares>,
     scattered: ScatteredData,
 }

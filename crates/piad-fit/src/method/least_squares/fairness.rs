@@ -1,4 +1,4 @@
-//! Fairness: how much a curve or a surface bends.
+//! Fairness: a measure of bending.
 //!
 //! ```text
 //! w ∫ ‖C^(r)‖² dt = w Xᵀ H X,   H_ij = ∫ B_i^(r) B_j^(r) dt
@@ -122,7 +122,7 @@ impl Energy {
         }
     }
 
-    /// The entries of `w H` of a surface, by the rows and columns of two control points; those that come again add up.
+    /// The entries of `w H` of a surface, by the rows and columns of two control points; repeated entries add up.
     pub(super) fn each_entry(&self, mut visit: impl FnMut([usize; 2], [usize; 2], f64)) {
         for Term { factor, u, v } in &self.terms {
             let Some(v) = v else { continue };
@@ -155,8 +155,8 @@ impl Energy {
         }
     }
 
-    /// About how many multiplications take as long as all integrals of products: each product is looked
-    /// for among those of its function, four in the time of a multiplication.
+    /// The cost, in multiplications, of all integrals of products: each product is searched for among those of its
+    /// function, four in the time of a multiplication.
     pub(super) fn cost(setup: &Setup, order: usize) -> usize {
         let of = |direction: &Direction| {
             let width = direction.basis.degree() + 1;
@@ -166,7 +166,7 @@ impl Energy {
         grams.saturating_mul(order + 1)
     }
 
-    /// How many rows there are.
+    /// The number of rows.
     pub(super) fn count(setup: &Setup, settings: &LeastSquares) -> usize {
         let gaps = settings.gap_stiffness().map_or(0, |_| Gaps::count(setup));
         let bending = settings

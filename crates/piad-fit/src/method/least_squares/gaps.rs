@@ -53,7 +53,7 @@ impl Gaps {
         })
     }
 
-    /// How many rows they have.
+    /// The number of their rows.
     pub(super) fn count(setup: &Setup) -> usize {
         let width = |direction: &Direction| direction.basis.degree() + 1;
         let nodes = setup.directions().map(width).product::<usize>();

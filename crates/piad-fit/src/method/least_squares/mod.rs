@@ -4,7 +4,7 @@
 //! X ← X + D Aᵀ (P − A X),   A[i][j] = B_j(t_i)
 //! ```
 //!
-//! Data points can have weights, the curve can be fair, and every level can obey conditions; by
+//! Data points can have weights, the curve can be fair, and every level can satisfy conditions; by
 //! default it passes through its first and its last data point, and a surface through its corners.
 //!
 //! A is the rectangular collocation matrix, m + 1 data points × n + 1 control points. Level 0 are
@@ -23,8 +23,9 @@
 //!
 //! - [`start`]: level 0; [`steps`]: steps along the gradient, and what all variants share;
 //! - [`conjugate`]: conjugate gradients; [`solver`]: the normal equations, solved;
-//! - [`objective`]: what is made small, with [`fairness`], which the data may choose ([`cross_validation`]), and the stiffness of [`gaps`]; [`end`]: how far it is above its minimum;
-//! - [`constraints`]: what every level obeys.
+//! - [`objective`]: the objective, with [`fairness`], which the data may choose ([`cross_validation`]), and the
+//!   stiffness of [`gaps`]; [`end`]: its distance from the minimum;
+//! - [`constraints`]: the conditions of every level.
 
 mod conjugate;
 pub(crate) mod constrained;
@@ -166,7 +167,7 @@ impl Scheme for LeastSquares {
         &ABOUT
     }
 
-    /// A given μ must be positive; one that is too large shows itself, as the residual grows.
+    /// A given μ must be positive; one that is too large makes the residual grow.
     fn check(&self, scope: &Scope<'_>) -> Result<(), Invalid> {
         let lines = [(Axis::U, self.u), (Axis::V, self.v)];
         let fixed = self.automatic.is_none();
@@ -235,12 +236,12 @@ impl Scheme for LeastSquares {
         }
     }
 
-    /// Those that were asked for.
+    /// The requested numbers of control points.
     fn control_points(&self) -> Option<(usize, usize)> {
         Some((self.u, self.v))
     }
 
-    /// Points without data have no residual, and pull at nothing.
+    /// Points without data have no residual, and no effect.
     fn fits_holes(&self) -> bool {
         true
     }
@@ -250,8 +251,8 @@ impl Scheme for LeastSquares {
         true
     }
 
-    /// The gradient, for conjugate gradients the direction and its image, and the factorization that
-    /// tells how far the minimum is.
+    /// The gradient, for conjugate gradients the direction and its image, and the factorization that measures the
+    /// distance to the minimum.
     fn demand(&self) -> Demand {
         Demand {
             vectors: if self.fairness().is_some() {

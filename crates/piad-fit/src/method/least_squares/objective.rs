@@ -1,4 +1,4 @@
-//! What a least-squares fit makes small:
+//! The objective of a least-squares fit:
 //!
 //! ```text
 //! f(X) = Σ_i ω_i ‖P_i − (A X)_i‖² + w Xᵀ H X,   −∇f/2 = g = Aᵀ Ω (P − A X) − w H X
@@ -19,7 +19,7 @@ use crate::setup::Setup;
 /// Column sums below this part of the largest belong to control points without data.
 pub(super) const NO_DATA: f64 = 1e-12;
 
-/// What is made small.
+/// The objective.
 #[derive(Clone, Debug)]
 pub(super) struct Objective {
     weights: Option<Arc<[f64]>>,
@@ -50,7 +50,7 @@ impl Objective {
         self.energy.as_deref()
     }
 
-    /// Whether the normal equations of a whole grid are a product of those of both directions.
+    /// Returns true if the normal equations of a whole grid are a product of those of both directions.
     pub(super) fn is_separable(&self) -> bool {
         self.weights.is_none() && self.energy.is_none()
     }

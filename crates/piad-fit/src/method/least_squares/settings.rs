@@ -1,4 +1,4 @@
-//! What can be chosen of a least-squares fit.
+//! Settings of a least-squares fit.
 
 use std::sync::Arc;
 
@@ -23,22 +23,22 @@ pub struct LeastSquares {
     pub u: usize,
     /// The number of control points in the v direction of a surface.
     pub v: usize,
-    /// Whether the fit chooses their number, and its knots, by itself.
+    /// Settings of a fit that chooses the number of control points, and the knots, itself.
     pub automatic: Option<Automatic>,
     /// How the control points move.
     pub variant: Variant,
-    /// Whether the end points are interpolated.
+    /// The choice to interpolate the end points.
     pub ends: EndPoints,
-    /// What every level obeys, besides the end points.
+    /// Constraints of every level, besides the end points.
     pub constraints: Arc<[Constraint]>,
-    /// How smooth it is to be, at the cost of its distances.
+    /// The fairness, at the cost of distances.
     pub fairness: Option<Fairness>,
     /// The multiple g of the membrane energy over the spans of a surface that have no data, free of units like that of
     /// fairness: see `super::gaps`. Without it there is some with fairness.
     pub gap_stiffness: Option<f64>,
-    /// How much each data point counts; all of them 1 without it.
+    /// The weight of each data point; `None` means 1.
     pub data_weights: Option<Arc<[f64]>>,
-    /// True if points that are far from where their neighbours lead are left out.
+    /// True if outliers are left out.
     #[cfg_attr(feature = "serde", serde(default))]
     pub robust: bool,
 }
@@ -47,7 +47,7 @@ pub struct LeastSquares {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Automatic {
-    /// Whether parameters move to the foot points of their data.
+    /// True if parameters move to the foot points of their data.
     pub correct_parameters: bool,
 }
 
@@ -79,7 +79,7 @@ impl LeastSquares {
             && self.ends != EndPoints::Interpolated
     }
 
-    /// So many control points in both directions, and all else as is usual.
+    /// This number of control points in each direction, and defaults for the rest.
     pub fn new(u: usize, v: usize) -> Self {
         Self {
             u,
@@ -156,7 +156,7 @@ impl LeastSquares {
         }
     }
 
-    /// What brings a minimum nearer to the data.
+    /// Advice on how to bring a minimum nearer to the data.
     pub(crate) fn advice_at_minimum(&self) -> String {
         let mut advice = match self.automatic {
             Some(_) => vec![
@@ -176,7 +176,7 @@ impl LeastSquares {
         advice.join(", or ")
     }
 
-    /// Whether all data points count alike, and nothing but their distances does.
+    /// Returns true if all data points count alike, and nothing but their distances does.
     pub(super) fn is_separable(&self) -> bool {
         self.data_weights.is_none() && !self.has_energy()
     }
@@ -207,8 +207,8 @@ impl LeastSquares {
     }
 }
 
-/// Whether a curve passes through its first and its last data point, and a surface through those of
-/// its four corners.
+/// The choice of a curve to pass through its first and last data point, and of a surface to pass through its four
+/// corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -255,7 +255,7 @@ pub enum Variant {
 }
 
 impl Fairness {
-    /// By the second derivative, as much as the data ask for.
+    /// By the second derivative, with a weight that the data determine.
     pub const BY_DATA: Self = Self {
         value: 0.0,
         order: 2,
@@ -275,9 +275,7 @@ impl Fairness {
             2 | 3 => Ok(()),
             _ => Err(Invalid::at(
                 Place::Setting(Setting::FairnessOrder),
-                format!(
-                    "fairness is by the second or the third derivative, and order {order} is asked for"
-                ),
+                format!("fairness_order is {order}; expected 2 or 3"),
             )),
         }
     }

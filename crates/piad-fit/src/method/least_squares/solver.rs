@@ -1,14 +1,15 @@
-//! The normal equations `N δ = g`, `N = AᵀΩA + w H`, solved: a step of their solution leads to the
-//! minimum, with the projection of metric N⁻¹ to the one that obeys all conditions.
+//! Solves the normal equations `N δ = g`, `N = AᵀΩA + w H`: a step of their solution leads to the minimum, with the
+//! projection of metric N⁻¹ to the minimum under all conditions.
 //!
 //! The rows of A, of a root of `w H`, and of the conditions (whose squares do not change a minimum
-//! among points that obey) are factorized by rotations, `A = Q R`, in O(m p²) for B-splines: of a surface in both directions,
-//! `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if all its points are there and count alike, without `w H`. Otherwise the matrix of the whole
-//! surface is, as far as [`MOST`] multiplications go. A step is solved for twice, the second time
-//! for what rounding has left of the gradient (corrected seminormal equations, Björck 1987), so that
-//! it is as exact as by orthogonal transformations. Where rotations would take more than [`MOST_ROTATIONS`]
-//! multiplications, the products N are summed up and decomposed instead, and the step is refined more often; so it is
-//! with conditions, as their decomposition multiplies rounding with the square of their condition.
+//! among feasible points) are factorized by rotations, `A = Q R`, in O(m p²) for B-splines. The matrices of
+//! the two directions of a surface are factorized separately, `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if no point is
+//! missing, all weights are equal and there is no `w H`; otherwise that of the whole surface is, if this takes at
+//! most [`MOST`] multiplications. A step is solved twice, the second time with the gradient that
+//! rounding has left (corrected seminormal equations, Björck 1987), so that it is as exact as by
+//! orthogonal transformations. If rotations would take more than [`MOST_ROTATIONS`] multiplications,
+//! N is computed and decomposed instead, with more refinements of the step; the same holds with
+//! conditions, as their decomposition multiplies rounding errors by the square of the condition number.
 
 use super::constraints::{Condition, Projection, Tangents};
 use super::fairness::Energy;
@@ -49,9 +50,9 @@ pub(super) struct Solver {
     v: Option<Triangular>,
     /// The arrangement of the control points.
     grid: Grid,
-    /// What every level obeys.
+    /// The conditions that every level satisfies.
     projection: Option<Projection>,
-    /// How often a step is refined.
+    /// The number of refinements of a step.
     refinements: usize,
 }
 
@@ -196,7 +197,7 @@ struct Additional<'a> {
     objective: &'a Objective,
     conditions: &'a [Condition],
     scale: &'a [f64],
-    /// Whether the products of columns are summed up, rather than rows rotated.
+    /// True if the products of columns are summed up, rather than rows rotated.
     sums_products: bool,
 }
 
@@ -223,14 +224,14 @@ impl Additional<'_> {
     }
 }
 
-/// Whether the normal equations of a surface are those of the whole grid, rather than of both
-/// directions: the objective may not be `separable`.
+/// Returns true if the normal equations of a surface are those of the whole grid, rather than of both directions: the
+/// objective may not be `separable`.
 pub(super) fn is_whole(setup: &Setup, separable: bool) -> bool {
     let scattered = setup.is_scattered();
     setup.v().is_some() && (scattered || setup.missing().is_some() || !separable)
 }
 
-/// About how many multiplications the factorization takes.
+/// The approximate number of multiplications that the factorization takes.
 pub(super) fn cost(setup: &Setup, settings: &LeastSquares) -> usize {
     match setup.v() {
         Some(v) if sums_products(setup, settings) => {
@@ -321,7 +322,7 @@ pub(super) fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
     }
 }
 
-/// The rows of the matrix of one direction, with a factor each.
+/// The objective.
 fn line(matrix: &Collocation, direction: &Direction, factor: impl Fn(usize) -> f64) -> Rows {
     let (places, width) = places(matrix, direction);
     let mut rows = Rows::new(places, width);

@@ -1,5 +1,5 @@
-//! Steps along the gradient, `X ← X + D g`, and what all variants share: D, the gradient, what every
-//! level obeys, and the end.
+//! Steps along the gradient, `X ← X + D g`, and what all variants share: D, the gradient, the
+//! conditions of every level, and the end.
 
 use std::sync::Arc;
 
@@ -19,11 +19,11 @@ use crate::termination::Outcome;
 /// The update of all variants.
 #[derive(Clone, Debug)]
 pub(super) struct Steps {
-    /// What is made small.
+    /// The objective.
     objective: Objective,
-    /// The diagonal of D.
+    /// The distance of the minimum, if the fit can end there.
     scale: Vec<f64>,
-    /// The projection that keeps what every level obeys, with the metric D.
+    /// The projection that keeps the conditions of every level, with the metric D.
     projection: Option<Arc<Projection>>,
     /// Powers of two that bring each coordinate to the order of one, so that squares neither over-
     /// nor underflow.
@@ -45,7 +45,7 @@ pub(super) struct Steps {
 /// How the step follows from the gradient.
 #[derive(Clone, Debug)]
 enum Kind {
-    /// It is a multiple of it, for each control point by itself.
+    /// It is a multiple of it, for each control point separately.
     Multiple,
     /// By the steps before.
     Conjugate(Conjugate),
@@ -110,7 +110,7 @@ impl Steps {
         self.reversed
     }
 
-    /// Takes back what rounding has moved control points away from what they obey.
+    /// Corrects the drift of control points from the conditions by rounding.
     fn correct(&self, state: &mut State) {
         let Some(projection) = &self.projection else {
             return;
@@ -121,7 +121,7 @@ impl Steps {
             .for_each(|(c, x)| projection.correct(c, x));
     }
 
-    /// How many control points have no data in the support of their basis function.
+    /// The number of control points without data in the support of their basis function.
     pub(super) fn without_data(equations: &Equations, settings: &LeastSquares) -> usize {
         let objective = Objective::new(&equations.setup, settings);
         let conditions = conditions(&equations.setup, settings);
@@ -130,7 +130,7 @@ impl Steps {
     }
 }
 
-/// What every level obeys. A validated problem has conditions that can be obeyed.
+/// The conditions of every level. In a validated problem they can be satisfied.
 fn conditions(setup: &Setup, settings: &LeastSquares) -> Vec<Condition> {
     independent(setup, settings).unwrap_or_default()
 }
@@ -171,7 +171,7 @@ impl Update for Steps {
         Change::All { moved }
     }
 
-    /// Level 0 obeys, too.
+    /// Level 0 satisfies them, too.
     fn begin(&mut self, equations: &Equations, state: &mut State) {
         if self.projection.is_some() {
             // The second time for what rounding leaves of a large correction.

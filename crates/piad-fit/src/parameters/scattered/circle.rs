@@ -1,4 +1,4 @@
-//! Angles around a centre: whether points go all around, and from where on they are counted.
+//! Angles around a centre: whether points go all around, and the origin of the angles.
 
 use std::f64::consts::TAU;
 

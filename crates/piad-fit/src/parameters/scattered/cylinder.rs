@@ -1,8 +1,8 @@
 //! The cylinder nearest to points: u goes around it, a length on it, and v along its axis.
 //!
-//! Its axis is looked for among the direction that the normals of the points have least of and the principal axes of the
-//! points, each with the circle of Kåsa (1976) across it; from the best of them Gauss–Newton steps lead to the least sum of
-//! squared distances.
+//! Its axis is searched for among the direction that the normals of the points have least of and the principal axes of
+//! the points, each with the circle of Kåsa (1976) across it; from the best of them Gauss–Newton steps lead to the
+//! least sum of squared distances.
 
 use std::sync::Arc;
 
@@ -28,13 +28,13 @@ const LARGEST_RADIUS: f64 = 1e4;
 /// have .35, those of an ellipse whose axes are one and two .23.
 const FARTHEST: f64 = 0.3;
 
-/// The cylinder near points, as far as it is known.
+/// The cylinder near points, as far as it is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cylinder {
-    /// The direction of its axis; without it that nearest to the points.
+    /// The direction of its axis; `None` means that nearest to the points.
     pub axis: Option<[f64; 3]>,
-    /// A place on its axis; likewise.
+    /// A place on its axis; `None` means that nearest to the points.
     pub center: Option<[f64; 3]>,
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Fit {
 }
 
 impl Cylinder {
-    /// Around it and along it; closed where the points go all around, or where that is asked for.
+    /// Around it and along it; closed where the points go all around, or where requested.
     pub(super) fn parameters(&self, points: &Points, is_closed: bool) -> Result<Pairs, Invalid> {
         let cloud = Cloud::new(points, "cylinder")?;
         let fit = self.fit(&cloud)?;
@@ -74,7 +74,7 @@ impl Cylinder {
         })
     }
 
-    /// The same with all that is not given.
+    /// The same with its defaults filled in.
     pub(super) fn known(&self, points: &Points) -> Result<Self, Invalid> {
         let cloud = Cloud::new(points, "cylinder")?;
         let fit = self.fit(&cloud)?;

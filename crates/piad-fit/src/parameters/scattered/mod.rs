@@ -1,9 +1,6 @@
 //! Parameters of scattered points of a surface: each has a (u, v) of its own.
 //!
-//! They are given, or they are places on a simple surface near the points: a [`plane`], a [`cylinder`] or a [`sphere`],
-//! or that of them which unfolds the points best ([`unfolding`]), or they are two of the points' own coordinates. All of
-//! them are lengths in the unit of the points. A direction that goes all around a cylinder or a sphere is closed. They do
-//! not depend on the order of the points but for rounding.
+//! Parameters of scattered points of a surface: each has its own (u, v).
 
 mod circle;
 mod cylinder;
@@ -33,12 +30,12 @@ use mesh::{Choice, Solved};
 use plane::{Plane, no_plane, no_third_coordinate};
 use unfolding::Neighbourhoods;
 
-/// How scattered points get their parameters.
+/// The rule for the parameters of scattered points.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Scattered {
-    /// As they are given, u and v of each point.
+    /// Given u and v of each point.
     Given(Pairs),
     /// Their places on a plane, a cylinder or a sphere, whichever unfolds them best.
     Auto,
@@ -81,8 +78,8 @@ impl CoordinatePlane {
 }
 
 impl Scattered {
-    /// The parameters u and v of all points, finite numbers. A closed direction that is asked for is closed also where the
-    /// points do not go all around.
+    /// The parameters u and v of all points, finite numbers. A direction that is requested as closed is closed even if
+    /// the points do not go all around.
     ///
     /// # Errors
     ///
@@ -133,8 +130,8 @@ impl Scattered {
         Ok(pairs)
     }
 
-    /// The rule that is taken for points: itself, or of `Auto` the one that unfolds them best. Of the rules on which points
-    /// do not fold the first one is taken that keeps nearly as many neighbours together as the best: the plane nearest to
+    /// The rule for points: itself, or for `Auto` the one that unfolds them best. Among the rules on which points do
+    /// not fold, the first one is taken that keeps nearly as many neighbours together as the best: the plane nearest to
     /// the points, those of two coordinates, a cylinder, a sphere.
     ///
     /// # Errors
@@ -186,7 +183,7 @@ impl Scattered {
         }
     }
 
-    /// What is found out about a mesh at once; `None` of other rules.
+    /// Measures of a mesh that are found with its parameters; `None` for other rules.
     ///
     /// # Errors
     ///
@@ -211,7 +208,7 @@ impl Scattered {
         }))
     }
 
-    /// The rule that is taken for a mesh.
+    /// The rule for a mesh.
     fn of_mesh(mesh: &Mesh, choice: Choice) -> Self {
         match choice {
             Choice::Plane => Self::Plane,

@@ -7,7 +7,7 @@ use rstar::RTree;
 use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
 
-/// The points that decide where an axis or a centre is, and those that have normals.
+/// The points that determine an axis or a centre, and those that have normals.
 const DECIDING: usize = 20_000;
 const WITH_NORMALS: usize = 2_000;
 
@@ -107,7 +107,7 @@ pub(super) fn some<T>(points: &[T], most: usize) -> impl Iterator<Item = &T> + C
     points.iter().step_by(points.len().div_ceil(most).max(1))
 }
 
-/// A surface that points do not have.
+/// An error about a surface that the points do not have.
 pub(super) fn no_surface(detail: impl Into<String>) -> Invalid {
     Invalid::at(Place::Parameters(Axis::U), detail.into())
 }

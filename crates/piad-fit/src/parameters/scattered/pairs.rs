@@ -1,4 +1,4 @@
-//! u and v of scattered points, and how far both directions go.
+//! u and v of scattered points, and the extents of both directions.
 
 use std::sync::Arc;
 
@@ -11,11 +11,11 @@ use crate::invalid::{Axis, Invalid, Place};
 pub struct Pairs {
     /// u and v of each point.
     pub values: Arc<Points>,
-    /// How far u and v go.
+    /// The extents of u and v.
     pub domains: [Domain; 2],
 }
 
-/// How far a direction of scattered points goes.
+/// The extent of a direction of scattered points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -25,7 +25,7 @@ pub enum Domain {
     Data,
     /// It is closed, and repeats after this length.
     Closed(f64),
-    /// From one number to another one. At a pole all points of that edge of the surface are one.
+    /// From one number to another one. At a pole all points of that edge of the surface coincide.
     Between {
         /// Both ends.
         ends: [f64; 2],
@@ -43,7 +43,7 @@ impl Domain {
         }
     }
 
-    /// Which ends are poles.
+    /// The ends that are poles.
     pub fn poles(self) -> [bool; 2] {
         match self {
             Self::Between { poles, .. } => poles,
@@ -62,7 +62,7 @@ impl Domain {
         let wrong = |detail: String| Err(Invalid::at(Place::Parameters(axis), detail));
         if !(low.is_finite() && high.is_finite() && low < high) {
             return wrong(format!(
-                "{low} and {high} are no ends of a direction: the first is less than the second"
+                "{low} and {high} are not the ends of a direction: the first must be less than the second"
             ));
         }
         if poles != [false; 2] && axis == Axis::U {

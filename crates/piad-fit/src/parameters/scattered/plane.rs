@@ -17,7 +17,7 @@ const LINE: f64 = 1e-12;
 /// Coordinate axes whose projection has this length lie nearly in a plane.
 const IN_PLANE: f64 = 0.7;
 
-/// How many planes are looked at for one that outliers do not turn.
+/// The number of rounds to find a plane without the influence of outliers.
 const PLANES: usize = 4;
 
 /// The plane that lies nearest to points.
@@ -115,8 +115,8 @@ impl<'a> Plane<'a> {
     }
 }
 
-/// The points that are nearest to a plane which outliers do not turn: first that of the half that is nearest to their
-/// middle, then that of the three quarters that are nearest to the plane before.
+/// The points nearest to a plane that outliers do not influence: first the half nearest to the middle of the points,
+/// then the three quarters nearest to the plane before.
 pub(crate) fn nearest_to_their_plane(points: &Points) -> Result<Vec<usize>, Invalid> {
     let middle = points.lanes().iter().map(|lane| median(lane.to_vec()));
     let middle: Vec<f64> = middle.collect();

@@ -2,7 +2,7 @@
 //!
 //! One of its sides lies along an edge of their convex hull (Freeman, Shapira 1975).
 
-/// Edges of a hull that are looked at.
+/// Edges of a hull that are examined.
 const EDGES: usize = 1024;
 
 /// A rectangle along a preferred direction may be larger than the least one by this part of it.

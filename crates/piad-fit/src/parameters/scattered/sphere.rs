@@ -27,16 +27,16 @@ const ALL_AROUND: f64 = 0.2;
 /// Points within this angle of their mean direction have it on the equator.
 const PART: f64 = 75.0 * PI / 180.0;
 
-/// Points come to a pole that is nearer to one of them than this.
+/// The surface reaches a pole if it is nearer to a point than this.
 const AT_POLE: f64 = 15.0 * PI / 180.0;
 
-/// The sphere near points, as far as it is known.
+/// The sphere near points, with its known parts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
-    /// Its centre; without it that nearest to the points.
+    /// Its centre; `None` means that nearest to the points.
     pub center: Option<[f64; 3]>,
-    /// The direction from its centre to a pole; without it one that suits the points.
+    /// The direction from its centre to a pole; `None` means one that suits the points.
     pub axis: Option<[f64; 3]>,
 }
 
@@ -48,7 +48,7 @@ pub(super) struct Fit {
 }
 
 impl Sphere {
-    /// Longitude and latitude; closed where the points go all around, or where that is asked for.
+    /// Longitude and latitude; closed where the points go all around, or where requested.
     pub(super) fn parameters(&self, points: &Points, is_closed: bool) -> Result<Pairs, Invalid> {
         let cloud = Cloud::new(points, "sphere")?;
         let fit = self.fit(&cloud)?;
@@ -85,7 +85,7 @@ impl Sphere {
         })
     }
 
-    /// The same with all that is not given.
+    /// The same with its defaults filled in.
     pub(super) fn known(&self, points: &Points) -> Result<Self, Invalid> {
         let cloud = Cloud::new(points, "sphere")?;
         let fit = self.fit(&cloud)?;

@@ -95,7 +95,7 @@ fn cylinders_are_found() {
     }
 }
 
-/// A given axis and centre are taken; a closed direction that is asked for is closed.
+/// A given axis and centre are used; a direction that is requested as closed is closed.
 #[test]
 fn cylinders_are_taken_as_they_are_given() {
     let points = scan(500, 0.5, pipe(200.0));

@@ -7,11 +7,11 @@ use super::normals::some;
 use super::pairs::{Domain, Pairs};
 use crate::data::points::Points;
 
-/// The points that are looked at, and the neighbours of each of them.
+/// The points that are examined, and the neighbours of each of them.
 const SAMPLES: usize = 5_000;
 const NEIGHBOURS: usize = 10;
 
-/// For folds fewer points are looked at, with more neighbours in space: on a steep surface the nearest points by
+/// For folds fewer points are examined, with more neighbours in space: on a steep surface the nearest points by
 /// parameters are not the nearest in space, but not far away there either.
 const FOLD_SAMPLES: usize = 1_000;
 const FOLD_NEIGHBOURS: usize = 60;

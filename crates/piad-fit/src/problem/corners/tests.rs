@@ -1,4 +1,4 @@
-//! Curves with corners, beside what is known of them.
+//! Curves with corners, compared with known properties.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Polylines, beside what is known of them.
+//! Polylines, compared with known properties.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -114,7 +114,7 @@ fn corners_of_polylines_are_kept() {
     assert!(off.iter().all(|off| *off <= 0.0501), "{off:?}");
 }
 
-/// Every kind of mistake at its place.
+/// Every kind of validation error at its location.
 #[test]
 fn what_is_no_polyline_is_named() {
     let place = |points: &[[f64; 2]]| Fit::curve(points).polyline().prepare().unwrap_err().place;

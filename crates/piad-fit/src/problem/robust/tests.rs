@@ -88,7 +88,7 @@ fn the_others_are_fitted_as_if_they_were_alone() {
     }
 }
 
-/// A point through which a constraint leads, and a given corner, is meant.
+/// A point with a constraint, and a given corner, are not outliers.
 #[test]
 fn points_that_are_named_are_no_outliers() {
     let all = oval(&[20, 60]);

@@ -19,10 +19,10 @@ pub(crate) struct CurveShapeView {
     iteration: usize,
     /// The length of the curve.
     length: Option<f64>,
-    /// Where the curvature is least and largest.
+    /// The places where the curvature is least and largest.
     curvature: ExtremesView,
-    /// Parameters at which the derivative vanishes, and near which the curvature may be unbounded: of those that were
-    /// looked at up to 100.
+    /// Parameters at which the derivative vanishes, and near which the curvature may be unbounded: up to 100 of those
+    /// examined.
     degenerate: Vec<f64>,
     /// The continuity at inner knots, and where a closed curve returns to its start.
     continuity: Joints,
@@ -48,7 +48,7 @@ struct Joints {
     knots: Vec<JointView>,
 }
 
-/// The continuity of a curve at a knot: what is guaranteed, and what was measured.
+/// The continuity of a curve at a knot: the guaranteed and the measured one.
 #[derive(Serialize, JsonSchema)]
 #[schemars(rename = "KnotContinuity", extend("examples" = [curve_example()["continuity"]["knots"][0].clone()]))]
 struct JointView {
@@ -56,14 +56,14 @@ struct JointView {
     parameter: f64,
     /// The point there.
     point: Vec<f64>,
-    /// How many times the knot stands there.
+    /// The multiplicity of the knot.
     multiplicity: usize,
     /// The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
     guaranteed: i64,
-    /// The order C that was measured: the number of derivatives that are equal on both sides. It is measured up to 2, and at least what
-    /// is guaranteed.
+    /// The measured order C: the number of derivatives that are equal on both sides. It is measured up to 2, and at
+    /// least the guaranteed order.
     parametric: i64,
-    /// The order G that was found: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
+    /// The measured order G: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
     /// thousandth); −1 is a gap.
     geometric: i64,
     /// The distance between both sides.
@@ -72,7 +72,7 @@ struct JointView {
     angle: Option<f64>,
     /// The curvature before and behind the knot.
     curvature: [Option<f64>; 2],
-    /// How far the curvature vectors of both sides are apart.
+    /// The distance between the curvature vectors of both sides.
     jump: Option<f64>,
 }
 

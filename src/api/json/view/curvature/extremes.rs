@@ -1,4 +1,4 @@
-//! Where curvatures are least and largest, and lists of them.
+//! The places where curvatures are least and largest, and lists of curvatures.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Serialize;

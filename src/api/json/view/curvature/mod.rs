@@ -14,7 +14,7 @@ use curve::{CurveShapeView, curve_example};
 use piad_files::export::shape::Shape;
 use surface::SurfaceShapeView;
 
-/// The shape of an iteration: curvature and its extremes, length or area, and continuity at knots. Null stands where
+/// The shape of an iteration: curvature and its extremes, length or area, and continuity at knots. Null means that
 /// there is no curvature, because a derivative vanishes or a surface has no normal.
 #[derive(Serialize, JsonSchema)]
 #[serde(untagged)]

@@ -19,10 +19,9 @@ pub(crate) struct SurfaceShapeView {
     iteration: usize,
     /// The area of the surface.
     area: Option<f64>,
-    /// Where the principal, Gaussian and mean curvatures are least and largest.
+    /// The places where the principal, Gaussian and mean curvatures are least and largest.
     curvature: SurfaceExtremes,
-    /// Parameters at which there is no normal, and near which curvatures may be unbounded: of those that were looked at
-    /// up to 100.
+    /// Parameters at which there is no normal, and near which curvatures may be unbounded: up to 100 of those examined.
     degenerate: Vec<[f64; 2]>,
     /// The continuity across the lines at inner knots, and where a closed direction returns to its start.
     continuity: Lines,
@@ -78,12 +77,12 @@ struct LinesView {
 struct LineView {
     /// The knot.
     parameter: f64,
-    /// How many times the knot stands there.
+    /// The multiplicity of the knot.
     multiplicity: usize,
     /// The order that the multiplicity m guarantees: C^(p − m) with the degree p; −1 allows a gap.
     guaranteed: i64,
-    /// Where the multiplicity guarantees no tangent plane: the largest angle between the normals of both sides at samples of
-    /// the line, in degrees.
+    /// If the multiplicity guarantees no tangent plane: the largest angle between the normals of both sides at samples
+    /// of the line, in degrees.
     angle: Option<f64>,
 }
 

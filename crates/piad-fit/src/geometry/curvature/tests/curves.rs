@@ -152,7 +152,8 @@ fn lines_are_straight() {
 /// Corners, tangents and curvatures that agree or not.
 #[test]
 fn knots_show_what_is_there() {
-    // A polygon with a corner of 90 degrees, and a knot where it goes on straight with another speed.
+    // A polygon with a corner of 90 degrees, and a knot where it continues straight on with another
+    // speed.
     let polygon = curve(
         line_of(1, &[0.0, 0.0, 1.0, 2.0, 3.0, 3.0]),
         &[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 5.0]],
@@ -201,7 +202,7 @@ fn degenerate_places_have_no_curvature() {
     assert!(shape.samples.curvature[0].is_nan());
     assert!(shape.samples.curvature[1..].iter().all(|x| x.is_finite()));
     assert!(shape.extremes.largest.unwrap().value.is_finite());
-    // A point that is one all along.
+    // A curve that is a single point.
     let shape = shape_of(&curve(bezier(2), &[[1e6, 1.1]; 3]));
     assert_eq!(shape.extremes.largest, None);
     near(shape.length, 0.0, 1e-9);

@@ -1,7 +1,8 @@
-//! After the last attempt: knot lines leave the best surface of a grid, first several at once, then one by one.
+//! After the last attempt: knot lines are removed from the best surface of a grid, first several at once, then one by
+//! one.
 //!
-//! The distances of a direction say how many knots a span asks for, and not that those around a crease want to be together.
-//! Lines that cost least leave until none can be spared.
+//! The distances of a direction give a knot density, but not that knots around a crease belong together. The lines that
+//! cost least are removed until none can be.
 
 use std::sync::Arc;
 
@@ -12,10 +13,10 @@ use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::pruning::{fewer, without};
 
-/// Single lines of a direction that are tried where none before can be spared.
+/// Single lines of a direction that are tried without success.
 const CANDIDATES: usize = 6;
 
-/// At most this part of the lines leaves at once.
+/// At most this part of the lines is removed at once.
 const MOST: usize = 4;
 
 impl SurfaceSchedule {
@@ -49,7 +50,7 @@ impl SurfaceSchedule {
         candidates.any(|line| self.is_within_without(best, axis, line))
     }
 
-    /// Fits over fewer lines of a direction, and hands out the level if it is within the tolerance.
+    /// Fits over fewer lines of a direction, and returns the level if it is within the tolerance.
     fn is_within_without(&mut self, best: &SurfaceLevel, axis: usize, line: Breaks) -> bool {
         if self.prunings == 0 || !line.is_determined(self.data.parameters(axis)) {
             return false;

@@ -47,18 +47,18 @@ pub(in super::super) enum Origin {
     Constraint(usize),
 }
 
-/// Something is asked for where it is not possible.
+/// A condition that is not possible for this fit.
 pub(super) fn unfit(index: usize, detail: &str) -> Invalid {
     let detail = format!("constraint {index} {detail}");
     Invalid::at(Place::Constraint(index), detail)
 }
 
-/// The conditions of a fit: end points to interpolate first, then its constraints, and tangents last. An end point
-/// for which a constraint gives another one is left out, unless the ends are asked for by name.
+/// The conditions of a fit: end points to interpolate first, then its constraints, and tangents last. An end point for
+/// which a constraint gives another one is left out, unless the ends are requested by name.
 ///
 /// # Errors
 ///
-/// The first constraint that is wrong by itself.
+/// The first constraint that is invalid in itself.
 pub(super) fn conditions(
     setup: &Setup,
     settings: &LeastSquares,
@@ -166,7 +166,7 @@ fn end(setup: &Setup, point: usize) -> Option<Condition> {
     })
 }
 
-/// The parameters of a data point; that of v is not looked at on curves.
+/// The parameters of a data point; that of v is ignored on curves.
 fn parameters(setup: &Setup, point: usize) -> [f64; 2] {
     let columns = setup.grid().columns;
     let (row, column) = match setup.is_scattered() {

@@ -50,11 +50,11 @@ pub(in super::super) fn independent(
     Ok(kept)
 }
 
-/// A condition cannot be obeyed together with others, which lead to a value that is `off` by so much.
+/// A condition that contradicts others: they lead to a value that is `off` by this amount.
 fn contradiction(condition: &Condition, kept: &[Condition], sum: &Sum, off: f64) -> Invalid {
     let (others, ends) = names(condition.origin, kept, &sum.factors);
     let advice = match ends {
-        true => ", or let go of the ends by \"end_points\": \"free\"",
+        true => ", or release the ends with \"end_points\": \"free\"",
         false => "",
     };
     let differs = match off.is_finite() {
@@ -192,7 +192,7 @@ impl Orthogonal {
     }
 }
 
-/// What is left of a row when sums of others are taken away, for all control points.
+/// The rest of a row after subtracting sums of others, for all control points.
 struct Remainder(Vec<f64>);
 
 impl Remainder {
@@ -249,7 +249,7 @@ fn names(own: Origin, kept: &[Condition], factors: &[f64]) -> (String, bool) {
         .any(|it| !matches!(it, Origin::Constraint(_)));
     let names: Vec<String> = origins.iter().map(|it| it.name()).collect();
     let name = match &names[..] {
-        [] if all > 0 => "what else it asks for itself".to_owned(),
+        [] if all > 0 => "its other conditions".to_owned(),
         [] => "nothing: no control point takes part in it".to_owned(),
         [only] => only.clone(),
         [first @ .., last] => format!("{} and {last}", first.join(", ")),

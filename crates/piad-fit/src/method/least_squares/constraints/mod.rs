@@ -1,18 +1,18 @@
-//! What a constrained fit obeys: points to pass through, and derivatives.
+//! Conditions of a constrained fit: points to pass through, and derivatives.
 //!
-//! Constraints are linear conditions `C X = R` on the control points, and every level obeys them to
+//! Constraints are linear conditions `C X = R` on the control points, and every level satisfies them to
 //! rounding. With a symmetric positive M, level 0 and every gradient g are projected,
 //!
 //! ```text
 //! S = M Cᵀ (C M Cᵀ)⁻¹,   X⁰ ← X⁰ + S (R − C X⁰),   g ← g − Cᵀ (C M Cᵀ)⁻¹ C M g,   so that C M g = 0
 //! ```
 //!
-//! and a step along M g leaves the conditions as they are. The limit is the solution of the KKT
-//! system, as the part of g that is left out is what constraints hold against.
+//! and a step along M g leaves the conditions as they are. The limit is the solution of the KKT system, as the part of
+//! g that is left out is that of the multipliers.
 //!
 //! - [`conditions`]: from constraints to rows of C and R;
 //! - [`dependence`]: conditions that follow from others, or contradict them;
-//! - [`tangents`]: how long the derivatives are of which only the direction is given;
+//! - [`tangents`]: the lengths of derivatives of which only the direction is given;
 //! - [`projection`]: the projection.
 
 mod conditions;
@@ -31,7 +31,7 @@ pub(super) use tangents::Tangents;
 /// The most conditions of a fit: a constraint along a boundary has one for each control point of it.
 pub const MOST_CONDITIONS: usize = 1000;
 
-/// A condition that every level obeys.
+/// A condition that every level satisfies.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Constraint {

@@ -21,7 +21,7 @@ pub(in super::super) struct Projection {
 enum Metric {
     /// Its diagonal.
     Diagonal(Vec<f64>),
-    /// The inverse of a matrix that somebody else has factorized.
+    /// The inverse of a matrix that is factorized elsewhere.
     Inverse,
 }
 
@@ -47,7 +47,7 @@ impl Projection {
 
     /// With the inverse M of a matrix of this order, which `solve` multiplies with: `C M Cᵀ` is the
     /// Schur complement of the bordered system, made a column at a time. Conditions on control points
-    /// that do not move are left out, as the start obeys them.
+    /// that do not move are left out, as the start satisfies them.
     pub(in super::super) fn inverse(
         conditions: &[Condition],
         order: usize,
@@ -115,7 +115,7 @@ impl Projection {
         values
     }
 
-    /// `x ← x + S (R − C x)` for one coordinate and a diagonal M: x obeys the conditions.
+    /// `x ← x + S (R − C x)` for one coordinate and a diagonal M: then x satisfies the conditions.
     pub(in super::super) fn correct(&self, coordinate: usize, x: &mut [f64]) {
         let Metric::Diagonal(diagonal) = &self.metric else {
             return;

@@ -1,4 +1,4 @@
-//! How long the derivatives are of which only the direction is given.
+//! The lengths of derivatives of which only the direction is given.
 //!
 //! With N the matrix of the normal equations, b = C N⁻¹ AᵀΩP − R and G = C N⁻¹ Cᵀ, the least objective among control
 //! points with `C X = R` is, but for a constant, Σ bᵀ G⁻¹ b over the coordinates. A tangent k has R_k = s_k v_k, with a
@@ -25,7 +25,7 @@ const UNDETERMINED: f64 = 1e-9;
 /// A slope below this part of the largest is none.
 const FLAT: f64 = 1e-12;
 
-/// The tangents among conditions, and what their lengths do to the objective.
+/// The tangents among conditions, and the objective as a function of their lengths.
 pub(in super::super) struct Tangents {
     /// Their places among the conditions.
     places: Vec<usize>,
@@ -35,12 +35,12 @@ pub(in super::super) struct Tangents {
     matrix: DMatrix<f64>,
     /// The vector h.
     slopes: DVector<f64>,
-    /// Whose lengths the data determine.
+    /// The tangents whose lengths the data determine.
     determined: Vec<bool>,
 }
 
 impl Tangents {
-    /// Of conditions with the minimum `N⁻¹ AᵀΩP` that does not obey them, and the weight of each row in N.
+    /// Of conditions with the minimum `N⁻¹ AᵀΩP` that does not satisfy them, and the weight of each row in N.
     pub(in super::super) fn new(
         conditions: &[Condition],
         weights: &[f64],

@@ -76,8 +76,8 @@ fn rms(problem: Fit<crate::Curve>, from: &[[f64; 2]]) -> f64 {
     (squares.sum::<f64>() / from.len() as f64).sqrt()
 }
 
-/// For noise of several sizes on several numbers of points nearly as near to the truth as the best fairness there is, on
-/// average of five. What is flat about the minimum makes the curve a little smoother than that, more so of many data.
+/// For noise of several sizes on several numbers of points nearly as near to the truth as the best fairness there is,
+/// on average of five. As the minimum is flat, the curve is a little smoother than that, more so for many data.
 #[test]
 fn the_choice_is_near_the_best() {
     for (count, size, most) in [(60, 0.15, 1.05), (150, 1.0, 1.15), (600, 1.0, 1.15)] {

@@ -22,7 +22,7 @@ pub(super) struct Boundary {
     pub places: Vec<Vector3<f64>>,
     /// Unit vectors, averaged along the loop.
     pub normals: Vec<Vector3<f64>>,
-    /// How long the loop is up to each vertex, and all of it in the end.
+    /// The length of the loop up to each vertex, and the whole length at the end.
     pub lengths: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! Which rule a mesh gets its parameters by.
+//! The choice of the rule for the parameters of a mesh.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ const MUCH: f64 = 0.5;
 /// A surface that has less of its rectangle on the mesh is compared with mean value coordinates if these fill theirs.
 const FILLED: f64 = 0.95;
 
-/// The rule by which a mesh gets its parameters.
+/// The rule for the parameters of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in super::super) enum Choice {
     Plane,
@@ -41,7 +41,7 @@ pub(super) struct Simple {
 }
 
 impl Simple {
-    /// True if it stretches the mesh so much that something else may be better.
+    /// True if it stretches the mesh so much that another parametrization may be better.
     pub(super) fn stretches_much(&self) -> bool {
         self.stretch.energy > MUCH
     }

@@ -117,7 +117,7 @@ impl Cut {
             };
             for (vertex, steps) in [(from, true), (to, false)] {
                 let vertex = self.path[vertex];
-                // The half-edge of the triangle over which the walk goes on.
+                // The half-edge of the triangle over which the walk continues.
                 let mut at = half_edge;
                 loop {
                     let t = at as usize / 3;

@@ -125,7 +125,7 @@ fn shares(sheet: &Sheet, left: Option<&[[bool; 3]]>) -> Result<(Vec<u32>, Vec<Sh
                 return Err(wrong_at(
                     t,
                     format!(
-                        "points {vertex} and {other} of triangle {t} are at one place: let them be one point"
+                        "points {vertex} and {other} of triangle {t} are at the same place: merge them"
                     ),
                 ));
             }

@@ -4,7 +4,7 @@
 //! mean value coordinates: a mesh with one loop of boundary fills a rectangle ([`rectangle`]), and one with two goes around
 //! ([`tube`]). Small holes are closed before ([`sheet`]).
 //!
-//! - `edges`, `pieces`, `topology`: what is connected with what, and whether it is a surface;
+//! - `edges`, `pieces`, `topology`: connectivity, and the test for a surface;
 //! - `boundary`: a loop as a line; `corners`: the corners of the rectangle; `cut`: a path between two loops;
 //! - `mean_value`: the system; `gradient`: how long u and v are on the mesh; `stretch` and `overlap`: what comes
 //!   of the triangles.
@@ -45,7 +45,7 @@ pub const MAX_TRIANGLES: usize = 4_000_000;
 /// Bytes that a triangle takes while parameters are computed.
 const BYTES: usize = 500;
 
-/// About how many multiplications take as long as the parameters of a triangle.
+/// The cost, in multiplications, of the parameters of a triangle.
 const MULTIPLICATIONS: usize = 8_000;
 
 /// Loops that are shorter than this part of the longest one are holes.
@@ -76,7 +76,7 @@ pub enum MeshUnfolding {
     MeanValue,
 }
 
-/// What is found out about a mesh beside its parameters.
+/// Measures of a mesh with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FoldedTriangles {
@@ -103,15 +103,15 @@ impl Mesh {
         (bytes, multiplications)
     }
 
-    /// The parameters of points; u is closed where they go around, or where that is asked for.
+    /// The parameters of points; u is closed where they go around, or where requested.
     ///
     /// # Errors
     ///
-    /// Why the triangles are no surface, or one that nothing unfolds.
+    /// Why the triangles are no surface, or one that cannot be unfolded.
     pub(super) fn solved(&self, points: &Points, is_closed: bool) -> Result<Solved, Invalid> {
         let count = self.triangles.len();
         if count == 0 {
-            return Err(wrong("a mesh has triangles, and there are none"));
+            return Err(wrong("the mesh has no triangles"));
         }
         self.check_count()?;
         let cloud = Cloud::new(points, "mesh")?;

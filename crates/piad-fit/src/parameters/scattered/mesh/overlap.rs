@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::super::pairs::{Domain, Pairs};
 use super::super::unfolding::unrolled;
 
-/// The triangles that are looked at.
+/// The triangles that are examined.
 const SAMPLES: usize = 64;
 
 /// True if the middle of some triangle lies in another one by its parameters.

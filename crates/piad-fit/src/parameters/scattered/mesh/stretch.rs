@@ -1,4 +1,4 @@
-//! What parameters do to the triangles of a mesh: how much they are stretched, and which are turned over.
+//! Stretch of the triangles of a mesh by their parameters, and which of them are turned over.
 
 use nalgebra::Vector3;
 
@@ -12,7 +12,7 @@ const NO_AREA: f64 = 1e-6;
 /// The most that a triangle counts for.
 const MOST: f64 = 100.0;
 
-/// How triangles come out.
+/// The result for triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
     /// The triangles that are turned over, or have no area, and the first of them.

@@ -1,4 +1,4 @@
-//! Meshes that are surfaces and such that are none, and what becomes of them.
+//! Meshes that are surfaces, and meshes that are not.
 
 use std::f64::consts::{PI, TAU};
 
@@ -385,7 +385,7 @@ fn other_surfaces_are_refused() {
     assert!(detail.contains("closed (no boundary, genus 0)"), "{detail}");
 }
 
-/// What is no surface is refused where it is none.
+/// Meshes that are not surfaces are refused at the first defect.
 #[test]
 fn meshes_that_are_no_surface_are_refused() {
     let points = places(4, 4, |s, t| [s, t, s * t]);

@@ -51,12 +51,12 @@ impl Topology {
     }
 }
 
-/// A mesh that is not as it should be, at all.
+/// A validation error of a mesh.
 pub(super) fn wrong(detail: impl Into<String>) -> Invalid {
     Invalid::at(Place::Parameters(Axis::U), detail)
 }
 
-/// A mesh that is not as it should be, at a triangle.
+/// A validation error of a mesh, at a triangle.
 pub(super) fn wrong_at(triangle: usize, detail: impl Into<String>) -> Invalid {
     Invalid::at(Place::Triangle(triangle), detail)
 }

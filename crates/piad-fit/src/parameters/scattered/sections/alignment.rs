@@ -1,4 +1,4 @@
-//! Where sections start and which way they go: as it suits the one before.
+//! Starts and directions of sections, aligned with the section before.
 
 use super::polyline::Polyline;
 use crate::data::vectors::{dot, minus};
@@ -25,7 +25,7 @@ pub(super) struct Alignment {
 }
 
 impl Alignment {
-    /// A section as it suits the one before it, with this number of places.
+    /// A section aligned with the one before it, with this number of places.
     pub(super) fn after(before: Option<&Self>, section: &Polyline, count: usize) -> Self {
         let as_given = Self::new(section, false, 0.0, count);
         let Some(before) = before else {
@@ -126,7 +126,7 @@ impl Alignment {
     }
 }
 
-/// What is beyond the whole number below.
+/// The fractional part.
 fn fraction(x: f64) -> f64 {
     let fraction = x.rem_euclid(1.0);
     if fraction < 1.0 { fraction } else { 0.0 }

@@ -1,4 +1,4 @@
-//! Sections: curves across a surface, each with points of its own, as many as it has.
+//! Sections: curves across a surface, each with its own number of points.
 //!
 //! v of a point is its chord length along its section, as a part of that of the section, times the mean length of all
 //! sections. u of a section is the mean distance between the sections before it: of places at equal steps along them. Closed
@@ -43,7 +43,7 @@ impl Sections {
         }
     }
 
-    /// The degrees of a surface of which nothing is said: three, or less where there are few sections or points in them.
+    /// The default degrees of a surface: three, or less where there are few sections or points in them.
     #[must_use]
     pub fn usual_degrees(&self) -> [usize; 2] {
         let most = self.counts.iter().max().copied().unwrap_or_default();
@@ -66,7 +66,7 @@ impl Sections {
         }
     }
 
-    /// u between the sections, and v along them, closed also where that is asked for.
+    /// u between the sections, and v along them, closed also where requested.
     pub(super) fn parameters(&self, points: &Points, closed: [bool; 2]) -> Result<Pairs, Invalid> {
         let [u_is_closed, v_is_closed] = closed;
         let asked = v_is_closed.then_some(true).or(self.closed);
@@ -99,7 +99,7 @@ impl Sections {
         })
     }
 
-    /// The same with all that is not given.
+    /// The same with defaults filled in.
     pub(super) fn known(&self, points: &Points) -> Result<Self, Invalid> {
         let is_closed = self
             .polylines(points, self.closed)?
@@ -111,7 +111,7 @@ impl Sections {
         })
     }
 
-    /// The sections by themselves, closed or open as that is asked for, or as their ends show it.
+    /// The sections one by one, closed or open as requested, or by their ends.
     fn polylines(&self, points: &Points, closed: Option<bool>) -> Result<Vec<Polyline>, Invalid> {
         let counts = &self.counts;
         if counts.len() < 2 {
@@ -177,7 +177,7 @@ fn distance(some: &[[f64; 3]], others: &[[f64; 3]]) -> f64 {
     pairs.map(|(a, b)| length(minus(*b, *a))).sum::<f64>() / some.len() as f64
 }
 
-/// A mistake in a section.
+/// A validation error in a section.
 fn wrong(index: usize, detail: String) -> Invalid {
     Invalid::at(Place::Section(index), detail)
 }

@@ -69,7 +69,7 @@ fn open_sections_go_one_way() {
     assert_eq!(pairs.domains, [Domain::Data; 2]);
     let v = pairs.values.lane(1);
     assert!((0..4).all(|k| (v[k] - v[7 - k]).abs() < 1e-12), "{v:?}");
-    // Sections that do not come back are closed if that is asked for.
+    // Sections that do not return to their start are closed if requested.
     let pairs = sections.parameters(&points, [false, true]).unwrap();
     assert!(pairs.domains[1].period().is_some());
 }
