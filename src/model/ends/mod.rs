@@ -28,17 +28,10 @@ names!(EndWord, "rule for ends", [
     "natural" => Natural,
 ]);
 
-/// The ends of a direction.
-#[derive(Clone, Debug, PartialEq)]
+/// How a direction ends.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub(crate) struct EndsInput {
-    start: Option<EndInput>,
-    end: Option<EndInput>,
-}
-
-/// The ends of both sides.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BothEnds {
     start: Option<EndInput>,
     end: Option<EndInput>,
 }
@@ -48,8 +41,7 @@ impl<'de> Object<'de> for EndsInput {
         "\"estimated\", \"repeated\" or \"natural\", or {\"start\": …, \"end\": …}";
 
     fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
-        let BothEnds { start, end } = BothEnds::deserialize(fields)?;
-        Ok(Self { start, end })
+        Self::deserialize(fields)
     }
 
     fn of_name<E: Error>(name: &str) -> Result<Self, E> {
