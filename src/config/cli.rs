@@ -28,7 +28,7 @@ pub struct Cli {
 pub enum Command {
     /// Serve fitting jobs over HTTP (what piad does without a command).
     Serve(Box<Config>),
-    /// Write the settings that a server with these flags, variables and file has, and where each comes from.
+    /// Write the settings of a server with these flags, variables and file, each with its source.
     Config(Box<Config>),
     /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
     Health {

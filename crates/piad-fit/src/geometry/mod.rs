@@ -1,7 +1,7 @@
 //! Curves and surfaces of given control points: evaluation, NURBS form, samples, and distances from data.
 //!
 //! - `evaluation`: points and control nets in any basis; `samples`: points at equal steps of the parameters;
-//! - `nurbs`: the B-spline form that CAD kernels store; `arc_length`: how long it is; `curvature`: its shape;
+//! - `nurbs`: the B-spline form that CAD kernels store; `arc_length`: its length; `curvature`: its shape;
 //! - `norms`: distances from the data at their parameters; `foot`: nearest points, and the distances from them;
 //! - `between`: curves and surfaces that leave their data between neighbours, by more than their `freedom`;
 //! - `fold`: parameters of scattered points that fold;

@@ -81,7 +81,7 @@ impl Domain {
 }
 
 impl Pairs {
-    /// Those of a surface that goes from the least to the largest parameter of each direction.
+    /// The pairs of a surface from the least to the largest parameter of each direction.
     pub fn open(values: Arc<Points>) -> Self {
         Self {
             values,
