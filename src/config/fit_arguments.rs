@@ -72,7 +72,7 @@ pub struct FitArguments {
     #[arg(long, conflicts_with_all = ["surface", "part"], help_heading = "Fit")]
     pub(crate) sections: bool,
 
-    /// The order of the points of a curve: given is that of the file, also where the points seem to have none; nearest puts
+    /// The order of the points of a curve: given is that of the file, even if the points seem unordered; nearest puts
     /// them in the order in which they are near each other.
     #[arg(long, value_name = "ORDER", value_parser = PossibleValuesParser::new(["given", "nearest"]), help_heading = "Fit")]
     pub(crate) order: Option<String>,

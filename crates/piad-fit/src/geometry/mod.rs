@@ -5,7 +5,7 @@
 //! - `norms`: distances from the data at their parameters; `foot`: nearest points, and the distances from them;
 //! - `between`: curves and surfaces that leave their data between neighbours, by more than their `freedom`;
 //! - `fold`: parameters of scattered points that fold;
-//! - `outline`: closed curves in the parameters of a surface between which it is; `trimmed_area`: the
+//! - `outline`: closed curves in the parameters of a surface that bound it; `trimmed_area`: the
 //!   area of that part.
 
 pub(crate) mod arc_length;

@@ -1,4 +1,4 @@
-//! OBJ files: the vertices of a mesh are points, between which its faces are, and each polyline is a curve. Free-form
+//! OBJ files: the vertices of a mesh are points, connected by its faces, and each polyline is a curve. Free-form
 //! geometry is not read.
 //!
 //! - `statements`: lines and their keywords;

@@ -89,7 +89,7 @@ impl Pairs {
         }
     }
 
-    /// u or v of all points, and how far they go.
+    /// u or v of all points, and its domain.
     pub(crate) fn direction(&self, axis: usize) -> (Vec<f64>, Domain) {
         (self.values.lane(axis).to_vec(), self.domains[axis])
     }
