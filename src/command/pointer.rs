@@ -16,7 +16,7 @@ pub(super) fn line(text: &[u8], pointer: &str) -> usize {
     1 + before.iter().filter(|byte| **byte == b'\n').count()
 }
 
-/// The value at a JSON pointer of a text that is JSON, without reading the rest of it.
+/// The value at a JSON pointer in a JSON text, without reading the rest.
 pub(super) fn value(text: &[u8], pointer: &str) -> Option<Value> {
     let mut scanner = Scanner { text, at: 0 };
     let mut place = scanner.value();

@@ -42,7 +42,7 @@ impl Row {
         self.state == "converged"
     }
 
-    /// The same as one of many files: a part of it has the name of the file, too.
+    /// The same as one of many files: the names of its parts contain the name of the file.
     pub(super) fn within(mut self, file: &str) -> Self {
         if self.name != file {
             self.name = format!("{file}: {}", self.name);

@@ -26,13 +26,13 @@ pub struct Cli {
 /// The commands of the program.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Serve fitting jobs over HTTP (what piad does without a command).
+    /// Serve fitting jobs over HTTP (the default command).
     Serve(Box<Config>),
-    /// Write the settings that a server with these flags, variables and file has, and where each comes from.
+    /// Write the settings of a server with these flags, variables and file, each with its source.
     Config(Box<Config>),
     /// Ask a running server whether it is ready; exit with 0 if it is (for containers).
     Health {
-        /// The address of the server, a Unix domain socket first if there are several; 0.0.0.0 and its like stand for
+        /// The address of the server, a Unix domain socket first if there are several; 0.0.0.0 and :: mean
         /// this machine.
         #[arg(
             long,
@@ -42,10 +42,10 @@ pub enum Command {
             default_value = "127.0.0.1:8080"
         )]
         listen: Vec<Listen>,
-        /// The certificate of the server, if it speaks HTTPS; any that it has is taken.
+        /// The certificate of the server, if it uses HTTPS; the certificate is not verified.
         #[arg(long, env = "PIAD_TLS_CERT", value_name = "FILE")]
         tls_cert: Option<PathBuf>,
-        /// A file of settings, of which it takes these.
+        /// A file of settings, for the address and the certificate.
         #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
         config_file: Option<PathBuf>,
         /// Seconds to wait for the answer.
@@ -54,10 +54,10 @@ pub enum Command {
     },
     /// Fit the points of a file, or a job, and write the result; no server is needed.
     Fit(Box<FitArguments>),
-    /// Copy, check, repair or export the jobs of servers, while none runs.
+    /// Copy, check, repair or export stored jobs, while no server uses them.
     #[command(subcommand)]
     Store(StoreCommand),
-    /// Make, list and revoke the tokens of a server.
+    /// Create, list and revoke the tokens of a server.
     #[command(subcommand)]
     Token(TokenCommand),
     /// Write completions for a shell to the standard output.
@@ -67,7 +67,7 @@ pub enum Command {
     },
     /// Write a manual page to the standard output, in the format of man(1).
     Man {
-        /// The command that it is about, such as fit; without one the program.
+        /// The command of the page, such as fit [default: the program].
         command: Option<String>,
     },
 }
@@ -75,9 +75,9 @@ pub enum Command {
 /// Commands for tokens.
 #[derive(Debug, Subcommand)]
 pub enum TokenCommand {
-    /// Make a token and write it to the standard output, for the only time: the file keeps its hash.
+    /// Create a token and write it to the standard output. It cannot be shown again: the file keeps only its hash.
     Create {
-        /// The file, which is made if it is missing.
+        /// The file, created if it is missing.
         #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
         tokens: PathBuf,
         /// The tenant that owns the jobs made with it. A tenant sees only its own jobs.
@@ -91,7 +91,7 @@ pub enum TokenCommand {
             default_value = "jobs:read,jobs:write"
         )]
         scope: Vec<Scope>,
-        /// How long it is good, such as 720h, or never.
+        /// Lifetime, such as 720h, or never.
         #[arg(long, default_value = "2160h", value_name = "TIME")]
         expires: Lifetime,
         /// A note on its purpose, such as the name of its owner.
@@ -117,8 +117,8 @@ pub enum TokenCommand {
 /// Commands for stores.
 #[derive(Debug, Subcommand)]
 pub enum StoreCommand {
-    /// Copy all jobs, their results and idempotency keys into another store, which keeps what it has. What was
-    /// cut off can be done again.
+    /// Copy all jobs, their results and idempotency keys into another store, which keeps its own. An
+    /// interrupted copy can be repeated.
     Copy {
         /// The source: a directory, or the URL of a PostgreSQL database.
         from: Storage,
@@ -130,14 +130,14 @@ pub enum StoreCommand {
         /// A directory, or the URL of a PostgreSQL database.
         store: Storage,
     },
-    /// Put a new file with all that can be read in the place of a damaged one, which stays beside it. Jobs whose
+    /// Replace a damaged file by a new one with all readable jobs; the damaged one is kept beside it. Jobs whose
     /// results are lost run again.
     Repair {
         /// The directory of the file.
         store: Storage,
     },
-    /// Write each job that can be read as ID.json, which POST /v1/jobs takes again, and its result as
-    /// ID.result.json; the store stays as it is. Exit status 1 if anything is damaged.
+    /// Write each readable job as ID.json, which POST /v1/jobs accepts, and its result as ID.result.json;
+    /// the store is not changed. Exit status 1 if anything is damaged.
     Export {
         /// A directory, or the URL of a PostgreSQL database.
         store: Storage,

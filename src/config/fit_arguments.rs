@@ -29,8 +29,8 @@ Examples:
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = MORE)]
 pub struct FitArguments {
-    /// File of points or of a job; - is the standard input. Of several, each is fitted by itself, into the directory
-    /// of -o.
+    /// File of points or of a job; - is the standard input. Several files are fitted separately, with outputs in the
+    /// directory of -o.
     #[arg(value_name = "INPUT", required = true, value_hint = ValueHint::FilePath)]
     pub(crate) input: Vec<PathBuf>,
 
@@ -72,21 +72,21 @@ pub struct FitArguments {
     #[arg(long, conflicts_with_all = ["surface", "part"], help_heading = "Fit")]
     pub(crate) sections: bool,
 
-    /// The order of the points of a curve: given is that of the file, also where the points seem to have none; nearest puts
+    /// The order of the points of a curve: given is that of the file, even if the points seem unordered; nearest puts
     /// them in the order in which they are near each other.
     #[arg(long, value_name = "ORDER", value_parser = PossibleValuesParser::new(["given", "nearest"]), help_heading = "Fit")]
     pub(crate) order: Option<String>,
 
-    /// Which columns of a table are what, by numbers from 1 or names: x=2,y=3, or t,q1:q7 with the times of the points
-    /// as parameters.
+    /// The columns of a table, by numbers from 1 or names: x=2,y=3, or t,q1:q7 with the times of the points as
+    /// parameters.
     #[arg(long, value_name = "COLUMNS", help_heading = "Input")]
     pub(crate) columns: Option<String>,
 
-    /// Which part of a file with several is fitted: its number from 1, or its name.
+    /// The part to fit of a file with several: its number from 1, or its name.
     #[arg(long, value_name = "PART", help_heading = "Input")]
     pub(crate) part: Option<String>,
 
-    /// Which piece of a mesh is fitted, from 1 for the largest.
+    /// The piece of a mesh to fit, from 1 for the largest.
     #[arg(long, value_name = "NUMBER", help_heading = "Input")]
     pub(crate) piece: Option<String>,
 
@@ -94,30 +94,30 @@ pub struct FitArguments {
     #[arg(long, value_name = "BASIS", help_heading = "Fit")]
     pub(crate) basis: Option<String>,
 
-    /// Number of control points of a least-squares fit, such as 20, or 20x30 on surfaces; auto takes as few
-    /// as the tolerance needs.
+    /// Number of control points of a least-squares fit, such as 20, or 20x30 on surfaces; auto takes the
+    /// fewest that the tolerance allows.
     #[arg(long, value_name = "NUMBER", help_heading = "Fit")]
     pub(crate) control_points: Option<String>,
 
-    /// How smooth a least-squares fit of noisy points is to be: a number such as 1e-9, or auto for what the noise
-    /// asks for.
+    /// Smoothness of a least-squares fit of noisy points: a number such as 1e-9, or auto to estimate it from the
+    /// noise.
     #[arg(long, value_name = "FAIRNESS", help_heading = "Fit")]
     pub(crate) fairness: Option<String>,
 
-    /// A least-squares fit without points that are far from where their neighbours predict them.
+    /// A least-squares fit without outliers: points far from the predictions of their neighbours.
     #[arg(long, help_heading = "Fit")]
     pub(crate) robust: bool,
 
-    /// Points at which a curve may turn: their indices, such as 12,40, or auto, or an angle in degrees such as 30deg.
+    /// Points at which a curve may have corners: their indices, such as 12,40, or auto, or an angle in degrees such as 30deg.
     #[arg(long, value_name = "CORNERS", help_heading = "Fit")]
     pub(crate) corners: Option<String>,
 
-    /// The edges between the points are data, too: a curve within the tolerance of all of them, with as few control points
-    /// as that takes.
+    /// The edges between the points are data, too: a curve within the tolerance of all edges, with as few control
+    /// points as possible.
     #[arg(long, help_heading = "Fit")]
     pub(crate) polyline: bool,
 
-    /// A surface trimmed to the outline of its points: STEP, IGES, meshes and drawings leave the rest out. The points are at
+    /// A surface trimmed to the outline of its points in STEP, IGES, meshes and drawings. The points are at
     /// most this distance from it [default: about their distance from each other].
     #[arg(long, value_name = "DISTANCE", num_args = 0..=1, allow_negative_numbers = true, value_parser = distance, help_heading = "Fit")]
     pub(crate) trim: Option<Option<String>>,
@@ -126,7 +126,7 @@ pub struct FitArguments {
     #[arg(long, value_name = "ENDS", help_heading = "Fit")]
     pub(crate) ends: Option<String>,
 
-    /// Last iteration that is computed [default: 1000].
+    /// Last iteration [default: 1000].
     #[arg(long, value_name = "NUMBER", help_heading = "Fit")]
     pub(crate) max_iterations: Option<String>,
 
@@ -160,21 +160,21 @@ pub struct FitArguments {
     #[arg(long, value_name = "VERSION", value_parser = PossibleValuesParser::new(Version::names()))]
     pub(crate) dxf: Option<String>,
 
-    /// Number of samples in files that have some, such as 200, or 40x60 of surfaces.
+    /// Number of samples in files with samples, such as 200, or 40x60 of surfaces.
     #[arg(long, value_name = "NUMBER")]
     pub(crate) samples: Option<String>,
 
-    /// Largest distance between the samples of a curve, in units of the data: they are at equal distances then.
+    /// Largest distance between the samples of a curve, in units of the data; the samples are then equidistant.
     #[arg(long, value_name = "DISTANCE", conflicts_with = "samples")]
     pub(crate) spacing: Option<String>,
 
-    /// Latitude and longitude of the place where the first two coordinates start, such as 48.1,11.5, for GeoJSON and GPX files
+    /// Latitude and longitude of the origin of the first two coordinates, such as 48.1,11.5, for GeoJSON and GPX files
     /// [default: that of an input with longitudes and latitudes].
     #[arg(long, value_name = "PLACE", allow_negative_numbers = true)]
     pub(crate) origin: Option<String>,
 
     /// Directory for a file of each iteration, in the format of the first output: iteration-00.step and so
-    /// on, all numbers with as many digits as the last one. It is made if it is missing.
+    /// on, all numbers with the same number of digits. It is created if it is missing.
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) iterations: Option<PathBuf>,
 

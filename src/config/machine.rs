@@ -81,7 +81,7 @@ fn group(groups: &str, version: Version) -> Option<&str> {
     })
 }
 
-/// The limits of a group and of those around it, as far as they are mounted.
+/// The limits of a group and of its parents, if they are mounted.
 fn limits(root: &Path, hierarchy: &Hierarchy, group: &str) -> Vec<u64> {
     let top = root.join(hierarchy.at.strip_prefix("/").unwrap_or(&hierarchy.at));
     // In a container the group may be named from outside, where only the top is known here.

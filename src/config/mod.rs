@@ -37,8 +37,8 @@ use piad_fit::engine::Admission;
 /// The settings of a server.
 #[derive(Args, Clone, Debug)]
 pub struct Config {
-    /// A file of settings in TOML, under the names of the flags, such as max-jobs = 500. Flags and variables come
-    /// before it.
+    /// A file of settings in TOML, under the names of the flags, such as max-jobs = 500. Flags and variables
+    /// override it.
     #[arg(long = "config", env = "PIAD_CONFIG", value_name = "FILE")]
     pub config_file: Option<PathBuf>,
 
@@ -66,8 +66,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_TLS_CLIENT_CA", value_name = "FILE")]
     pub tls_client_ca: Option<PathBuf>,
 
-    /// The file of tokens that `piad token` makes; requests then need one. It is read again when it changes, and on
-    /// SIGHUP. The variable PIAD_TOKEN is a token of all scopes beside it.
+    /// The file of tokens made by `piad token`; requests then need a token. It is read again when it changes, and on
+    /// SIGHUP. The variable PIAD_TOKEN is a further token, with all scopes.
     #[arg(long, env = "PIAD_TOKENS", value_name = "FILE")]
     pub tokens: Option<PathBuf>,
 
@@ -77,7 +77,7 @@ pub struct Config {
 
     /// Names by which clients reach the server, such as fit.example.org or *.example.org; requests
     /// for others are refused. Without any, a server on a loopback address is localhost and others
-    /// are not checked; * stands for all names.
+    /// are not checked; * allows all names.
     #[arg(
         long,
         env = "PIAD_ALLOWED_HOST",
@@ -87,9 +87,9 @@ pub struct Config {
     )]
     pub allowed_host: Vec<String>,
 
-    /// Proxies, such as 10.0.0.0/8, that are believed whose connections (PROXY protocol, versions 1 and 2)
-    /// and requests (Forwarded, X-Forwarded-For) they pass on: limits for an address are then those of
-    /// their clients.
+    /// Trusted proxies, such as 10.0.0.0/8: the client address is taken from the PROXY protocol (versions
+    /// 1 and 2) or from Forwarded and X-Forwarded-For, so that limits for an address are those of their
+    /// clients.
     #[arg(
         long,
         env = "PIAD_TRUSTED_PROXY",
@@ -99,13 +99,13 @@ pub struct Config {
     )]
     pub trusted_proxy: Vec<IpNet>,
 
-    /// The path below which clients see the server, such as /fits: links begin with it, and requests may
-    /// come with it or, from a proxy that takes it off, without it.
+    /// The path prefix of the server for clients, such as /fits: links begin with it, and requests may
+    /// have it or, from a proxy that strips it, not.
     #[arg(long, env = "PIAD_BASE_PATH", default_value = "/", value_name = "PATH")]
     pub base_path: BasePath,
 
-    /// Origins whose pages may use the API from a browser, such as https://cad.example; * stands for
-    /// all of them.
+    /// Origins whose pages may use the API from a browser, such as https://cad.example; * allows
+    /// all.
     #[allow(rustdoc::bare_urls, reason = "the text is the help of a flag")]
     #[arg(
         long,
@@ -141,8 +141,8 @@ pub struct Config {
     #[arg(long, env = "PIAD_MAX_JOBS_PER_PEER")]
     pub max_jobs_per_peer: Option<usize>,
 
-    /// Most connections; further ones are answered 503, but for /livez, /readyz and /metrics
-    /// [default: what the limit of open files leaves, which is the most in any case].
+    /// Most connections; further ones are answered 503, except for /livez, /readyz and /metrics
+    /// [default: the largest number within the limit of open files, which is also the maximum].
     #[arg(long, env = "PIAD_MAX_CONNECTIONS")]
     pub max_connections: Option<usize>,
 
@@ -171,13 +171,13 @@ pub struct Config {
     #[arg(long, env = "PIAD_STORE_CONNECTIONS", default_value = "10", value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub store_connections: u16,
 
-    /// Seconds after which the jobs of a server without a sign of life are taken over by others with the same database.
+    /// Seconds without a heartbeat after which the jobs of a server are taken over by others with the same database.
     #[arg(long, env = "PIAD_LEASE", default_value = "15", value_parser = some_seconds)]
     pub lease: Duration,
 
-    /// Memory for all that takes much of it: running fits, what their readers are served from, requests
-    /// and files. Jobs that do not fit in wait, those that never fit are refused
-    /// [default: half of what the machine or its control group has; 512MiB where that is not known].
+    /// Memory for running fits, the iterations for their readers, requests and files. Jobs that do not fit
+    /// wait; jobs that can never fit are refused
+    /// [default: half of the memory of the machine or its control group; 512MiB if that is unknown].
     #[arg(long, env = "PIAD_MEMORY")]
     pub memory: Option<ByteSize>,
 
@@ -189,11 +189,11 @@ pub struct Config {
     #[arg(long, env = "PIAD_RECENT", default_value = "64MiB")]
     pub recent: ByteSize,
 
-    /// Most ended jobs that are kept; the first to end goes first.
+    /// Most ended jobs to keep; the first to end is removed first.
     #[arg(long, env = "PIAD_RETAIN_JOBS", default_value_t = 1000)]
     pub retain_jobs: usize,
 
-    /// Room for the data and results of ended jobs; the first to end goes first.
+    /// Space for the data and results of ended jobs; the first to end is removed first.
     #[arg(long, env = "PIAD_RETAIN_BYTES", default_value = "1GiB")]
     pub retain_bytes: ByteSize,
 
@@ -205,35 +205,35 @@ pub struct Config {
     #[arg(long, env = "PIAD_HEARTBEAT", default_value = "15", value_parser = some_seconds)]
     pub heartbeat: Duration,
 
-    /// Seconds without a byte after which a request body is given up.
+    /// Seconds without a byte after which a request body times out.
     #[arg(long, env = "PIAD_BODY_TIMEOUT", default_value = "30", value_parser = seconds)]
     pub body_timeout: Duration,
 
-    /// Bytes of a request body that come in a second at least, on average; slower ones are given up after
-    /// the time of --body-timeout.
+    /// Least rate of a request body in bytes per second, on average; slower ones time out after
+    /// --body-timeout.
     #[arg(long, env = "PIAD_MIN_BODY_RATE", default_value = "16KiB")]
     pub min_body_rate: ByteSize,
 
-    /// Seconds in which the head of a request must arrive, from its first byte on; and in which a
-    /// connection must bring its first request.
+    /// Seconds in which the head of a request must arrive, from its first byte on, and in which a
+    /// connection must send its first request.
     #[arg(long, env = "PIAD_HEADER_TIMEOUT", default_value = "30", value_parser = some_seconds)]
     pub header_timeout: Duration,
 
-    /// Seconds without a request after which a connection is closed. Behind a proxy: more than it
-    /// keeps its own connections to the server.
+    /// Seconds without a request after which a connection is closed. Behind a proxy: more than the
+    /// idle timeout of its connections to the server.
     #[arg(long, env = "PIAD_IDLE_TIMEOUT", default_value = "120", value_parser = some_seconds)]
     pub idle_timeout: Duration,
 
-    /// Seconds after which an answer is given up if the client reads nothing of it.
+    /// Seconds after which an answer is aborted if the client does not read.
     #[arg(long, env = "PIAD_WRITE_TIMEOUT", default_value = "60", value_parser = some_seconds)]
     pub write_timeout: Duration,
 
-    /// Seconds that requests may take to end after SIGTERM or SIGINT.
+    /// Seconds for open requests to end after SIGTERM or SIGINT.
     #[arg(long, env = "PIAD_GRACE", default_value = "4", value_parser = seconds)]
     pub grace: Duration,
 
-    /// The collector that gets traces of requests and jobs, by OTLP over gRPC, such as http://localhost:4317;
-    /// the variables OTEL_* of OpenTelemetry hold, too [default: that of OTEL_EXPORTER_OTLP_ENDPOINT, if any].
+    /// The collector for traces of requests and jobs, by OTLP over gRPC, such as http://localhost:4317;
+    /// the variables OTEL_* of OpenTelemetry apply, too [default: that of OTEL_EXPORTER_OTLP_ENDPOINT, if any].
     #[arg(
         long,
         env = "PIAD_OTLP_ENDPOINT",

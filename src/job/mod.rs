@@ -95,7 +95,7 @@ pub(crate) struct Job {
     outline: Outline,
     /// The number of crashes of the process counted for it.
     crashes: u32,
-    /// The peer it is computed for; `None` after a restart.
+    /// The peer of the job; `None` after a restart.
     peer: Option<Peer>,
     status: watch::Sender<Status>,
     /// The store that keeps it. An ephemeral edit is gone once it is not read any more.
@@ -130,7 +130,7 @@ enum Wish {
 }
 
 impl Job {
-    /// A job of the store, which is computed for this peer.
+    /// A stored job, computed for this peer.
     fn new(
         record: Record,
         store: Option<Arc<Store>>,

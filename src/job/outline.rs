@@ -64,7 +64,7 @@ pub(crate) struct Label {
     pub(crate) notices: Vec<String>,
 }
 
-/// The level of another job from whose control points a job has started.
+/// The level of another job with the initial control points of this job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Parent {
     /// The other job.

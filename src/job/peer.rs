@@ -17,7 +17,7 @@ task_local! {
     static CURRENT: Option<Peer>;
 }
 
-/// The client that work is done for.
+/// The client of the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Peer {
     /// A machine, identified by its IPv4 address or by the /64 network of its IPv6 address, within which a

@@ -11,13 +11,13 @@ use super::memory::{Permit, Share};
 use super::peer::Peer;
 use super::run::Run;
 
-/// A run that has not been read for this long gives its memory to waiting runs.
+/// A run without reads for this long gives its memory to waiting runs.
 const IDLE: Duration = Duration::from_millis(500);
 
 /// A run that has served its readers for this long also gives way; its readers then queue for memory like the others.
 const FAIR: Duration = Duration::from_secs(20);
 
-/// The interval at which waiting runs look for one that can give way.
+/// The interval at which waiting runs search for an idle run.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// The replays that hold memory of this budget.

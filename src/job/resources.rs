@@ -38,7 +38,7 @@ impl Resources {
         }
     }
 
-    /// The same for a server that clients see below this path.
+    /// The same for a server at this path prefix.
     pub(crate) fn below(self, base_path: &str) -> Self {
         Self {
             base_path: base_path.to_owned(),

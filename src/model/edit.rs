@@ -63,7 +63,7 @@ pub(crate) struct EditRequest {
     pub session: Option<String>,
 }
 
-/// A data point that goes elsewhere, gets another weight, or both.
+/// A data point with a new position, a new weight, or both.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(remote = "Self", deny_unknown_fields)]
 #[schemars(example = schema::example_move())]

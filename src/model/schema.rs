@@ -10,7 +10,7 @@ use super::named::Named;
 use piad_fit::basis::BASES;
 use piad_fit::engine::About;
 
-/// Gives a type, or a name that stands for a schema, a schema written by hand.
+/// Gives a type, or the name of a schema, a schema written by hand.
 macro_rules! schema_of {
     ($type:ty, $name:literal, $generator:ident => $schema:expr) => {
         impl schemars::JsonSchema for $type {

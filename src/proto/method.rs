@@ -164,7 +164,7 @@ impl SettingsLayout {
     }
 }
 
-/// The field of a setting, or of a part of it; everything else is the method.
+/// The field of a setting or of a part of it; all other fields are those of the method.
 pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
     let columns = layout.columns;
     let transform = |axis, first: Option<(usize, usize)>| {

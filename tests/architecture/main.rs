@@ -2,7 +2,7 @@
 //! file at the top of a crate.
 //!
 //! What a file uses is read from its `use` declarations and from its other paths; a name that a module passes on
-//! (`pub use`) belongs to the file that defines it. Tests are left out, and so is what stands in macros.
+//! (`pub use`) belongs to the file that defines it. Tests and the contents of macros are left out.
 //!
 //! [`wording`] checks the words of comments and messages.
 
@@ -11,7 +11,7 @@
     clippy::panic,
     missing_docs,
     unreachable_pub,
-    reason = "tests fail by panicking, and nobody links to them"
+    reason = "tests fail by panicking, and they have no users"
 )]
 
 mod modules;
@@ -28,7 +28,7 @@ use modules::{Modules, Name};
 /// The folders with the sources of the crates.
 const CRATES: [&str; 3] = ["crates/piad-fit/src", "crates/piad-files/src", "src"];
 
-/// Which modules use each other in a circle.
+/// The groups of modules that use each other in a circle.
 fn circles(uses: &[(Name, Name)]) -> Vec<String> {
     let names: Vec<String> = uses
         .iter()

@@ -226,7 +226,7 @@ pub enum Place {
     Closed(Axis),
     /// The corners of a direction.
     Corners(Axis),
-    /// One of them, by its place in the list.
+    /// The element at an index of the list.
     Corner(Axis, usize),
     /// The order of the points of a curve.
     Order,
@@ -262,7 +262,7 @@ pub enum Place {
     Transform(Axis),
     /// One row of it.
     TransformRow(Axis, usize),
-    /// One entry of it: row and column.
+    /// One entry: row and column.
     TransformEntry(Axis, usize, usize),
     /// One of the indices of a local fit.
     Index(usize),

@@ -185,7 +185,7 @@ impl Fields {
         merged.end();
     }
 
-    /// Returns true if both have a kind, and these differ.
+    /// Returns true if both have a kind and the kinds differ.
     fn differs_in_kind(&self, object: &Raw<'_>) -> bool {
         match (self.get("kind"), object.get("kind")) {
             (Some(Field::Value(own)), Some(other)) => **own != *other.get(),

@@ -92,7 +92,7 @@ fn wanted(headers: &HeaderMap) -> Result<Wanted, Problem> {
     negotiate::choose(headers, &[lines.as_slice(), files.as_slice()].concat())
 }
 
-/// All curves and surfaces as one file, if all of them have converged.
+/// All curves and surfaces as one file, if all have converged.
 async fn one_file(
     app: &App,
     mut lines: Lines,

@@ -9,7 +9,7 @@
 //!   exactly; `assemble`: that of plain data;
 //! - `mesh`: its triangles, for `gltf`, `stl` and `ply`;
 //! - `sampling`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
-//! - `deviation`: how far it is from each data point, for `svg`;
+//! - `deviation`: its distance from each data point, for `svg`;
 //! - `csv`: samples as numbers; [`shape`]: with curvatures, which is no file;
 //! - `trim`: edges and triangles of trimmed surfaces;
 //! - `deviation`: distances from the data points, for `svg`;

@@ -49,7 +49,7 @@ impl Choice {
     }
 }
 
-/// Names of columns above what they hold.
+/// Names of columns above their values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Named<'a> {
     names: &'a [String],

@@ -19,7 +19,7 @@ pub(super) struct Cloud {
 }
 
 impl Cloud {
-    /// No points yet, at most `most` of them later, and room for those that the bytes of a file can hold.
+    /// No points, with a limit of `most`, and capacity for those that the bytes of a file can hold.
     pub(super) fn new(dimension: usize, room: usize, most: usize) -> Self {
         Self {
             points: Points::with_room(dimension, room.min(most)),

@@ -83,7 +83,7 @@ impl Curve {
         self.points.len() > 1 && (distance == 0.0 || distance <= SAME * size(&self.points))
     }
 
-    /// Takes away the first point where it is there again at the end of a closed curve. Two points are never closed.
+    /// Removes the first point if it is repeated at the end of a closed curve. Two points are never closed.
     fn close(&mut self) {
         if !self.closed {
             return;
@@ -119,7 +119,7 @@ impl Curve {
 }
 
 impl Curves {
-    /// No curves yet, and at most `most` points in all of them.
+    /// No curves, with a limit of `most` points in total.
     pub(super) fn new(most: usize) -> Self {
         Self {
             curves: Vec::new(),

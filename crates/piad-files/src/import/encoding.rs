@@ -8,7 +8,7 @@ use crate::short::without_mark;
 /// The number of bytes examined to detect that a text without a byte-order mark is UTF-16.
 const LOOKED_AT: usize = 64;
 
-/// The fewest bytes that show it.
+/// The least number of bytes that shows it.
 const LEAST: usize = 8;
 
 /// The error for UTF-32.

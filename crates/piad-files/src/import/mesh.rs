@@ -39,7 +39,7 @@ impl Faces {
         Ok(())
     }
 
-    /// The triangles between vertices that are numbered otherwise; those with a vertex that is left out are left out, too.
+    /// The triangles between renumbered vertices; triangles with an omitted vertex are omitted.
     pub(super) fn renumbered(mut self, numbers: &[u32]) -> Self {
         self.triangles = renumbered(&self.triangles, numbers);
         self

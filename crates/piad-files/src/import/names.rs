@@ -61,7 +61,7 @@ const PREFIXES: [&str; 12] = [
     "pos", "position", "pose", "coord", "point", "pt", "p", "utm", "gps", "map", "local", "world",
 ];
 
-/// Suffixes of names, as in `x_mm`: units, and the same words.
+/// Suffixes of names, as in `x_mm`: units and the same words.
 const SUFFIXES: [&str; 28] = [
     "m", "mm", "cm", "km", "um", "µm", "ft", "in", "inch", "s", "ms", "us", "ns", "sec", "secs",
     "seconds", "min", "h", "deg", "degrees", "rad", "dd", "pos", "position", "coord", "utm",

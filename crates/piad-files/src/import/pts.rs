@@ -1,4 +1,4 @@
-//! PTS files of laser scanners: the number of points, and below it a table of them.
+//! PTS files of laser scanners: the number of points, then their table.
 
 use super::cloud::too_few;
 use super::error::FileErrors;

@@ -196,7 +196,7 @@ impl Gathered {
         }
     }
 
-    /// All of them, if there are not too many.
+    /// All parts, unless there are too many.
     fn points<E: Error>(self) -> Result<Points, E> {
         check_count(self.count, self.limits.points).map_err(E::custom)?;
         let mut points = self.points.unwrap_or_else(|| Points::zeros(1, self.count));

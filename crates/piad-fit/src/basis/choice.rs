@@ -28,7 +28,7 @@ pub enum BasisChoice {
     },
 }
 
-/// The data points at which a curve may turn, and through which it passes.
+/// The data points with corners, which the curve interpolates.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]

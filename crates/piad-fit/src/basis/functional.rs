@@ -65,7 +65,7 @@ fn derivatives(basis: &Basis, t: f64, order: usize, values: &mut [f64]) -> Optio
 }
 
 /// From factors of the functions of degree q − 1 to those of the functions of degree q, span − q …
-/// span. The first of them has no factor yet.
+/// span. The first has no factor yet.
 fn raise(q: usize, knots: &[f64], span: usize, values: &mut [f64]) {
     // The factor of function i of degree q − 1, over the length of its support.
     let quotient = |i: usize, factor: f64| q as f64 * factor / (knots[i + q] - knots[i]);

@@ -153,7 +153,7 @@ impl Squares {
         Self([0.0; BLOCK])
     }
 
-    /// The first `count` of them.
+    /// The first `count`.
     #[inline(always)]
     pub(crate) fn first(&mut self, count: usize) -> &mut [f64] {
         &mut self.0[..count]

@@ -1,4 +1,4 @@
-//! The least and the largest of many numbers, and whether all of them are finite, in one pass.
+//! The minimum and the maximum of many numbers, and if all are finite, in one pass.
 //!
 //! Every fit reads all of its coordinates before anything else: for the bounding box, which scales
 //! errors, and for infinite numbers and NaN. These are found by the sum of all numbers times zero,

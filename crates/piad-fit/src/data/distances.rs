@@ -10,7 +10,7 @@ use super::points::Points;
 /// From this number of data on, distances are computed by several threads.
 const PARALLEL: usize = 32_768;
 
-/// Distances of the data, in data units. If one of them is NaN, all norms are.
+/// Distances of the data, in data units. If one is NaN, all norms are NaN.
 #[derive(Clone, Debug)]
 pub(crate) struct Distances {
     /// `‖P_i − C(t_i)‖`.

@@ -21,7 +21,7 @@ pub(crate) fn never_decreases(values: &[f64]) -> bool {
     values.len() < 2 || all(&values[..values.len() - 1], &values[1..], |a, b| a <= b)
 }
 
-/// Returns true if each number is less than the other one at its place, as far as both arrays
+/// Returns true if each number is less than the one at the same index, as far as both arrays
 /// reach.
 pub(crate) fn all_less(these: &[f64], others: &[f64]) -> bool {
     all(these, others, |a, b| a < b)

@@ -80,7 +80,7 @@ impl Points {
         points
     }
 
-    /// No points yet, and room for `count` of them.
+    /// No points, with capacity for `count`.
     pub fn with_room(dimension: usize, count: usize) -> Self {
         let lanes = (0..dimension).map(|_| Lane::with_room(count));
         Self {

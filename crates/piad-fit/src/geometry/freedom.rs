@@ -20,7 +20,7 @@ const FACTOR_OF_ENDS: f64 = 2.0;
 /// The greatest ratio of a derivative, over the width of a gap, to the chords beside it.
 const LONGEST: f64 = 1.5;
 
-/// Edges are long beside others that are shorter than this part of them.
+/// An edge is long if others are shorter than this part of it.
 const SHORT: f64 = 0.25;
 
 /// Bends turn from an edge to the next by less than the angle with this cosine, 20 degrees.

@@ -71,7 +71,7 @@ impl FitError {
         })
     }
 
-    /// Returns true if all of them are finite.
+    /// Returns true if all are finite.
     pub fn is_finite(&self) -> bool {
         let more = [
             self.fixed_max,
@@ -96,7 +96,7 @@ pub(crate) struct Norms {
     homogeneous_scale: f64,
     /// True if the last coordinate is a weight.
     homogeneous: bool,
-    /// Which points count; all of them without it.
+    /// The points that count; all if `None`.
     counted: Option<Vec<bool>>,
     /// The number of points that count.
     count: usize,
@@ -195,7 +195,7 @@ impl Norms {
         }
     }
 
-    /// The error of a fit of which all points count, from all its blocks taken together.
+    /// The error of a fit whose points all count, from all blocks together.
     pub(crate) fn error_of(&self, total: &Block) -> FitError {
         FitError {
             max: self.length(total.max),

@@ -33,7 +33,7 @@ impl Outline {
 }
 
 impl Face {
-    /// All its loops, of which the first goes around.
+    /// All loops; the first is the outer one.
     pub fn loops(&self) -> impl Iterator<Item = usize> + use<> {
         std::iter::once(self.outer).chain(self.holes.clone())
     }

@@ -30,7 +30,7 @@ pub(crate) struct Automatic {
     schedule: Schedules,
     now: Fit,
     next: Option<Fit>,
-    /// The number of the level, and that of the level at which the knots became what they are.
+    /// The number of the level, and that of the level of the last change of knots.
     number: usize,
     knots_since: usize,
     /// True if the last level deviates from its data in gaps.

@@ -19,7 +19,7 @@ use kernels::{add, evaluate, invert_widths, multiply, multiply_all, with_width};
 /// Fewer data are one group: sharing them among threads would take longer.
 pub(crate) const MANY: usize = 16_384;
 
-/// About the number of groups of more data.
+/// The approximate number of groups of more data.
 const GROUPS: usize = 12;
 
 /// The values of the functions of a knot line at increasing parameters: p + 1 numbers for each of

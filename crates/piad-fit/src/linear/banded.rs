@@ -54,7 +54,7 @@ pub struct Diagonal<'a> {
     pub values: &'a [f64],
 }
 
-/// Parts of stretches with fewer rows are multiplied row by row.
+/// Stretches with fewer rows are multiplied row by row.
 const SHORT: usize = 8;
 
 impl Banded {

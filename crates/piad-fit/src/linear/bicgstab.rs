@@ -16,7 +16,7 @@ const STEPS: usize = 1000;
 /// A residual that is this part of the right-hand side counts as zero.
 const DONE: f64 = 1e-13;
 
-/// A residual up to this part is a solution where rounding ends the steps before.
+/// A residual up to this part counts as a solution if rounding ends the steps before it is smaller.
 const NEAR: f64 = 1e-8;
 
 impl SparseRows {

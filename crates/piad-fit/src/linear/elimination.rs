@@ -56,7 +56,7 @@ struct Elimination<const H: usize> {
     front: Half<H, false>,
     /// The rows from the last one on, if the matrix is long.
     back: Half<H, true>,
-    /// The equations of the last H rows of both halves, in the order of the matrix, if it is long.
+    /// The equations of the last H rows of both halves, in the order of the matrix, for long matrices.
     middle: Option<DenseLu>,
 }
 

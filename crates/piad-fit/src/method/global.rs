@@ -46,7 +46,7 @@ impl Scheme for Global {
         divergence::check_relaxation(setup, ABOUT.name, 1.0)
     }
 
-    /// The residual is the step: it needs no other vector, and nothing is factorized.
+    /// The residual is the step: this needs no further vector and no factorization.
     fn demand(&self) -> Demand {
         Demand {
             vectors: 0,

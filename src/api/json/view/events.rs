@@ -61,7 +61,7 @@ struct JobEvent<'a> {
     /// The degree.
     #[schemars(with = "PerDirection<Count>")]
     degree: PerDirection<usize>,
-    /// True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them.
+    /// True if it is closed: a periodic B-spline, or with corners one that is clamped at the first corner.
     closed: PerDirection<bool>,
     /// Its ends.
     ends: PerDirection<EndRules>,

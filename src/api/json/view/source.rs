@@ -1,4 +1,4 @@
-//! Sources of large arrays of numbers, of which any part can be read at any time.
+//! Sources of large arrays of numbers with random access.
 
 use std::borrow::Cow;
 use std::ops::Range;

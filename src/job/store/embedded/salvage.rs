@@ -60,7 +60,7 @@ struct Place {
 /// A job that could be read.
 pub(crate) struct Salvaged {
     pub job: WholeJob,
-    /// The lost parts of it: it runs again.
+    /// The error about lost parts, if there are some: then the job runs again.
     pub lost: Option<StoreError>,
 }
 

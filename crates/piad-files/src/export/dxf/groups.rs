@@ -25,7 +25,7 @@ pub(super) fn place(text: &mut Text, point: [f64; 3]) {
     }
 }
 
-/// Begins a section.
+/// Starts a section.
 pub(super) fn section(text: &mut Text, name: &str) {
     pair(text, 0, format_args!("SECTION"));
     pair(text, 2, format_args!("{name}"));

@@ -103,7 +103,7 @@ impl Box3 {
         self.low[axis] / 2.0 + self.high[axis] / 2.0
     }
 
-    /// A height that shows all of it in a window that is a little wider than high.
+    /// A height that fits into a window that is a little wider than high.
     fn height(&self) -> f64 {
         let [width, height] = [0, 1].map(|c| self.high[c] - self.low[c]);
         let all = 1.1 * width.max(height);

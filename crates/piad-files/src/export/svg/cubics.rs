@@ -111,7 +111,7 @@ fn approximate(nurbs: &Nurbs) -> Vec<Cubic> {
     cubics
 }
 
-/// A span in equal parts, and the largest distance that was measured between them and the curve.
+/// A span in equal parts, and the largest measured distance between them and the curve.
 fn hermite(nurbs: &Nurbs, span: usize, parts: usize) -> (Vec<Cubic>, f64) {
     let each = MEASURED + 1;
     let count = parts * each;

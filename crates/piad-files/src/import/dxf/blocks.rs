@@ -23,7 +23,7 @@ pub(super) struct Block<'a> {
     /// The point that references place.
     pub(super) base: Point,
     pub(super) entities: Vec<Whole<'a>>,
-    /// The number of groups of all of them.
+    /// The total number of groups.
     pub(super) groups: usize,
 }
 

@@ -28,7 +28,7 @@ const FLAT: f64 = 1e-9;
 /// The most kinds of skipped entities that are named.
 const MOST_NAMES: usize = 10;
 
-/// The units of the header that are named.
+/// The named units of the header.
 const UNITS: [(&str, &str); 5] = [
     ("1", "inches"),
     ("2", "feet"),

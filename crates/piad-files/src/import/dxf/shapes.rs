@@ -8,7 +8,7 @@ use crate::import::curves::{Curve, Point};
 use crate::import::error::FileError;
 use crate::import::sampled::{Arc, SAMPLED, along, turn};
 
-/// Arcs of ellipses whose angle is this near to a full turn are whole ellipses.
+/// Arcs of ellipses whose angle differs from a full turn by up to this are whole ellipses.
 const NEAR_FULL: f64 = 1e-9;
 
 /// The flags of a `POLYLINE`.

@@ -9,7 +9,7 @@ use piad_fit::data::Grid;
 /// The value of missing heights, unless the file gives another one.
 const USUAL_NO_DATA: f64 = -9999.0;
 
-/// Values for missing heights beyond this are written with a few digits of what they are; no height is there.
+/// Larger values mark missing heights and may be rounded in files; heights are never that large.
 const HUGE: f64 = 1e30;
 
 /// The contents of the lines above the heights.

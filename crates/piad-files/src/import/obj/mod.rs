@@ -1,7 +1,7 @@
-//! OBJ files: the vertices of a mesh are points, between which its faces are, and each polyline is a curve. Free-form
+//! OBJ files: the vertices of a mesh are points, connected by its faces, and each polyline is a curve. Free-form
 //! geometry is not read.
 //!
-//! - `statements`: lines, and what they begin with;
+//! - `statements`: lines and their keywords;
 //! - `polylines`: the curves.
 
 mod polylines;
@@ -73,7 +73,7 @@ struct Seen {
     weights: bool,
     colours: bool,
     free_form: bool,
-    /// The number of lines that are no statements, and the first of them.
+    /// The number of lines without a statement, and the first such line.
     unknown: usize,
     first_unknown: usize,
 }

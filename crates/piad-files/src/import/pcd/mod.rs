@@ -17,7 +17,7 @@ use header::{Coordinate, Data, Header};
 
 pub(super) use header::is_pcd;
 
-/// The points of a cloud, which have no order, also where they stand in rows.
+/// The points of a cloud, without an order, even if they form rows.
 pub(super) fn read(bytes: &[u8], hints: &Hints) -> Result<Part, FileErrors> {
     let header = Header::read(bytes)?;
     let coordinates = header.coordinates()?;

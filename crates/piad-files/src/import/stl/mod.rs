@@ -1,4 +1,4 @@
-//! STL files, as text and binary: the corners of triangles are points, each of them once.
+//! STL files, text and binary: the vertices of triangles are points, without duplicates.
 //!
 //! - `text`: files that begin with `solid`;
 //! - `binary`: triangles of 50 bytes.

@@ -19,7 +19,7 @@ const NEAR: usize = 12;
 /// The number of further neighbours that are compared with them.
 const FAR: usize = 12;
 
-/// The number that is looked up, as some of them may be outliers.
+/// The number of neighbours to find, as some may be outliers.
 const LOOKED_UP: usize = 2 * (NEAR + FAR);
 
 /// How often the third of the neighbours that is furthest from a plane is left out.

@@ -37,7 +37,7 @@ impl Bracket {
         (0..=count).map(move |k| (1.0 - part(k)) * self.low + part(k) * self.high)
     }
 
-    /// The part of it around one of its steps.
+    /// The part around one step.
     pub(super) fn around(self, k: usize, count: usize) -> Self {
         let at = |k: usize| {
             let part = k as f64 / count as f64;

@@ -124,7 +124,7 @@ impl Cells {
         }
     }
 
-    /// The number of the interval of a direction that has a parameter, and at which part of it.
+    /// The index of the interval of a direction with a parameter, and the position in it from 0 to 1.
     fn place(&self, axis: usize, parameter: f64) -> (u32, f64) {
         let intervals = &self.intervals[axis];
         let number = intervals.partition_point(|interval| interval.high < parameter);

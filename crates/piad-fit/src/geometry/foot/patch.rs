@@ -163,7 +163,7 @@ impl Patch {
         }
     }
 
-    /// The step, or as much of it as leads nearer; `None` if nothing of it does.
+    /// The step, shortened until it leads nearer; `None` if no part of it does.
     fn shortened(
         &mut self,
         jet: &Jet,

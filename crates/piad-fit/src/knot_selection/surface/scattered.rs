@@ -87,7 +87,7 @@ impl ScatteredData {
         }
     }
 
-    /// The same with at most `most` control points, rather than one for each datum.
+    /// The same with at most `most` control points instead of one for each datum.
     pub(crate) fn with_most(self, most: usize) -> Self {
         Self { most, ..self }
     }

@@ -148,7 +148,7 @@ fn levels_are_computed_when_they_are_asked_for() {
     assert_eq!(one.outcome(), Some(Outcome::Converged));
 }
 
-/// A limit holds for every level; if it keeps the fit from its tolerance, that is reported.
+/// A limit holds for every level; if the tolerance is out of reach with it, that is reported.
 #[test]
 fn a_limit_stops_the_fit() {
     let f = |u, v| [u, v, franke(u, v)];

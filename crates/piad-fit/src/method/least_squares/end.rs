@@ -38,7 +38,7 @@ const GROWS: f64 = 1e-12;
 /// Residuals whose mean is below this part of the data are rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// The most multiplications of a factorization for the sake of the end.
+/// The most multiplications of a factorization to determine the end.
 const MOST: usize = 200_000_000;
 
 /// Distance from the minimum.

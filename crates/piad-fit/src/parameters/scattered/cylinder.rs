@@ -223,7 +223,7 @@ impl Fit {
         })
     }
 
-    /// The angle of each point around the axis, and how far along it is.
+    /// The angle of each point around the axis, and its position along it.
     pub(super) fn places(&self, cloud: &Cloud) -> (Vec<f64>, Vec<f64>) {
         let [first, second] = across(self.axis);
         let place = |point: &Vector3<f64>| {

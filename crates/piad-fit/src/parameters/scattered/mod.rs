@@ -53,7 +53,7 @@ pub enum Scattered {
     Mesh(Mesh),
 }
 
-/// A plane of two coordinates, of which the first is u.
+/// A plane of two coordinates; the first is u.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]

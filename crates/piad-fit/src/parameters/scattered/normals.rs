@@ -11,7 +11,7 @@ use crate::invalid::{Axis, Invalid, Place};
 const DECIDING: usize = 20_000;
 const WITH_NORMALS: usize = 2_000;
 
-/// The neighbours of which a normal is made, the point itself among them.
+/// The number of neighbours for a normal, with the point itself.
 const NEIGHBOURS: usize = 12;
 
 /// Points of space, moved and scaled.

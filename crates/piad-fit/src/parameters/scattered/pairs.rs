@@ -81,7 +81,7 @@ impl Domain {
 }
 
 impl Pairs {
-    /// Those of a surface that goes from the least to the largest parameter of each direction.
+    /// The pairs of a surface from the least to the largest parameter of each direction.
     pub fn open(values: Arc<Points>) -> Self {
         Self {
             values,
@@ -89,7 +89,7 @@ impl Pairs {
         }
     }
 
-    /// u or v of all points, and how far they go.
+    /// u or v of all points, and its domain.
     pub(crate) fn direction(&self, axis: usize) -> (Vec<f64>, Domain) {
         (self.values.lane(axis).to_vec(), self.domains[axis])
     }

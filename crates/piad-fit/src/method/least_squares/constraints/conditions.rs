@@ -34,7 +34,7 @@ impl Condition {
     }
 }
 
-/// Where a condition comes from.
+/// The origin of a condition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in super::super) enum Origin {
     /// The data point at the start of a curve is interpolated.

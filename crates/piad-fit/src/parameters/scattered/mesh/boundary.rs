@@ -11,7 +11,7 @@ const SMOOTH: f64 = 0.04;
 const CHORDS: usize = 32;
 const SHORTEST_CHORD: usize = 4;
 
-/// A loop that is longer than its chords by this part goes to and fro.
+/// A loop that is longer than its chords by this part moves to and fro.
 const RAGGED: f64 = 0.03;
 
 /// A ring around a ragged loop is this part of its length farther out than its farthest vertex.

@@ -9,7 +9,7 @@ use super::super::unfolding::unrolled;
 /// A triangle that keeps less than this part of its area has none.
 const NO_AREA: f64 = 1e-6;
 
-/// The most that a triangle counts for.
+/// The largest weight of a triangle.
 const MOST: f64 = 100.0;
 
 /// The result for triangles.
