@@ -12,8 +12,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Show what this is
-         * @description The name of the service, and where to go on. Browsers, which prefer `text/html`, get the page for people.
+         * Describe the service
+         * @description The name of the service, and links. Browsers, which prefer `text/html`, get the page for people.
          */
         get: operations["getIndex"];
         put?: never;
@@ -33,7 +33,7 @@ export interface paths {
         };
         /**
          * Fetch a part of the page
-         * @description What the page at `/` is made of.
+         * @description The files of the page at `/`.
          */
         get: operations["getPagePart"];
         put?: never;
@@ -52,7 +52,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Ask whether the server lives
+         * Check that the server is alive
          * @description It answers while the process is alive.
          */
         get: operations["getLiveness"];
@@ -72,7 +72,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Ask whether the server takes work
+         * Check that the server accepts work
          * @description It answers 503 while the server stops, while its database cannot be reached, while the file of its jobs is not where it was opened, and while its tokens file cannot be read or is not valid.
          */
         get: operations["getReadiness"];
@@ -93,7 +93,7 @@ export interface paths {
         };
         /**
          * Show counters
-         * @description For Prometheus: counters of jobs, iterations and events; jobs that are queued and running, connections and streams that are open; how long requests take, by method and route; what the server was built from. Those that are counted for each tenant are there for the tenant of the token, and for all with the scope metrics:all or admin.
+         * @description For Prometheus: counters of jobs, iterations and events; queued and running jobs, open connections and streams; the durations of requests, by method and route; the build of the server. Counters of tenants are limited to the tenant of the token, unless it has the scope metrics:all or admin.
          */
         get: operations["getMetrics"];
         put?: never;
@@ -133,7 +133,7 @@ export interface paths {
         };
         /**
          * Explain a kind of problem
-         * @description What the `type` of a problem object stands for.
+         * @description The documentation of a `type` of problem objects.
          */
         get: operations["getProblem"];
         put?: never;
@@ -193,7 +193,7 @@ export interface paths {
         };
         /**
          * Fetch a part of the reference
-         * @description What the reference of the API is made of.
+         * @description The files of the API reference.
          */
         get: operations["getReferenceFile"];
         put?: never;
@@ -212,7 +212,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Show what the server can do
+         * Show capabilities and limits
          * @description Bases, methods, formats and limits.
          */
         get: operations["getCapabilities"];
@@ -233,7 +233,7 @@ export interface paths {
         };
         /**
          * Compare bases
-         * @description How fast classical PIA converges at the same parameters with Bernstein, Said–Ball and Wang–Ball polynomials and with B-splines with knots at the data: the least eigenvalue of the collocation matrix, the rate, and how many iterations it takes by that. The normalized B-basis, Bernstein of polynomials, is the fastest of its space (Delgado, Peña 2007).
+         * @description How fast classical PIA converges at the same parameters with Bernstein, Said–Ball and Wang–Ball polynomials and with B-splines with knots at the data: the least eigenvalue of the collocation matrix, the rate, and the number of iterations that follows. The normalized B-basis, Bernstein of polynomials, is the fastest of its space (Delgado, Peña 2007).
          */
         get: operations["compareBases"];
         put?: never;
@@ -255,7 +255,7 @@ export interface paths {
         put?: never;
         /**
          * Read a file of points
-         * @description The points of a file as a job has them, and what was found out about it: tables (CSV, XYZ, airfoils), JSON arrays of points, of rows of points or of rows of heights, GPX, KML, GeoJSON, DXF, SVG, G-code, PLY, STL, OBJ, OFF, PCD, LAS and ESRI grids. Of a file with several curves `part` chooses one. Sections and the vertices of a mesh are scattered points, with the parameters that a job has. A surface is seen by blank lines between rows, or by x and y that form a lattice; points without an order along a curve are refused. Nothing is fitted or kept. `/v1/jobs` takes the same files; what else there is to say of the job stands in the query then, by its path: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
+         * @description The points of a file as a job reads them, and notices about the file: tables (CSV, XYZ, airfoils), JSON arrays of points, of rows of points or of rows of heights, GPX, KML, GeoJSON, DXF, SVG, G-code, PLY, STL, OBJ, OFF, PCD, LAS and ESRI grids. Of a file with several curves `part` chooses one. Sections and the vertices of a mesh are scattered points, with the parameters that a job has. A surface is detected by blank lines between rows, or by x and y that form a grid; points without an order along a curve are refused. Nothing is fitted or stored. `/v1/jobs` accepts the same files; the other fields of the job are then in the query, by their paths: `?curve.degree=3&method.kind=chebyshev&stop.tolerance=1e-4`.
          */
         post: operations["readPoints"];
         delete?: never;
@@ -275,7 +275,7 @@ export interface paths {
         put?: never;
         /**
          * Fit, and answer with the geometry
-         * @description One request, one answer: the curve or surface of a fit that converges, which is computed while the request waits and kept nowhere. With an Accept header also as a file or a message. A fit that does not come within its tolerance is answered with 422 and how near it came; a client that goes away ends its fit. For fits that take longer than proxies wait, make a job. The body may also be a file of points, as for `/v1/jobs`; what a job says of its streams has no meaning here.
+         * @description One request, one answer: the curve or surface of a converged fit, computed during the request and never stored. With an Accept header also as a file or a message. A fit that does not come within its tolerance is answered with 422 and its distance; a client that disconnects cancels its fit. For fits that take longer than the timeout of proxies, create a job. The body may also be a file of points, as for `/v1/jobs`; the `stream` object of a job is ignored.
          */
         post: operations["fit"];
         delete?: never;
@@ -295,7 +295,7 @@ export interface paths {
         put?: never;
         /**
          * Fit many curves and surfaces, a line for each
-         * @description Many fits in one request, computed while it arrives and kept nowhere: a line for each item, in the order of the items, as soon as it and those before it have ended; then the totals. Items are jobs; what `defaults` says holds for all of them that do not say it themselves: objects are merged field by field, but for those with another `kind`, and `null` takes a default away. In JSON, `defaults` stands before `items`; as `application/x-ndjson` the body has an item a line, and `{"defaults": …}` as the first one. An item that is no fit that can be computed, or does not converge, has a problem in its line and ends nothing; its pointers begin with `/items/3` or `/defaults`. A body that breaks off or is no JSON ends the batch: the last line is then `{"problem": …}`, and there are no totals. What is wrong before the first item is answered as usual. Limits hold for each item, that of the size of bodies too. Read the answer while you send: a body is read only a little ahead of what is read of its answer. A client that goes away ends its fits. The body may also be a file of points, of which each part is an item; then what items have in common stands in the query. With an `Accept` header of a file format (such as `image/vnd.dxf`) the answer is one file with all curves and surfaces, if all of them have converged.
+         * @description Many fits in one request, computed while it arrives and never stored: a line for each item, in the order of the items, as soon as it and those before it have ended; then the totals. Items are jobs; `defaults` are their default fields: objects are merged field by field, except those with another `kind`, and `null` removes a default. In JSON, `defaults` comes before `items`; as `application/x-ndjson` the body has one item per line, and `{"defaults": …}` as the first one. An item that is invalid, or does not converge, has a problem in its line, and the others continue; its pointers begin with `/items/3` or `/defaults`. A body that is truncated or not JSON ends the batch: the last line is then `{"problem": …}`, and there are no totals. An error before the first item is answered with its own status. Limits apply to each item, also that of the size of bodies. Read the answer while you send: the server reads the body only a little ahead of the answer that the client has read. A client that disconnects cancels its fits. The body may also be a file of points, each part of which is an item; then the defaults are in the query. With an `Accept` header of a file format (such as `image/vnd.dxf`) the answer is one file with all curves and surfaces, if all of them have converged.
          */
         post: operations["fitBatch"];
         delete?: never;
@@ -313,13 +313,13 @@ export interface paths {
         };
         /**
          * List jobs
-         * @description The jobs that the server has, the newest first.
+         * @description The jobs of the server, the newest first.
          */
         get: operations["listJobs"];
         put?: never;
         /**
          * Fit a curve or a surface
-         * @description Makes a job. It runs whether anybody looks or not. An Accept header that asks for events has the answer of `/v1/jobs/stream`, with its parameters. The body may also be a file of points, as `/v1/points` reads them; then the other fields stand in the query, by their paths.
+         * @description Creates a job. It runs with or without readers. An Accept header for events selects the answer of `/v1/jobs/stream`, with its parameters. The body may also be a file of points, as `/v1/points` reads them; then the other fields are in the query, by their paths.
          */
         post: operations["createJob"];
         delete?: never;
@@ -339,7 +339,7 @@ export interface paths {
         put?: never;
         /**
          * Fit a curve or a surface, and follow the fit
-         * @description Makes a job as `/v1/jobs` does; the answer is its event stream. Some choices of parameters rule others out; that is answered with 400.
+         * @description Creates a job as `/v1/jobs` does; the answer is its event stream. Choices that exclude each other are refused with 400.
          */
         post: operations["createJobStream"];
         delete?: never;
@@ -357,14 +357,14 @@ export interface paths {
         };
         /**
          * Show a job
-         * @description Its state, the iteration that it has reached, the distances there, and where to go on.
+         * @description Its state, its current iteration with the distances, and links.
          */
         get: operations["getJob"];
         put?: never;
         post?: never;
         /**
-         * Forget a job
-         * @description Stops the job if it is running, and deletes it with all that belongs to it. Edits of it need it no more.
+         * Delete a job
+         * @description Stops the job if it is running, and deletes it with its results. Its edits are not affected.
          */
         delete: operations["deleteJob"];
         options?: never;
@@ -383,7 +383,7 @@ export interface paths {
         put?: never;
         /**
          * Stop a job
-         * @description Ends the job where it is. The iterations that were computed stay.
+         * @description Ends the job at its current iteration. The computed iterations are kept.
          */
         post: operations["cancelJob"];
         delete?: never;
@@ -403,7 +403,7 @@ export interface paths {
         put?: never;
         /**
          * Make a ticket for the stream of a job
-         * @description It opens GET /v1/jobs/{id}/events for a minute, as the query parameter `ticket`, where no header with a token can be sent. A stream that was opened with it goes on. A server without tokens has no tickets.
+         * @description It opens GET /v1/jobs/{id}/events for a minute, as the query parameter `ticket`, for clients that cannot send a header with a token. An open stream continues. A server without tokens has no tickets.
          */
         post: operations["createTicket"];
         delete?: never;
@@ -422,8 +422,8 @@ export interface paths {
         get?: never;
         put?: never;
         /**
-         * Change a fit and go on from there
-         * @description Makes a new job that starts from the control points of another one, which may still be running. Parameters and knots stay those of the parent, so that a moved point moves no other. Everything that is not given stays as it is. An Accept header that asks for events has the answer of `/v1/jobs/{id}/edits/stream`, with its parameters.
+         * Change a fit and continue from there
+         * @description Creates a job that starts from the control points of another one, which may still be running. It keeps the parameters and knots of the parent, so that a moved point does not move others, and all fields that are not given. An Accept header for events selects the answer of `/v1/jobs/{id}/edits/stream`, with its parameters.
          */
         post: operations["editJob"];
         delete?: never;
@@ -443,7 +443,7 @@ export interface paths {
         put?: never;
         /**
          * Change a fit, and follow the new one
-         * @description Makes a new job as `/v1/jobs/{id}/edits` does; the answer is its event stream.
+         * @description Creates a job as `/v1/jobs/{id}/edits` does; the answer is its event stream.
          */
         post: operations["editJobStream"];
         delete?: never;
@@ -461,7 +461,7 @@ export interface paths {
         };
         /**
          * Follow a job
-         * @description Its events: the job, every iteration from 0 on in order and without gaps, the end. The stream runs at the pace of its reader and goes on after the last event that the client names (`?last_event_id=7` is for clients that cannot set headers). Some choices rule others out; that is answered with 400.
+         * @description Its events: the job, every iteration from 0 on in order and without gaps, the end. The stream runs at the pace of its reader and continues after the last event that the client has (`?last_event_id=7` is for clients that cannot set headers). Choices that exclude each other are refused with 400.
          */
         get: operations["watchJob"];
         put?: never;
@@ -480,8 +480,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Show what was asked for
-         * @description A body that would ask for the same fit again. An edit shows the changed fit.
+         * Show the request
+         * @description A body that requests the same fit again. An edit shows the changed fit.
          */
         get: operations["getInput"];
         put?: never;
@@ -501,7 +501,7 @@ export interface paths {
         };
         /**
          * Show an iteration
-         * @description The curve or surface of any iteration that was reached, at any time. One that a running job has not reached yet is waited for: as long as `Prefer: wait` says, or 10 seconds; then 503 tells how far the job is. With the name of a format after the path, such as `/step`, or an Accept header also as a file.
+         * @description The curve or surface of any iteration that was reached, at any time. If a running job has not reached it, the answer waits for the time of `Prefer: wait`, or 10 seconds; then 503 reports the current iteration. With the name of a format after the path, such as `/step`, or an Accept header also as a file.
          */
         get: operations["getIteration"];
         put?: never;
@@ -521,7 +521,7 @@ export interface paths {
         };
         /**
          * Show the result
-         * @description The final curve or surface, with all digits. With the name of a format after the path, such as `/step`, or an Accept header also as a file. Other views of it are those of the iteration `last`.
+         * @description The final curve or surface, in full precision. With the name of a format after the path, such as `/step`, or an Accept header also as a file. For other views use the iteration `last`.
          */
         get: operations["getResult"];
         put?: never;
@@ -580,7 +580,7 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Measure how far the data are
+         * Measure distances of the data
          * @description Distances of the data from the nearest points of the curve or surface (foot points), of the last iteration so far or of any other. The errors of iterations are distances at the parameters of the data, which are larger.
          */
         get: operations["getDeviation"];
@@ -620,8 +620,8 @@ export interface paths {
             cookie?: never;
         };
         /**
-         * Show where fixed points end
-         * @description Local fits adjust some points. In the limit the curve or surface passes the others at a distance, which is known in closed form.
+         * Show the limits of fixed points
+         * @description Local fits adjust some points. In the limit the distances of the curve or surface from the others are known in closed form.
          */
         get: operations["getLimit"];
         put?: never;
@@ -683,13 +683,13 @@ export interface components {
             curve?: components["schemas"]["CurveInput"] | null;
             /** @description The surface to fit. */
             surface?: components["schemas"]["SurfaceInput"] | null;
-            /** @description How weights are used; only with weights. */
+            /** @description The use of weights; only with weights. */
             rational?: components["schemas"]["Rational"] | null;
             /** @description The method; without one `global`, and of polylines, sections, meshes, and, with a tolerance, scattered points and grids with missing points least squares with `control_points` `"auto"`. */
             method?: components["schemas"]["Method"] | null;
             /** @description When the iteration ends. */
             stop?: components["schemas"]["StopRules"] | null;
-            /** @description What the event streams of the job are like if they do not say it themselves. */
+            /** @description The default stream options of the job. */
             stream?: components["schemas"]["StreamDefaults"] | null;
         };
         /**
@@ -736,22 +736,22 @@ export interface components {
             /** @description Weights of the data points, for a rational curve. */
             weights?: components["schemas"]["Weights"] | null;
             /**
-             * @description Whether the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the first
-             *     of them. Default: `false`.
+             * @description True if the curve returns to its first point: a periodic B-spline, or with corners one that is clamped at the
+             *     first of them. Default: `false`.
              */
             closed?: boolean | null;
-            /** @description How it ends. */
+            /** @description Its ends. */
             ends?: components["schemas"]["CurveEnds"] | null;
-            /** @description Where it may turn; without them nowhere. */
+            /** @description The corners; default: none. */
             corners?: components["schemas"]["Corners"] | null;
             /**
-             * @description Whether the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and turns
-             *     at all points at which the edges do by more than 30 degrees, unless `corners` are given. Default: `false`.
+             * @description True if the edges between the points are data, too. Such a curve is fitted with `control_points` `"auto"`, and
+             *     turns at all points at which the edges do by more than 30 degrees, unless `corners` are given. Default: `false`.
              */
             polyline?: boolean | null;
             /** @description The order of the points: that in which they are given, or the nearest one where they have none. */
             order?: components["schemas"]["PointOrder"] | null;
-            /** @description What becomes of points that equal the one before them. */
+            /** @description The treatment of points that equal the one before them. */
             repeated_points?: components["schemas"]["RepeatedPoints"] | null;
         };
         /**
@@ -805,7 +805,7 @@ export interface components {
              * @description The degree. Only with `bspline`. Default: `3`.
              */
             degree?: number | null;
-            /** @description Where the pieces meet. Only with `bspline`. */
+            /** @description The knots, where the pieces meet. Only with `bspline`. */
             knots?: components["schemas"]["KnotChoice"] | null;
         };
         /**
@@ -916,8 +916,8 @@ export interface components {
          */
         PointOrder: "given" | "nearest";
         /**
-         * @description What becomes of points of a curve that equal the one before them: `refuse`, where their parameters do not increase, or
-         *     `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it. Default: `"refuse"`.
+         * @description The treatment of points of a curve that equal the one before them: `refuse`, where their parameters do not increase,
+         *     or `merge`, which keeps each once, and of a closed curve the first point alone where the last one equals it. Default: `"refuse"`.
          * @example merge
          * @enum {string}
          */
@@ -1021,13 +1021,13 @@ export interface components {
             parameters?: components["schemas"]["SurfaceParameters"] | null;
             /** @description Weights of the data points, for a rational surface. */
             weights?: components["schemas"]["SurfaceWeights"] | null;
-            /** @description Whether the directions are periodic. Default: `false`. */
+            /** @description True if the directions are periodic. Default: `false`. */
             closed?: boolean | components["schemas"]["BooleanPair"] | null;
-            /** @description Where a surface through a grid of points may turn; without them nowhere. */
+            /** @description The creases of a surface through a grid of points; default: none. */
             creases?: components["schemas"]["Creases"] | null;
-            /** @description How it ends; one value for both directions, or one for each that is not closed. */
+            /** @description The end conditions; one value for both directions, or one for each that is not closed. */
             ends?: components["schemas"]["SurfaceEnds"] | null;
-            /** @description How it is trimmed to the outline of its data; without it not at all. */
+            /** @description The trimming to the outline of its data; default: none. */
             trim?: components["schemas"]["Trim"] | null;
         };
         /**
@@ -1273,8 +1273,8 @@ export interface components {
             v: components["schemas"]["ParameterChoice"];
         };
         /**
-         * @description The surface of another job, for foot points: the nearest points of it. They are found once, when the
-         *     new job is made.
+         * @description The surface of another job, for foot points: the nearest points of it. They are computed once, when the new job is
+         *     created.
          * @example {
          *       "job": "01a1e1b6-7c2e-7d58-9b5f-6c1f6f3c1b7a",
          *       "iteration": 12
@@ -1293,7 +1293,7 @@ export interface components {
          */
         IterationChoice: number | "last";
         /**
-         * @description How far the directions of pairs go that do not end at the data.
+         * @description The extents of the directions of pairs, if these do not end at the data.
          * @example {
          *       "u": {
          *         "period": 94.2
@@ -1301,13 +1301,13 @@ export interface components {
          *     }
          */
         ParameterDomains: {
-            /** @description That of u; without it from the least to the largest parameter. */
+            /** @description The extent of u; default: from the least to the largest parameter. */
             u?: components["schemas"]["ParameterDomain"] | null;
-            /** @description That of v. */
+            /** @description The extent of v. */
             v?: components["schemas"]["ParameterDomain"] | null;
         };
         /**
-         * @description How far a direction goes: a period, or both ends.
+         * @description The extent of a direction: a period, or both ends.
          * @example {
          *       "ends": [
          *         -39.3,
@@ -1325,9 +1325,12 @@ export interface components {
              * @description The direction is closed, and repeats after this length.
              */
             period?: number | null;
-            /** @description Where the direction begins and ends. */
+            /** @description The ends of the direction. */
             ends?: number[] | null;
-            /** @description Of v: which ends are poles, at which all control points are one. With `control_points` "auto". */
+            /**
+             * @description Of v: the ends that are poles, at which all control points coincide. With `control_points`
+             *     "auto".
+             */
             poles?: boolean[] | null;
         };
         /**
@@ -1498,8 +1501,8 @@ export interface components {
             distance: number;
         };
         /**
-         * @description How weights are used: in homogeneous coordinates, so that the weights of the control points
-         *     evolve with them, or as a part of the basis, so that they stay.
+         * @description The use of weights: in homogeneous coordinates, so that the weights of the control points evolve with them, or as a
+         *     part of the basis, so that they stay.
          * @example homogeneous
          * @enum {string}
          */
@@ -1542,16 +1545,16 @@ export interface components {
              * @description How near bisection comes to the longest step that keeps the turns, as a part of the plain step. Only with `convex`. Default: `1e-6`.
              */
             step_tolerance?: number | null;
-            /** @description What iteration 0 is. Only with `extended`. */
+            /** @description The start of the iteration. Only with `extended`. */
             start?: components["schemas"]["ExtendedStart"] | null;
             /**
-             * @description Whether each iteration tells the largest length of U Δ, too, as `error.transformed`: how far a
-             *     control point moves in the next one. Only with `extended`. Default: `false`.
+             * @description True if each iteration also reports the largest length of U Δ, as `error.transformed`: how far a control point
+             *     moves in the next one. Only with `extended`. Default: `false`.
              */
             transformed_error?: boolean | null;
             /** @description The number of control points; on surfaces of both directions, or one for each. Only with `least_squares`. */
             control_points?: components["schemas"]["ControlPointCount"] | null;
-            /** @description With control_points `auto`: the most control points. Without it as many as data points. Only with `least_squares`. */
+            /** @description With control_points `auto`: the most control points. Default: the number of data points. Only with `least_squares`. */
             max_control_points?: components["schemas"]["MostControlPoints"] | null;
             /** @description With control_points `auto`, of curves and of scattered points: true if the parameters of the data move to the points of the curve or surface that are nearest to them, so that errors are distances from it. Without it false. Only with `least_squares`. */
             correct_parameters?: boolean | null;
@@ -1562,7 +1565,7 @@ export interface components {
              * @description The length of the step; without one 1 / (largest column sum). Only with `least_squares`.
              */
             mu?: number | null;
-            /** @description Whether it passes through its end points at every iteration. Only with `least_squares`. */
+            /** @description Interpolation of the end points at every iteration. Only with `least_squares`. */
             end_points?: components["schemas"]["LeastSquaresEnds"] | null;
             /**
              * @description How much each data point counts in the sum of squares: of a curve a list of numbers that are not
@@ -1582,17 +1585,17 @@ export interface components {
             fairness_order?: number | null;
             /**
              * Format: double
-             * @description Of surfaces: how stiff they are over the spans of knots in which no datum lies, such as holes and
-             *     ragged borders of scans. This multiple of the integral of the squared first derivatives there is
-             *     added, too. Without it 1e-6 if there is `fairness`, otherwise 0. Only with `least_squares`.
+             * @description Of surfaces: the stiffness over the spans of knots in which no datum lies, such as holes and ragged borders of
+             *     scans. This multiple of the integral of the squared first derivatives there is added, too. Without it 1e-6 if
+             *     there is `fairness`, otherwise 0. Only with `least_squares`.
              */
             gap_stiffness?: number | null;
             /**
-             * @description Of curves and scattered points: points that are far from where their neighbours lead are left out. They are listed as
-             *     `outliers`. Default: `false`. Only with `least_squares`.
+             * @description Of curves and scattered points: points that are far from where their neighbours predict them are left out. They
+             *     are listed as `outliers`. Default: `false`. Only with `least_squares`.
              */
             robust?: boolean | null;
-            /** @description What every iteration obeys: points to pass through and derivatives. Only with `least_squares`. */
+            /** @description Constraints of every iteration: points to pass through and derivatives. Only with `least_squares`. */
             constraints?: components["schemas"]["Constraint"][] | null;
             /** @description The transform U in `X ← X + U (P − B X)`; on surfaces of both directions, or one for each. Only with `custom`. */
             transform?: number[][] | components["schemas"]["MatrixPair"] | null;
@@ -1686,7 +1689,7 @@ export interface components {
          */
         LeastSquaresVariant: "diagonal" | "lspia" | "cg" | "direct";
         /**
-         * @description Whether a least-squares fit passes through its end points: the first and the last data point of an open curve, the corners of an open surface; or `free`, where they are data points like others. Default: `"interpolated"`.
+         * @description How a least-squares fit treats its end points, which are the first and the last data point of an open curve and the corners of an open surface: it passes through them, or (`free`) they are data points like others. Default: `"interpolated"`.
          * @example interpolated
          * @enum {string}
          */
@@ -1708,8 +1711,8 @@ export interface components {
          */
         Fairness: number | "auto";
         /**
-         * @description What every iteration obeys: `{"index": i}` passes through a data point; others have `at` and one of
-         *     the fields that say what holds there.
+         * @description A constraint of every iteration: `{"index": i}` passes through a data point; others have `at` and one of the fields
+         *     for the condition that holds there.
          * @example {
          *       "at": "start",
          *       "tangent": [
@@ -1721,7 +1724,7 @@ export interface components {
         Constraint: {
             /** @description It passes through this data point. */
             index?: components["schemas"]["PointIndex"] | null;
-            /** @description Where it holds. */
+            /** @description The location. */
             at?: components["schemas"]["ConstraintPlace"] | null;
             /** @description The point that it passes through. */
             point?: number[] | null;
@@ -1840,12 +1843,12 @@ export interface components {
             relative_tolerance?: number | null;
             /**
              * Format: int64
-             * @description The last iteration that is computed. Servers have a limit, which /v1/capabilities tells. Default: `1000`.
+             * @description The last iteration that is computed. /v1/capabilities returns the server's limit. Default: `1000`.
              */
             max_iterations?: number | null;
         };
         /**
-         * @description What the event streams of a job are like if they do not say it themselves. Some choices rule others out.
+         * @description The default options of the event streams of a job. Some choices exclude others.
          * @example {
          *       "view": "samples",
          *       "samples": 200,
@@ -1853,25 +1856,25 @@ export interface components {
          *     }
          */
         StreamDefaults: {
-            /** @description What the events show. */
+            /** @description The view of the events. */
             view?: components["schemas"]["View"] | null;
-            /** @description How many samples they have; with the view `samples`. */
+            /** @description The number of samples; with the view `samples`. */
             samples?: components["schemas"]["Samples"] | null;
             /** @description Only iterations that are multiples of this number, and the last. Default: `1`. */
             every?: number | null;
             /** @description Only the first iteration whose largest error is within each of these distances, which decrease. Default: `[]`. */
             milestones?: components["schemas"]["Milestone"][] | null;
-            /** @description What a client gets that is slower than the fit. */
+            /** @description The iterations for a client that is slower than the fit. */
             pace?: components["schemas"]["Pace"] | null;
             /** @description After a first complete event only control points that moved. Default: `false`. */
             changed?: boolean | null;
-            /** @description What the `job` event says of the job. */
+            /** @description The contents of the `job` event. */
             describe?: components["schemas"]["Describe"] | null;
-            /** @description How arrays of numbers are written. */
+            /** @description The encoding of arrays of numbers. */
             encoding?: components["schemas"]["NumberEncoding"] | null;
-            /** @description How many digits coordinates have. */
+            /** @description The precision of coordinates. */
             digits?: components["schemas"]["Digits"] | null;
-            /** @description What becomes of the job when its client goes away. */
+            /** @description What happens to the job when its client disconnects. */
             on_disconnect?: components["schemas"]["OnDisconnect"] | null;
         };
         /**
@@ -1966,7 +1969,7 @@ export interface components {
             items: components["schemas"]["JobRequest"][];
         };
         /**
-         * @description Changes of a fit. Whatever is not given stays as it is; one of `points`, `weights`, `rational`,
+         * @description Changes of a fit. Fields that are not given stay as they are; at least one of `points`, `weights`, `rational`,
          *     `method` and `stop` is given.
          * @example {
          *       "points": [
@@ -2000,13 +2003,13 @@ export interface components {
             points?: components["schemas"]["Move"][] | null;
             /** @description New weights of all data points. */
             weights?: components["schemas"]["NewWeights"] | null;
-            /** @description How the weights are used. It stays as it is where there were weights before. */
+            /** @description The use of the weights. It stays as it is where there were weights before. */
             rational?: components["schemas"]["Rational"] | null;
             /** @description Another method. */
             method?: components["schemas"]["Method"] | null;
             /** @description Other rules when the iteration ends. */
             stop?: components["schemas"]["StopRules"] | null;
-            /** @description What the event streams are like; without it as those of the parent. */
+            /** @description The options of the event streams; default: those of the parent. */
             stream?: components["schemas"]["StreamDefaults"] | null;
             /**
              * @description The edit is one frame of a drag: it is streamed in the answer, neither stored nor listed, and ends
@@ -2021,7 +2024,7 @@ export interface components {
             session?: string | null;
         };
         /**
-         * @description A data point that goes elsewhere, gets another weight, or both.
+         * @description A data point with a new position, a new weight, or both.
          * @example {
          *       "index": 2,
          *       "point": [
@@ -2033,7 +2036,7 @@ export interface components {
         Move: {
             /** @description Which data point. */
             index: components["schemas"]["PointIndex"];
-            /** @description Where it goes. */
+            /** @description Its new position. */
             point?: components["schemas"]["Point"] | null;
             /**
              * Format: double
@@ -2122,15 +2125,15 @@ export interface components {
             name: string | null;
             /** @description Curve or surface. */
             kind: components["schemas"]["GeometryKind"];
-            /** @description Where it is in its life. */
+            /** @description Its state. */
             state: components["schemas"]["JobState"];
-            /** @description Why it ended, where the state does not say it. */
+            /** @description The reason of the end, if the state does not imply it. */
             reason: components["schemas"]["EndReason"] | null;
-            /** @description The reason in words, with what is left. */
+            /** @description The reason in words, with the remaining distance. */
             detail: string | null;
-            /** @description What is doubtful about it; some of that is found out only when the job begins to run. */
+            /** @description Warnings; some are found only when the job begins to run. */
             warnings: components["schemas"]["Warning"][];
-            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            /** @description Notices about the file that has its points, in sentences. Absent if there are none. */
             notices?: string[];
             /**
              * Format: int64
@@ -2139,22 +2142,22 @@ export interface components {
             points: number;
             /** @description The method. */
             method: components["schemas"]["AppliedMethod"];
-            /** @description When it ends. */
+            /** @description Its end conditions. */
             stop: components["schemas"]["AppliedStop"];
-            /** @description What its streams are like, if the job says it. */
+            /** @description The stream options of the job, if it has any. */
             stream: components["schemas"]["StreamDefaults"] | null;
             /**
              * Format: int64
              * @description The last iteration so far.
              */
             iteration: number | null;
-            /** @description How fast it converges, by what is known at that iteration. */
+            /** @description The forecast at that iteration. */
             predicted: components["schemas"]["Prediction"];
             /** @description The distances at that iteration. */
             error: components["schemas"]["FitError"] | null;
             /**
              * Format: double
-             * @description How far it is.
+             * @description Its progress.
              */
             progress: number;
             /**
@@ -2180,49 +2183,48 @@ export interface components {
             problem?: components["schemas"]["Problem"];
         };
         /**
-         * @description What is fitted.
+         * @description The geometry.
          * @example curve
          * @enum {string}
          */
         GeometryKind: "curve" | "surface";
         /**
-         * @description Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was asked for at its minimum) | exhausted (at max_iterations) | stalled (the method cannot go on) | failed | cancelled.
+         * @description Where a job is in its life: queued → running → converged (within the tolerance; with reason minimum, a least-squares fit without a tolerance that was requested at its minimum) | exhausted (at max_iterations) | stalled (the method cannot continue) | failed | cancelled.
          * @example converged
          * @enum {string}
          */
         JobState: "queued" | "running" | "converged" | "exhausted" | "stalled" | "failed" | "cancelled";
         /**
-         * @description Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was asked for, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.
+         * @description Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was requested, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.
          * @example minimum
          * @enum {string}
          */
         EndReason: "minimum" | "convexity" | "nilpotent" | "rounding" | "diverging" | "between";
         /**
-         * @description What is doubtful about a fit that is computed even so.
+         * @description A warning about a fit, which is computed nevertheless.
          * @example {
          *       "code": "even_degree",
          *       "pointer": "/curve/basis/degree",
-         *       "detail": "degree 4 is even: with knots at the data a point that is moved is felt along the whole curve; use an odd degree or averaged knots"
+         *       "detail": "degree 4 is even: with knots at the data one moved point affects the whole curve; use an odd degree or averaged knots"
          *     }
          */
         Warning: {
             /**
-             * @description What it is. `few_points`: with knots at the data and repeated ends the degree is no less than the
-             *     number of points. `even_degree`: with knots at the data an even degree makes a moved point be felt along
-             *     the whole curve. `rounding`: rounding will leave more of an extended fit than the tolerance.
-             *     `shorter_interval`: Chebyshev steps by the least eigenvalue would make distances rise far, and
-             *     others are taken. `ill_conditioned`: the slowest part of the error will hardly have changed
-             *     after the last iteration. `without_data`: control points of a least-squares fit have no data
-             *     and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a
-             *     part: its diagonal is more than 100 times that of the inner 90 % of the points. `reversed_tangent`: the
-             *     data run against the vector of a tangent, so that the derivative there is zero. `slow_steps`: Chebyshev steps take hundreds of iterations to a
-             *     hundredth of the error, and `global` is nearer in the first ones.
-             *     `unordered`: fewer than a third of the points of a curve have a neighbour in the list among their three nearest
-             *     points. `no_data_value`: a value of the points of a grid, such as -9999, often stands for missing data.
-             *     `between_points`: the fit leaves its data between neighbours by more than these leave it free. `folded_parameters`: points of a
-             *     surface with nearly the same parameters are far from each other, so that no surface is near both. `spikes`: a few
-             *     points of a curve that least squares fits are far from where their neighbours lead. `rounded_corners`: the points
-             *     of a curve that chooses its knots turn as at corners, which `corners` would keep. There may be others in later versions.
+             * @description The kind. `few_points`: with knots at the data and repeated ends the degree is no less than the number of
+             *     points. `even_degree`: with knots at the data an even degree lets one point affect the whole curve. `rounding`:
+             *     rounding will leave more of an extended fit than the tolerance. `shorter_interval`: Chebyshev steps by the least
+             *     eigenvalue would make distances rise far, and others are taken. `ill_conditioned`: the slowest part of the error
+             *     will hardly have changed after the last iteration. `without_data`: control points of a least-squares fit have no
+             *     data and stay. `outliers`: a few points determine the bounding box, of which the tolerance is a part: its
+             *     diagonal is more than 100 times that of the inner 90 % of the points. `reversed_tangent`: the data run against
+             *     the vector of a tangent, so that the derivative there is zero. `slow_steps`: Chebyshev steps take hundreds of
+             *     iterations to a hundredth of the error, and `global` is nearer in the first ones. `unordered`: fewer than a
+             *     third of the points of a curve have a neighbour in the list among their three nearest points. `no_data_value`: a
+             *     value of the points of a grid, such as -9999, often stands for missing data. `between_points`: the fit deviates
+             *     between neighbouring data by more than these allow. `folded_parameters`: points of a surface with nearly the
+             *     same parameters are far from each other, so that no surface is near both. `spikes`: a few points of a curve that
+             *     least squares fits are far from where their neighbours predict them. `rounded_corners`: the points of a curve
+             *     that chooses its knots turn as at corners, which `corners` would keep. Later versions may add others.
              * @example few_points
              * @example even_degree
              * @example rounding
@@ -2242,7 +2244,7 @@ export interface components {
             code: string;
             /** @description A JSON pointer into the input of the job. */
             pointer: string;
-            /** @description What is doubtful here, why, and what to do about it. */
+            /** @description The warning in words, with the reason and what to do. */
             detail: string;
         };
         /**
@@ -2275,12 +2277,12 @@ export interface components {
             threshold?: number;
             /**
              * Format: double
-             * @description Convex: how near bisection comes to the longest step that keeps the turns, as a part of the plain step.
+             * @description Convex: the accuracy of the bisection for the longest step that keeps the turns, as a part of the plain step.
              */
             step_tolerance?: number;
             /** @description Extended: what iteration 0 is. */
             start?: components["schemas"]["ExtendedStart"];
-            /** @description Extended: whether `error.transformed` is told. */
+            /** @description Extended PIA: true if `error.transformed` is reported. */
             transformed_error?: boolean;
             /** @description Least squares: the number of control points. */
             control_points?: components["schemas"]["ControlPointCount"];
@@ -2322,7 +2324,7 @@ export interface components {
             max_iterations: number;
         };
         /**
-         * @description What is known of the convergence.
+         * @description The forecast of the convergence.
          * @example {
          *       "rate": 0.8,
          *       "iterations": 60
@@ -2336,7 +2338,7 @@ export interface components {
             rate: number | null;
             /**
              * Format: int64
-             * @description About how many iterations it takes in all; null where nobody knows.
+             * @description The approximate total number of iterations; null if unknown.
              */
             iterations: number | null;
         };
@@ -2420,7 +2422,7 @@ export interface components {
             events: string;
             /**
              * Format: uri-reference
-             * @description The job as it was asked for.
+             * @description The job as it was requested.
              */
             input: string;
             /**
@@ -2430,17 +2432,17 @@ export interface components {
             result: string;
             /**
              * Format: uri-reference
-             * @description Where edits are posted.
+             * @description The address of edits.
              */
             edits: string;
             /**
              * Format: uri-reference
-             * @description Where the fixed points of a local fit end.
+             * @description The limits of the fixed points of a local fit.
              */
             limit: string;
             /**
              * Format: uri-reference
-             * @description Where a POST stops it.
+             * @description The address for cancelling, with POST.
              */
             cancel: string;
         };
@@ -2464,7 +2466,7 @@ export interface components {
             iteration: number;
         };
         /**
-         * @description What is wrong (RFC 9457).
+         * @description An error (RFC 9457).
          * @example {
          *       "type": "/problems/invalid-fit",
          *       "title": "The job is not a fit that can be computed",
@@ -2485,20 +2487,20 @@ export interface components {
              * @enum {string}
              */
             type: "/problems/not-json" | "/problems/not-protobuf" | "/problems/invalid-request" | "/problems/invalid-fit" | "/problems/not-found" | "/problems/unknown-job" | "/problems/no-such-iteration" | "/problems/not-reached" | "/problems/no-result" | "/problems/not-converged" | "/problems/no-limit" | "/problems/no-deviation" | "/problems/no-shape" | "/problems/no-export" | "/problems/no-tickets" | "/problems/unknown-host" | "/problems/unauthenticated" | "/problems/forbidden" | "/problems/method-not-allowed" | "/problems/not-acceptable" | "/problems/body-timeout" | "/problems/already-ended" | "/problems/body-too-large" | "/problems/unsupported-media-type" | "/problems/unsupported-encoding" | "/problems/key-taken" | "/problems/queue-full" | "/problems/busy" | "/problems/too-many-jobs" | "/problems/quota-exceeded" | "/problems/too-many-connections" | "/problems/store-full" | "/problems/store-away" | "/problems/tokens-unreadable" | "/problems/stopping" | "/problems/overflow" | "/problems/internal";
-            /** @description What the kind is called. */
+            /** @description The title of the kind. */
             title: string;
             /**
              * Format: int32
              * @description The status of the answer.
              */
             status: number;
-            /** @description What is wrong, for people. */
+            /** @description The error, for people. */
             detail: string;
-            /** @description The single things that are wrong. */
+            /** @description The errors of single fields. */
             errors?: components["schemas"]["FieldError"][];
-            /** @description The id of the request, as X-Request-Id has it. */
+            /** @description The id of the request, as in X-Request-Id. */
             request_id?: string;
-            /** @description The id of the trace of the request, as traceresponse has it, if the server exports traces. */
+            /** @description The id of the trace of the request, as in traceresponse, if the server exports traces. */
             trace_id?: string;
         };
         /**
@@ -2529,7 +2531,7 @@ export interface components {
             detail: string;
         };
         /**
-         * @description The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless they are asked for, then `end` with the id `end`. Comments keep quiet streams open.
+         * @description The fields of a server-sent event: `job` without an id, then `iteration` with the number of the iteration as its id, in order and without gaps unless these are requested, then `end` with the id `end`. Comments keep quiet streams open.
          * @example {
          *       "event": "iteration",
          *       "id": "1",
@@ -2544,7 +2546,7 @@ export interface components {
             event: "job" | "iteration" | "end";
             /** @description The number of the iteration, or `end`. A version of the program whose numbers differ from those of the version that accepted the job adds its own number: `7@2`. */
             id?: string;
-            /** @description What is to be said of it, as JSON: a JobEvent, an IterationEvent or an EndEvent. */
+            /** @description Its data, as JSON: a JobEvent, an IterationEvent or an EndEvent. */
             data: string;
         };
         /**
@@ -2638,27 +2640,27 @@ export interface components {
             basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
             /** @description The degree. */
             degree: number | components["schemas"]["CountPair"];
-            /** @description True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
+            /** @description True if it is closed: a periodic B-spline, or with corners one that is clamped at the first corner. */
             closed: boolean | components["schemas"]["BooleanPair"];
-            /** @description How it ends. */
+            /** @description Its ends. */
             ends: components["schemas"]["EndRules"] | components["schemas"]["EndRulesPair"];
             /** @description The points at which a curve may turn, if there are any. */
             corners?: number[];
-            /** @description The points that a robust fit leaves out, if there are any. */
+            /** @description The use of weights, if there are any. */
             outliers?: components["schemas"]["Outliers"];
-            /** @description How weights are used, if there are any. */
+            /** @description The use of weights, if there are any. */
             rational: components["schemas"]["Rational"] | null;
             /** @description The method, with numbers that were computed for it. */
             method: components["schemas"]["AppliedMethod"];
-            /** @description How fast it converges, by what is known at iteration 0. */
+            /** @description The forecast at iteration 0. */
             predicted: components["schemas"]["Prediction"];
-            /** @description When it ends. */
+            /** @description Its end conditions. */
             stop: components["schemas"]["AppliedStop"];
             /** @description The paths of the job. Ephemeral edits have none. */
             links: components["schemas"]["Links"] | null;
-            /** @description What is doubtful about it; some of that is found out only when the job begins to run. */
+            /** @description Warnings; some are found only when the job begins to run. */
             warnings: components["schemas"]["Warning"][];
-            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            /** @description Notices about the file that has its points, in sentences. Absent if there are none. */
             notices?: string[];
             /** @description How weights, knots and parameters are written, if they are binary: always with 64 bits. */
             encoding?: components["schemas"]["BinaryEncoding"];
@@ -2673,7 +2675,7 @@ export interface components {
             parameters?: number[] | string | components["schemas"]["NumberArrayPair"];
         };
         /**
-         * @description How a stream has been resumed, where it does not simply go on.
+         * @description How a stream was resumed, unless it simply continues.
          * @example restarted
          */
         Resumed: "restarted";
@@ -2894,15 +2896,15 @@ export interface components {
             rate?: number;
             /**
              * Format: int64
-             * @description About how many iterations it takes in all, by what is known here; absent where nobody knows.
+             * @description The approximate total number of iterations, by the errors so far; absent if unknown.
              */
             predicted?: number;
             /**
              * Format: int64
-             * @description How many control points the last step has moved.
+             * @description The number of control points that the last step moved.
              */
             moved: number;
-            /** @description The knots, where they are others than in the event before; of fits that choose them by themselves. */
+            /** @description The knots, where they are others than in the event before; of fits that choose them. */
             knots?: number[] | string | null | components["schemas"]["KnotArrayPair"];
             /** @description A weight that no CAD kernel takes. */
             bad_weight?: components["schemas"]["BadWeight"];
@@ -2916,7 +2918,7 @@ export interface components {
              * @description Only with the encoding `delta` in homogeneous fits: by how much a step moves a weight.
              */
             weight_step?: number;
-            /** @description How the arrays are written, if they are binary. */
+            /** @description The encoding of the arrays, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points` or `samples`, if they are binary. */
             shape?: components["schemas"]["ArrayShape"];
@@ -2947,7 +2949,7 @@ export interface components {
              * @description Its weight.
              */
             weight: number;
-            /** @description What is wrong with it. */
+            /** @description The reason. */
             detail: string;
         };
         /**
@@ -3035,9 +3037,9 @@ export interface components {
         EndEvent: {
             /** @description The final state. */
             state: components["schemas"]["JobState"];
-            /** @description Why it ended, where the state does not say it. */
+            /** @description The reason of the end, if the state does not imply it. */
             reason: components["schemas"]["EndReason"] | null;
-            /** @description The reason in words, with what is left. */
+            /** @description The reason in words, with the remaining distance. */
             detail: string | null;
             /**
              * Format: int64
@@ -3053,7 +3055,7 @@ export interface components {
             elapsed: number | null;
             /** @description All warnings, also those that were found while it ran. */
             warnings: components["schemas"]["Warning"][];
-            /** @description Where to go on. Ephemeral edits leave nothing behind. */
+            /** @description Links to related resources. Ephemeral edits leave nothing behind. */
             links: components["schemas"]["EndLinks"] | null;
             /** @description Why it failed. */
             problem?: components["schemas"]["Problem"];
@@ -3191,7 +3193,7 @@ export interface components {
              * @enum {string}
              */
             event: "job";
-            /** @description What is to be said of it. */
+            /** @description Its data. */
             data: components["schemas"]["JobEvent"];
         };
         /**
@@ -3244,7 +3246,7 @@ export interface components {
              * @enum {string}
              */
             event: "iteration";
-            /** @description What is to be said of it. */
+            /** @description Its data. */
             data: components["schemas"]["IterationEvent"];
             /** @description The number of the iteration. A text where server-sent events have more than a number. */
             id: number | string;
@@ -3280,7 +3282,7 @@ export interface components {
              * @enum {string}
              */
             event: "end";
-            /** @description What is to be said of it. */
+            /** @description Its data. */
             data: components["schemas"]["EndEvent"];
             /**
              * @description The id of the event.
@@ -3364,7 +3366,7 @@ export interface components {
             kind: components["schemas"]["GeometryKind"];
             /** @description The final state. */
             state: components["schemas"]["JobState"];
-            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            /** @description Notices about the file that has its points, in sentences. Absent if there are none. */
             notices?: string[];
             /**
              * Format: int64
@@ -3377,15 +3379,15 @@ export interface components {
             basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
             /** @description The degree. */
             degree: number | components["schemas"]["CountPair"];
-            /** @description True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
+            /** @description True if it is closed: a periodic B-spline, or with corners one that is clamped at the first corner. */
             closed: boolean | components["schemas"]["BooleanPair"];
-            /** @description How weights are used, if there are any. */
+            /** @description The use of weights, if there are any. */
             rational: components["schemas"]["Rational"] | null;
             /** @description A weight that no CAD kernel takes. */
             bad_weight?: components["schemas"]["BadWeight"];
             /** @description The knots, in base64 always with 64 bits. */
             knots: number[] | string | null | components["schemas"]["KnotArrayPair"];
-            /** @description The parameters of the data points, likewise. */
+            /** @description The parameters of the data points, in base64 always with 64 bits. */
             parameters: number[] | string | components["schemas"]["NumberArrayPair"];
             /**
              * Format: double
@@ -3394,9 +3396,9 @@ export interface components {
             fairness?: number;
             /** @description The points that a robust fit leaves out, if there are any. */
             outliers?: components["schemas"]["Outliers"];
-            /** @description What is left of a surface that is trimmed. */
+            /** @description The remaining part of a trimmed surface. */
             trim?: components["schemas"]["Trimmed"];
-            /** @description How the arrays are written, if they are binary. */
+            /** @description The encoding of the arrays, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */
             shape?: components["schemas"]["ArrayShape"];
@@ -3406,7 +3408,7 @@ export interface components {
             weights?: components["schemas"]["ResultWeights"];
         };
         /**
-         * @description What is left of a trimmed surface: where its parameters are on the left of all loops.
+         * @description The remaining part of a trimmed surface: where its parameters are on the left of all loops.
          * @example {
          *       "area": 2.9,
          *       "distance": 0.1,
@@ -3454,12 +3456,12 @@ export interface components {
         Trimmed: {
             /**
              * Format: double
-             * @description The area of what is left, of surfaces in the plane and in space.
+             * @description The area of the remaining part, of surfaces in the plane and in space.
              */
             area?: number;
             /**
              * Format: double
-             * @description How far the outline can be from the data, in the unit of the points.
+             * @description The largest distance of the outline from the data, in the unit of the points.
              */
             distance: number;
             /** @description The pieces that it is in; none if it is all of the surface. */
@@ -3699,7 +3701,7 @@ export interface components {
             name?: string;
             /** @description The final state; `failed` also if the item is no fit that can be computed. */
             state: components["schemas"]["JobState"];
-            /** @description What was understood of the file that has its points, in sentences. Not there if there is nothing to say. */
+            /** @description Notices about the file that has its points, in sentences. Absent if there are none. */
             notices?: string[];
             /**
              * Format: int64
@@ -3710,7 +3712,7 @@ export interface components {
             error?: components["schemas"]["FitError"];
             /** @description The fitted curve, also of a fit that has not converged: that of the last iteration. */
             curve?: components["schemas"]["FitGeometry"];
-            /** @description The fitted surface, likewise. */
+            /** @description The fitted surface, also of a fit that has not converged. */
             surface?: components["schemas"]["FitGeometry"];
             /** @description Why the fit has not converged. */
             problem?: components["schemas"]["Problem"];
@@ -3773,15 +3775,15 @@ export interface components {
             basis: ("bspline" | "bernstein" | "said_ball" | "wang_ball") | components["schemas"]["BasisKindPair"];
             /** @description The degree. */
             degree: number | components["schemas"]["CountPair"];
-            /** @description True if it returns to its start: a periodic B-spline, or with corners one that is clamped at the first of them. */
+            /** @description True if it is closed: a periodic B-spline, or with corners one that is clamped at the first corner. */
             closed: boolean | components["schemas"]["BooleanPair"];
-            /** @description How weights are used, if there are any. */
+            /** @description The use of weights, if there are any. */
             rational: components["schemas"]["Rational"] | null;
             /** @description A weight that no CAD kernel takes. */
             bad_weight?: components["schemas"]["BadWeight"];
             /** @description The knots, in base64 always with 64 bits. */
             knots: number[] | string | null | components["schemas"]["KnotArrayPair"];
-            /** @description The parameters of the data points, likewise. */
+            /** @description The parameters of the data points, in base64 always with 64 bits. */
             parameters: number[] | string | components["schemas"]["NumberArrayPair"];
             /**
              * Format: double
@@ -3790,9 +3792,9 @@ export interface components {
             fairness?: number;
             /** @description The points that a robust fit leaves out, if there are any. */
             outliers?: components["schemas"]["Outliers"];
-            /** @description What is left of a surface that is trimmed. */
+            /** @description The remaining part of a trimmed surface. */
             trim?: components["schemas"]["Trimmed"];
-            /** @description How the arrays are written, if they are binary. */
+            /** @description The encoding of the arrays, if they are binary. */
             encoding?: components["schemas"]["BinaryEncoding"];
             /** @description The shape of `control_points`, if they are binary. */
             shape?: components["schemas"]["ArrayShape"];
@@ -3813,7 +3815,7 @@ export interface components {
          *     }
          */
         BatchEnd: {
-            /** @description What came of the items. */
+            /** @description The results of the items. */
             totals: components["schemas"]["BatchTotals"];
         };
         /**
@@ -3828,17 +3830,17 @@ export interface components {
         BatchTotals: {
             /**
              * Format: int64
-             * @description How many items there were.
+             * @description The number of items.
              */
             items: number;
             /**
              * Format: int64
-             * @description How many of them have converged.
+             * @description The number of items that have converged.
              */
             converged: number;
             /**
              * Format: int64
-             * @description How many have not: those with a problem.
+             * @description The number of items that have not converged: those with a problem.
              */
             failed: number;
             /**
@@ -3889,13 +3891,13 @@ export interface components {
          *     }
          */
         FilePoints: {
-            /** @description What the file calls itself. */
+            /** @description The name in the file. */
             name?: string;
             /** @description The points of a curve. */
             curve?: components["schemas"]["CurvePoints"];
-            /** @description Those of a surface. */
+            /** @description The points of a surface. */
             surface?: components["schemas"]["SurfacePoints"];
-            /** @description What was found out about the file, in sentences. */
+            /** @description Notices about the file, in sentences. */
             notices: string[];
         };
         /**
@@ -3918,7 +3920,7 @@ export interface components {
             points: components["schemas"]["Points"];
             /** @description The curve is closed: the file had the first point at its end again, which is not among these. */
             closed?: boolean;
-            /** @description The parameters of the points: their times, where these were asked for. */
+            /** @description The parameters of the points: their times, if requested. */
             parameters?: number[];
         };
         /**
@@ -3958,13 +3960,13 @@ export interface components {
             /** @description The points of sections, one after the other, or the vertices of a mesh. */
             scattered?: components["schemas"]["ScatteredPoints"];
             /**
-             * @description How many of them each section has, the triangles of the mesh, or the parameters of the rows and columns of a grid with
-             *     missing points, if x and y say them.
+             * @description The number of points of each section, the triangles of the mesh, or the parameters of the rows and columns of a
+             *     grid with missing points, if x and y say them.
              */
             parameters?: components["schemas"]["SurfaceParameters"];
         };
         /**
-         * @description Where the difference vectors of the fixed points of a local fit end.
+         * @description The limits of the difference vectors of the fixed points of a local fit.
          * @example {
          *       "points": [
          *         0,
@@ -4080,7 +4082,7 @@ export interface components {
          */
         Distances: number[] | (number | null)[][];
         /**
-         * @description The shape of an iteration: curvature and its extremes, length or area, and continuity at knots. Null stands where
+         * @description The shape of an iteration: curvature and its extremes, length or area, and continuity at knots. Null means that
          *     there is no curvature, because a derivative vanishes or a surface has no normal.
          * @example {
          *       "kind": "curve",
@@ -4249,11 +4251,11 @@ export interface components {
              * @description The length of the curve.
              */
             length: number | null;
-            /** @description Where the curvature is least and largest. */
+            /** @description The places where the curvature is least and largest. */
             curvature: components["schemas"]["CurvatureExtremes"];
             /**
-             * @description Parameters at which the derivative vanishes, and near which the curvature may be unbounded: of those that were
-             *     looked at up to 100.
+             * @description Parameters at which the derivative vanishes, and near which the curvature may be unbounded: up to 100 of those
+             *     examined.
              */
             degenerate: number[];
             /** @description The continuity at inner knots, and where a closed curve returns to its start. */
@@ -4346,7 +4348,7 @@ export interface components {
             knots: components["schemas"]["KnotContinuity"][];
         };
         /**
-         * @description The continuity of a curve at a knot: what is guaranteed, and what was measured.
+         * @description The continuity of a curve at a knot: the guaranteed and the measured one.
          * @example {
          *       "parameter": 1,
          *       "point": [
@@ -4376,7 +4378,7 @@ export interface components {
             point: number[];
             /**
              * Format: int64
-             * @description How many times the knot stands there.
+             * @description The multiplicity of the knot.
              */
             multiplicity: number;
             /**
@@ -4386,13 +4388,13 @@ export interface components {
             guaranteed: number;
             /**
              * Format: int64
-             * @description The order C that was measured: the number of derivatives that are equal on both sides. It is measured up to 2, and at least what
-             *     is guaranteed.
+             * @description The measured order C: the number of derivatives that are equal on both sides. It is measured up to 2, and at
+             *     least the guaranteed order.
              */
             parametric: number;
             /**
              * Format: int64
-             * @description The order G that was found: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
+             * @description The measured order G: 0 is a corner, 1 the same tangent (within 0.01 degrees), 2 the same curvature (within a
              *     thousandth); −1 is a gap.
              */
             geometric: number;
@@ -4410,7 +4412,7 @@ export interface components {
             curvature: (number | null)[];
             /**
              * Format: double
-             * @description How far the curvature vectors of both sides are apart.
+             * @description The distance between the curvature vectors of both sides.
              */
             jump: number | null;
         };
@@ -4686,12 +4688,9 @@ export interface components {
              * @description The area of the surface.
              */
             area: number | null;
-            /** @description Where the principal, Gaussian and mean curvatures are least and largest. */
+            /** @description The places where the principal, Gaussian and mean curvatures are least and largest. */
             curvature: components["schemas"]["SurfaceExtremes"];
-            /**
-             * @description Parameters at which there is no normal, and near which curvatures may be unbounded: of those that were looked at
-             *     up to 100.
-             */
+            /** @description Parameters at which there is no normal, and near which curvatures may be unbounded: up to 100 of those examined. */
             degenerate: number[][];
             /** @description The continuity across the lines at inner knots, and where a closed direction returns to its start. */
             continuity: components["schemas"]["SurfaceContinuity"];
@@ -4883,7 +4882,7 @@ export interface components {
             parameter: number;
             /**
              * Format: int64
-             * @description How many times the knot stands there.
+             * @description The multiplicity of the knot.
              */
             multiplicity: number;
             /**
@@ -4893,8 +4892,8 @@ export interface components {
             guaranteed: number;
             /**
              * Format: double
-             * @description Where the multiplicity guarantees no tangent plane: the largest angle between the normals of both sides at samples of
-             *     the line, in degrees.
+             * @description If the multiplicity guarantees no tangent plane: the largest angle between the normals of both sides at samples
+             *     of the line, in degrees.
              */
             angle: number | null;
         };
@@ -5046,7 +5045,7 @@ export interface components {
             bases: components["schemas"]["BasisRate"][];
         };
         /**
-         * @description What is known of classical PIA with a basis.
+         * @description The convergence of classical PIA with a basis.
          * @example {
          *       "basis": "bernstein",
          *       "degree": 2,
@@ -5060,7 +5059,8 @@ export interface components {
             basis: components["schemas"]["BasisKind"];
             /**
              * Format: int64
-             * @description Its degree.
+             * @description The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides it, and for
+             *     polynomials through more than 100 points other than Bernstein at equal steps.
              */
             degree: number;
             /**
@@ -5071,14 +5071,14 @@ export interface components {
             lambda_min: number | null;
             /**
              * Format: double
-             * @description By which factor an iteration reduces distances in the long run, 1 − lambda_min where the basis is
-             *     totally positive. They grow if it is above one.
+             * @description The factor by which an iteration reduces distances in the long run, 1 − lambda_min where the basis is totally
+             *     positive. Above one they grow.
              */
             rate: number | null;
             /**
              * Format: int64
-             * @description How many iterations reduce them to the part `tolerance`, by the rate; null where they are not known
-             *     or beyond 1e15.
+             * @description The number of iterations that reduce them to the part `tolerance`, by the rate; null where it is unknown or
+             *     beyond 1e15.
              */
             iterations: number | null;
         };
@@ -5088,10 +5088,10 @@ export interface components {
          */
         ProblemTypes: components["schemas"]["ProblemType"][];
         /**
-         * @description What the `type` of a problem object stands for.
+         * @description The documentation of a `type` of problem objects.
          * @example {
          *       "type": "/problems/queue-full",
-         *       "title": "The server has as many jobs as it takes",
+         *       "title": "The server has reached its limit of jobs",
          *       "status": 503,
          *       "meaning": "Send the job again after the number of seconds in Retry-After."
          *     }
@@ -5102,18 +5102,18 @@ export interface components {
              * @description The type.
              */
             type: string;
-            /** @description What it is called. */
+            /** @description Its title. */
             title: string;
             /**
              * Format: int32
              * @description The status of answers with it.
              */
             status: number;
-            /** @description What it means and what to do about it. */
+            /** @description Its meaning, and what to do about it. */
             meaning: string;
         };
         /**
-         * @description What the server is.
+         * @description The description of the server.
          * @example {
          *       "name": "piad",
          *       "version": "0.1.0",
@@ -5130,26 +5130,26 @@ export interface components {
             version: string;
             /** @description What it does. */
             description: string;
-            /** @description Where to go on. */
+            /** @description Links to related resources. */
             links: {
                 [key: string]: string;
             };
         };
         /**
-         * @description How the server is.
+         * @description The health of the server.
          * @example {
          *       "status": "ready"
          *     }
          */
         Health: {
             /**
-             * @description The word for it.
+             * @description Its status.
              * @enum {string}
              */
             status: "alive" | "ready";
         };
         /**
-         * @description What opens the stream of a job once it is in the query.
+         * @description A ticket for the stream of a job, for use in the query.
          * @example {
          *       "ticket": "piad_ticket_AZqnpGo8fF6KVVudLF8fEAAAAABpJ4pA",
          *       "expires": "2027-01-15T08:00:00Z"
@@ -5160,12 +5160,12 @@ export interface components {
             ticket: string;
             /**
              * Format: date-time
-             * @description Until when a stream can be opened with it; one that is open goes on.
+             * @description The time until which it can open a stream; an open stream continues.
              */
             expires: string;
         };
         /**
-         * @description What the server can do, and its limits.
+         * @description The capabilities of the server, and its limits.
          * @example {
          *       "version": "0.1.0",
          *       "geometry": [
@@ -5236,25 +5236,25 @@ export interface components {
         Capabilities: {
             /** @description The version of the server. */
             version: string;
-            /** @description What is fitted. */
+            /** @description The kinds of geometry. */
             geometry: string[];
-            /** @description How many coordinates points have. */
+            /** @description The numbers of coordinates of points. */
             dimensions: number[];
             /** @description The bases. */
             bases: components["schemas"]["BasisCapability"][];
-            /** @description How data points get their parameters. */
+            /** @description The rules for the parameters of data points. */
             parameters: string[];
-            /** @description How weights are used. */
+            /** @description The uses of weights. */
             rational: string[];
             /** @description The methods. */
             methods: components["schemas"]["MethodCapability"][];
-            /** @description What is shown of an iteration. */
+            /** @description The views of an iteration. */
             views: string[];
-            /** @description How arrays of numbers are written in JSON. */
+            /** @description The encodings of arrays of numbers in JSON. */
             encodings: string[];
-            /** @description How many digits coordinates have. */
+            /** @description The precisions of coordinates. */
             digits: string[];
-            /** @description What slow clients get. */
+            /** @description The choices for slow clients. */
             paces: string[];
             /** @description The parameters of event streams. */
             stream: string[];
@@ -5281,9 +5281,9 @@ export interface components {
             kind: components["schemas"]["BasisKind"];
             /** @description The degrees. */
             degree: components["schemas"]["DegreeRange"];
-            /** @description How knots are chosen, with a control point for each data point. */
+            /** @description The rules for knots, with a control point for each data point. */
             knots?: string[];
-            /** @description Whether it can be periodic. */
+            /** @description True if it can be periodic. */
             closed: boolean;
         };
         /**
@@ -5321,11 +5321,11 @@ export interface components {
             kind: components["schemas"]["MethodKind"];
             /** @description Its settings. */
             settings: string[];
-            /** @description How knots of open B-splines are chosen, where it has rules of its own. */
+            /** @description The rules for knots of open B-splines, where it has its own. */
             knots?: string[];
-            /** @description Whether it fits surfaces. */
+            /** @description True if it fits surfaces. */
             surface: boolean;
-            /** @description Whether it fits in homogeneous coordinates. */
+            /** @description True if it fits in homogeneous coordinates. */
             homogeneous: boolean;
         };
         /**
@@ -5443,7 +5443,7 @@ export interface components {
         };
     };
     responses: {
-        /** @description - `/problems/internal`: A defect of the server or of its store. Other jobs are not affected; please report it with the request_id. */
+        /** @description - `/problems/internal`: A bug in the server, or a failure of its store. Other jobs are not affected; please report it with the request_id. */
         internal: {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5463,7 +5463,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/unauthenticated`: This server asks for a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/tickets in the query. The token may have been revoked, or its time is over: who runs the server makes another one with piad token create. */
+        /** @description - `/problems/unauthenticated`: This server requires a token: Authorization: Bearer piad_…, in HTTP and in the metadata of gRPC; or, for the streams of browsers, a ticket of POST /v1/jobs/{id}/tickets in the query. The token may have been revoked or have expired: the operator of the server makes another one with piad token create. */
         unauthenticated: {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5544,7 +5544,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead. */
+        /** @description - `/problems/no-export`: The format cannot represent what was fitted; detail gives the reason and an alternative. */
         "no-export": {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5554,7 +5554,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
+        /** @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored. */
         "store-away": {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5575,7 +5575,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/no-tickets`: It asks for no tokens, and its streams can be opened without tickets. */
+        /** @description - `/problems/no-tickets`: It requires no tokens, and its streams can be opened without tickets. */
         "no-tickets": {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5585,7 +5585,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota. */
+        /** @description - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota. */
         "quota-exceeded": {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5596,7 +5596,7 @@ export interface components {
                 "application/problem+json": components["schemas"]["Problem"];
             };
         };
-        /** @description - `/problems/no-deviation`: Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail tells what is in the way. */
+        /** @description - `/problems/no-deviation`: Nearest points are found on curves up to degree 64 and surfaces up to degree 32 in the plane or in space, with positive weights; detail reports what is in the way. */
         "no-deviation": {
             headers: {
                 "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -5659,12 +5659,12 @@ export interface components {
          */
         asset: string;
         /**
-         * @description Which part of a file with several is read: its number, from 1, or its name.
+         * @description The part to read from a file with several: its number, from 1, or its name.
          * @example 1
          */
         part: string;
         /**
-         * @description Which columns of a table are what, by numbers from 1 or by names: `x=2,y=3`, or `t,q1:q7`, whose times are the parameters of a curve with seven coordinates. Without it the names of the columns say it.
+         * @description The roles of the columns of a table, by numbers from 1 or by names: `x=2,y=3`, or `t,q1:q7`, whose times are the parameters of a curve with seven coordinates. By default the names of the columns decide.
          * @example x=2,y=3
          */
         columns: string;
@@ -5674,27 +5674,27 @@ export interface components {
          */
         "curve.parameters": "time";
         /**
-         * @description The points of the file are scattered points of a surface, whose parameters are those that a job would have.
+         * @description The points of the file are scattered points of a surface; their parameters are those of a job.
          * @example auto
          */
         "surface.parameters": "auto" | "project";
         /**
-         * @description How many rows and columns of a surface the points of the file are.
+         * @description The number of rows and columns of the points of the file.
          * @example 40x60
          */
         "surface.size": string;
         /**
-         * @description True if the parts of the file are sections of one surface, false if they are not. Without it closed curves of a table that lie one behind the other are.
+         * @description True if the parts of the file are sections of one surface, false if they are not. By default closed curves of a table that lie one behind the other are.
          * @example true
          */
         "surface.sections": boolean;
         /**
-         * @description Which piece of a mesh is read, 1 being the largest, which is read without it.
+         * @description The piece of a mesh to read; 1 is the largest, and the default.
          * @example 1
          */
         piece: number;
         /**
-         * @description The order of the points of a curve, which are refused otherwise where they seem to have none: `given` is that of the file. `nearest`, with which a job puts them in order, shows them as they are.
+         * @description The order of the points of a curve; without it, points that seem unordered are refused. `given` is the order of the file. With `nearest`, which makes a job sort them, they are shown in the order of the file.
          * @example given
          */
         "curve.order": "given" | "nearest";
@@ -5704,17 +5704,17 @@ export interface components {
          */
         state: components["schemas"]["JobState"];
         /**
-         * @description How many jobs a page has at most.
+         * @description The largest number of jobs in a page.
          * @example 10
          */
         limit: number;
         /**
-         * @description Only jobs before this one, as `next` of the page before says.
+         * @description Only jobs before this one: `next` of the previous page.
          * @example 019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10
          */
         cursor: string;
         /**
-         * @description How many points there are; it follows from explicit parameters.
+         * @description The number of points; not needed with explicit parameters.
          * @example 11
          */
         points: number;
@@ -5729,47 +5729,47 @@ export interface components {
          */
         degree: number;
         /**
-         * @description To which part an error is to be reduced.
+         * @description The factor to which to reduce an error.
          * @example 0.000001
          */
         tolerance: number;
         /**
-         * @description Which iteration is measured: its number, or `last`: the last one so far.
+         * @description The iteration to measure: its number, or `last`: the last one so far.
          * @example last
          */
         iteration: number | "last";
         /**
-         * @description Whether the distance of each data point is told.
+         * @description True to list the distance of each data point.
          * @example true
          */
         list: boolean;
         /**
-         * @description What is shown: control points, samples, or the errors alone.
+         * @description The view: control points, samples, or the errors alone.
          * @example samples
          */
         view: components["schemas"]["View"];
         /**
-         * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+         * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
          * @example 200
          */
         samples: string;
         /**
-         * @description How arrays of numbers are written in JSON.
+         * @description The encoding of arrays of numbers in JSON.
          * @example base64
          */
         encoding: components["schemas"]["NumberEncoding"];
         /**
-         * @description How many digits coordinates have in JSON.
+         * @description The precision of coordinates in JSON.
          * @example auto
          */
         digits: components["schemas"]["Digits"];
         /**
-         * @description Whether svg files show data points as dots: by default where these do not hide each other.
+         * @description True if svg files show data points as dots; by default if these do not hide each other.
          * @example off
          */
         dots: "auto" | "on" | "off";
         /**
-         * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
+         * @description The largest distance between samples along a curve, in units of the data, instead of their number; the samples are then equidistant. For shapes, and for gltf, dxf, geojson, gpx and csv files.
          * @example 0.5
          */
         spacing: number;
@@ -5779,7 +5779,7 @@ export interface components {
          */
         by: "length";
         /**
-         * @description What svg files show: a drawing of the fit with its data, or with `path` nothing but the curve, as cubic Bézier curves in the units of the data.
+         * @description The contents of svg files: a drawing of the fit with its data, or with `path` only the curve, as cubic Bézier curves in the units of the data.
          * @example path
          */
         style: "drawing" | "path";
@@ -5789,7 +5789,7 @@ export interface components {
          */
         version: "r12" | "r2000";
         /**
-         * @description Latitude and longitude of the place where the first two coordinates start, which are metres to the east and to the north there: geojson and gpx files hold degrees then. gpx files need it.
+         * @description Latitude and longitude of the origin of the first two coordinates, which are then metres to the east and to the north: geojson and gpx files contain degrees. gpx files need it.
          * @example 48.1,11.5
          */
         origin: string;
@@ -5812,7 +5812,7 @@ export interface components {
          */
         milestones: number[];
         /**
-         * @description What a client gets that is slower than the fit: all iterations, or the latest.
+         * @description The iterations for a client that is slower than the fit: all, or the latest.
          * @example latest
          */
         pace: components["schemas"]["Pace"];
@@ -5822,42 +5822,42 @@ export interface components {
          */
         changed: boolean;
         /**
-         * @description What the `job` event says of the job: `none` leaves out knots, parameters and fixed weights, for clients that have them.
+         * @description The contents of the `job` event: `none` leaves out knots, parameters and fixed weights, for clients that have them.
          * @example none
          */
         describe: components["schemas"]["Describe"];
         /**
-         * @description What becomes of the job when the client of this stream goes away.
+         * @description What happens to the job when the client of this stream disconnects.
          * @example cancel
          */
         on_disconnect: components["schemas"]["OnDisconnect"];
         /**
-         * @description The id of the last event that the client has: the stream goes on after it, or begins again if that iteration is of a version of the program whose numbers differ. After `end` there is nothing: 204.
+         * @description The id of the last event that the client has: the stream continues after it, or restarts if that iteration was computed by a version of the program with different numbers. After `end` the answer is 204.
          * @example 7
          */
         "Last-Event-ID": string;
         /**
-         * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
+         * @description `wait=10` (RFC 7240): the answer is sent when the job has ended (for an iteration: when the job has reached it), or after this number of seconds, up to 300, with the state at that time.
          * @example wait=10
          */
         Prefer: string;
         /**
-         * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+         * @description A key of the client's choice for this request; every client address has its own keys. For a day the same key and body return the same job, so that a request can be retried after a broken connection.
          * @example wing-17
          */
         "Idempotency-Key": string;
         /**
-         * @description What becomes of the job when the client goes away: it goes on. Only the stream that is the answer to the request for the job can end it.
+         * @description What happens to the job when the client disconnects; by default it continues. Only the stream that answers the request for the job can end it.
          * @example continue
          */
         reader_on_disconnect: "continue";
-        /** @description A ticket of POST /v1/jobs/{id}/tickets, for clients that cannot send a token in a header, such as EventSource. It counts where there is no Authorization, and for nothing on a server without tokens. */
+        /** @description A ticket of POST /v1/jobs/{id}/tickets, for clients that cannot send a token in a header, such as EventSource. It applies if there is no Authorization, and is ignored on a server without tokens. */
         ticket: string;
     };
     requestBodies: never;
     headers: {
         /**
-         * @description The id of the request: the client's own, or one that the server gave it.
+         * @description The id of the request: that of the client, or one generated by the server.
          * @example 019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10
          */
         "X-Request-Id": string;
@@ -5867,17 +5867,17 @@ export interface components {
          */
         Location: string;
         /**
-         * @description The job was made before, for the same key.
+         * @description The job exists already, created with the same key.
          * @example true
          */
         "Idempotency-Replayed": "true";
         /**
-         * @description How long the answer may have waited for the end of the job.
+         * @description The time that the answer may have waited for the end of the job.
          * @example wait=10
          */
         "Preference-Applied": string;
         /**
-         * @description The iteration after which the stream goes on; not there where it begins at iteration 0.
+         * @description The iteration after which the stream continues; absent if it begins at iteration 0.
          * @example 7
          */
         "Piad-Resumed-After": number;
@@ -5887,7 +5887,7 @@ export interface components {
          */
         "Content-Disposition": string;
         /**
-         * @description After how many seconds to send the request again.
+         * @description The seconds after which to retry the request.
          * @example 5
          */
         "Retry-After": number;
@@ -6131,7 +6131,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description What this is. */
+            /** @description The service. */
             200: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6172,7 +6172,7 @@ export interface operations {
                     "image/svg+xml": string;
                 };
             };
-            /** @description What the client has with this tag is still good. */
+            /** @description The client's copy with this tag is current. */
             304: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6193,7 +6193,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description It lives. */
+            /** @description It is alive. */
             200: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6215,7 +6215,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description It takes work. */
+            /** @description It accepts work. */
             200: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6228,7 +6228,7 @@ export interface operations {
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/tokens-unreadable`: Only /readyz answers with it. The tokens before stay in use, and those that were revoked since are still accepted. Mend the file, its owner or its permissions: the server reads it again within two seconds.
              */
             503: {
@@ -6359,7 +6359,7 @@ export interface operations {
                     "text/html": string;
                 };
             };
-            /** @description What the client has with this tag is still good. */
+            /** @description The client's copy with this tag is current. */
             304: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6397,7 +6397,7 @@ export interface operations {
                     "text/plain": string;
                 };
             };
-            /** @description What the client has with this tag is still good. */
+            /** @description The client's copy with this tag is current. */
             304: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6418,7 +6418,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description What the server can do. */
+            /** @description The capabilities and limits. */
             200: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6437,7 +6437,7 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How many points there are; it follows from explicit parameters.
+                 * @description The number of points; not needed with explicit parameters.
                  * @example 11
                  */
                 points?: components["parameters"]["points"];
@@ -6452,7 +6452,7 @@ export interface operations {
                  */
                 degree?: components["parameters"]["degree"];
                 /**
-                 * @description To which part an error is to be reduced.
+                 * @description The factor to which to reduce an error.
                  * @example 0.000001
                  */
                 tolerance?: components["parameters"]["tolerance"];
@@ -6483,32 +6483,32 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description Which part of a file with several is read: its number, from 1, or its name.
+                 * @description The part to read from a file with several: its number, from 1, or its name.
                  * @example 1
                  */
                 part?: components["parameters"]["part"];
                 /**
-                 * @description Which piece of a mesh is read, 1 being the largest, which is read without it.
+                 * @description The piece of a mesh to read; 1 is the largest, and the default.
                  * @example 1
                  */
                 piece?: components["parameters"]["piece"];
                 /**
-                 * @description Which columns of a table are what, by numbers from 1 or by names: `x=2,y=3`, or `t,q1:q7`, whose times are the parameters of a curve with seven coordinates. Without it the names of the columns say it.
+                 * @description The roles of the columns of a table, by numbers from 1 or by names: `x=2,y=3`, or `t,q1:q7`, whose times are the parameters of a curve with seven coordinates. By default the names of the columns decide.
                  * @example x=2,y=3
                  */
                 columns?: components["parameters"]["columns"];
                 /**
-                 * @description How many rows and columns of a surface the points of the file are.
+                 * @description The number of rows and columns of the points of the file.
                  * @example 40x60
                  */
                 "surface.size"?: components["parameters"]["surface.size"];
                 /**
-                 * @description True if the parts of the file are sections of one surface, false if they are not. Without it closed curves of a table that lie one behind the other are.
+                 * @description True if the parts of the file are sections of one surface, false if they are not. By default closed curves of a table that lie one behind the other are.
                  * @example true
                  */
                 "surface.sections"?: components["parameters"]["surface.sections"];
                 /**
-                 * @description The order of the points of a curve, which are refused otherwise where they seem to have none: `given` is that of the file. `nearest`, with which a job puts them in order, shows them as they are.
+                 * @description The order of the points of a curve; without it, points that seem unordered are refused. `given` is the order of the file. With `nearest`, which makes a job sort them, they are shown in the order of the file.
                  * @example given
                  */
                 "curve.order"?: components["parameters"]["curve.order"];
@@ -6518,7 +6518,7 @@ export interface operations {
                  */
                 "curve.parameters"?: components["parameters"]["curve.parameters"];
                 /**
-                 * @description The points of the file are scattered points of a surface, whose parameters are those that a job would have.
+                 * @description The points of the file are scattered points of a surface; their parameters are those of a job.
                  * @example auto
                  */
                 "surface.parameters"?: components["parameters"]["surface.parameters"];
@@ -6527,7 +6527,7 @@ export interface operations {
             path?: never;
             cookie?: never;
         };
-        /** @description A file of points. What is in it says what it is; the media type says no more than that it is one. */
+        /** @description A file of points. Its format is detected by its content, not by the media type. */
         requestBody: {
             content: {
                 /**
@@ -6593,7 +6593,7 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How arrays of numbers are written in JSON.
+                 * @description The encoding of arrays of numbers in JSON.
                  * @example base64
                  */
                 encoding?: components["parameters"]["encoding"];
@@ -6656,7 +6656,7 @@ export interface operations {
             /**
              * @description - `/problems/invalid-fit`: The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why.
              *     - `/problems/key-taken`: The same Idempotency-Key was sent with another body, or for another resource, within the last day; every request needs a key of its own.
-             *     - `/problems/not-converged`: POST /v1/fit answers with fits that converge; detail tells how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result can be had whatever its state.
+             *     - `/problems/not-converged`: POST /v1/fit answers with fits that converge; detail reports how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result is available in any state.
              */
             422: {
                 headers: {
@@ -6668,8 +6668,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
-             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             * @description - `/problems/too-many-jobs`: The number of unfinished jobs of one address, or of one tenant where the server requires tokens, is limited (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota.
              */
             429: {
                 headers: {
@@ -6685,7 +6685,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -6704,7 +6704,7 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How arrays of numbers are written in JSON.
+                 * @description The encoding of arrays of numbers in JSON.
                  * @example base64
                  */
                 encoding?: components["parameters"]["encoding"];
@@ -6713,7 +6713,7 @@ export interface operations {
             path?: never;
             cookie?: never;
         };
-        /** @description Items, and what they have in common. */
+        /** @description Items, and their defaults. */
         requestBody: {
             content: {
                 "application/json": components["schemas"]["BatchRequest"];
@@ -6721,7 +6721,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description The lines, as JSON a line or as server-sent events. */
+            /** @description The lines, as JSON or as server-sent events. */
             200: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6766,7 +6766,7 @@ export interface operations {
             };
             /**
              * @description - `/problems/invalid-fit`: The body can be read, but is not a fitting problem; each entry of errors points at the value that is wrong and says why.
-             *     - `/problems/not-converged`: POST /v1/fit answers with fits that converge; detail tells how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result can be had whatever its state.
+             *     - `/problems/not-converged`: POST /v1/fit answers with fits that converge; detail reports how near this one came. Ask for a larger tolerance, more iterations or control points, or make a job, whose result is available in any state.
              */
             422: {
                 headers: {
@@ -6778,8 +6778,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
-             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             * @description - `/problems/too-many-jobs`: The number of unfinished jobs of one address, or of one tenant where the server requires tokens, is limited (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota.
              */
             429: {
                 headers: {
@@ -6817,12 +6817,12 @@ export interface operations {
                  */
                 state?: components["parameters"]["state"];
                 /**
-                 * @description How many jobs a page has at most.
+                 * @description The largest number of jobs in a page.
                  * @example 10
                  */
                 limit?: components["parameters"]["limit"];
                 /**
-                 * @description Only jobs before this one, as `next` of the page before says.
+                 * @description Only jobs before this one: `next` of the previous page.
                  * @example 019aa7a4-6a3c-7c5e-8a55-5b9d2c5f1f10
                  */
                 cursor?: components["parameters"]["cursor"];
@@ -6856,12 +6856,12 @@ export interface operations {
             query?: never;
             header?: {
                 /**
-                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
+                 * @description `wait=10` (RFC 7240): the answer is sent when the job has ended (for an iteration: when the job has reached it), or after this number of seconds, up to 300, with the state at that time.
                  * @example wait=10
                  */
                 Prefer?: components["parameters"]["Prefer"];
                 /**
-                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has its own keys. For a day the same key and body return the same job, so that a request can be retried after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -6876,7 +6876,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description The new job as it stands, or with `Prefer: wait` when it has ended. Also if it was made before, for the same key. */
+            /** @description The new job in its current state, or with `Prefer: wait` when it has ended. Also if it was created before with the same key. */
             201: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -6935,8 +6935,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
-             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             * @description - `/problems/too-many-jobs`: The number of unfinished jobs of one address, or of one tenant where the server requires tokens, is limited (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota.
              */
             429: {
                 headers: {
@@ -6952,7 +6952,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -6971,12 +6971,12 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description What is shown: control points, samples, or the errors alone.
+                 * @description The view: control points, samples, or the errors alone.
                  * @example samples
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -6994,7 +6994,7 @@ export interface operations {
                  */
                 milestones?: components["parameters"]["milestones"];
                 /**
-                 * @description What a client gets that is slower than the fit: all iterations, or the latest.
+                 * @description The iterations for a client that is slower than the fit: all, or the latest.
                  * @example latest
                  */
                 pace?: components["parameters"]["pace"];
@@ -7004,29 +7004,29 @@ export interface operations {
                  */
                 changed?: components["parameters"]["changed"];
                 /**
-                 * @description What the `job` event says of the job: `none` leaves out knots, parameters and fixed weights, for clients that have them.
+                 * @description The contents of the `job` event: `none` leaves out knots, parameters and fixed weights, for clients that have them.
                  * @example none
                  */
                 describe?: components["parameters"]["describe"];
                 /**
-                 * @description How arrays of numbers are written in JSON.
+                 * @description The encoding of arrays of numbers in JSON.
                  * @example base64
                  */
                 encoding?: components["parameters"]["encoding"];
                 /**
-                 * @description How many digits coordinates have in JSON.
+                 * @description The precision of coordinates in JSON.
                  * @example auto
                  */
                 digits?: components["parameters"]["digits"];
                 /**
-                 * @description What becomes of the job when the client of this stream goes away.
+                 * @description What happens to the job when the client of this stream disconnects.
                  * @example cancel
                  */
                 on_disconnect?: components["parameters"]["on_disconnect"];
             };
             header?: {
                 /**
-                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has its own keys. For a day the same key and body return the same job, so that a request can be retried after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -7100,8 +7100,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
-             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             * @description - `/problems/too-many-jobs`: The number of unfinished jobs of one address, or of one tenant where the server requires tokens, is limited (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota.
              */
             429: {
                 headers: {
@@ -7117,7 +7117,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -7147,7 +7147,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description The job as it stands. */
+            /** @description The job in its current state. */
             200: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -7193,7 +7193,7 @@ export interface operations {
         };
         requestBody?: never;
         responses: {
-            /** @description It is gone. */
+            /** @description It is deleted. */
             204: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -7219,7 +7219,7 @@ export interface operations {
             500: components["responses"]["internal"];
             /**
              * @description - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              */
             503: {
                 headers: {
@@ -7332,12 +7332,12 @@ export interface operations {
             query?: never;
             header?: {
                 /**
-                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
+                 * @description `wait=10` (RFC 7240): the answer is sent when the job has ended (for an iteration: when the job has reached it), or after this number of seconds, up to 300, with the state at that time.
                  * @example wait=10
                  */
                 Prefer?: components["parameters"]["Prefer"];
                 /**
-                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has its own keys. For a day the same key and body return the same job, so that a request can be retried after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -7358,7 +7358,7 @@ export interface operations {
             };
         };
         responses: {
-            /** @description The new job as it stands, or with `Prefer: wait` when it has ended. Also if it was made before, for the same key. */
+            /** @description The new job in its current state, or with `Prefer: wait` when it has ended. Also if it was created before with the same key. */
             201: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -7430,8 +7430,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
-             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             * @description - `/problems/too-many-jobs`: The number of unfinished jobs of one address, or of one tenant where the server requires tokens, is limited (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota.
              */
             429: {
                 headers: {
@@ -7447,7 +7447,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -7466,12 +7466,12 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description What is shown: control points, samples, or the errors alone.
+                 * @description The view: control points, samples, or the errors alone.
                  * @example samples
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -7489,7 +7489,7 @@ export interface operations {
                  */
                 milestones?: components["parameters"]["milestones"];
                 /**
-                 * @description What a client gets that is slower than the fit: all iterations, or the latest.
+                 * @description The iterations for a client that is slower than the fit: all, or the latest.
                  * @example latest
                  */
                 pace?: components["parameters"]["pace"];
@@ -7499,29 +7499,29 @@ export interface operations {
                  */
                 changed?: components["parameters"]["changed"];
                 /**
-                 * @description What the `job` event says of the job: `none` leaves out knots, parameters and fixed weights, for clients that have them.
+                 * @description The contents of the `job` event: `none` leaves out knots, parameters and fixed weights, for clients that have them.
                  * @example none
                  */
                 describe?: components["parameters"]["describe"];
                 /**
-                 * @description How arrays of numbers are written in JSON.
+                 * @description The encoding of arrays of numbers in JSON.
                  * @example base64
                  */
                 encoding?: components["parameters"]["encoding"];
                 /**
-                 * @description How many digits coordinates have in JSON.
+                 * @description The precision of coordinates in JSON.
                  * @example auto
                  */
                 digits?: components["parameters"]["digits"];
                 /**
-                 * @description What becomes of the job when the client of this stream goes away.
+                 * @description What happens to the job when the client of this stream disconnects.
                  * @example cancel
                  */
                 on_disconnect?: components["parameters"]["on_disconnect"];
             };
             header?: {
                 /**
-                 * @description A key of the client's choice for this request; every client address has keys of its own. For a day the same key and body give the same job, so that a request can be sent again after a broken connection.
+                 * @description A key of the client's choice for this request; every client address has its own keys. For a day the same key and body return the same job, so that a request can be retried after a broken connection.
                  * @example wing-17
                  */
                 "Idempotency-Key"?: components["parameters"]["Idempotency-Key"];
@@ -7614,8 +7614,8 @@ export interface operations {
                 };
             };
             /**
-             * @description - `/problems/too-many-jobs`: So many jobs from one address, or of one tenant where the server asks for tokens, may be unfinished (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
-             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to have bytes again. Without Retry-After the request alone is beyond the quota.
+             * @description - `/problems/too-many-jobs`: The number of unfinished jobs of one address, or of one tenant where the server requires tokens, is limited (jobs_per_peer among the limits in /v1/capabilities; unless that is set, at most half of what other addresses leave). Send the job again after the number of seconds in Retry-After.
+             *     - `/problems/quota-exceeded`: Unfinished jobs, their points, bytes of jobs that are kept and open streams of a tenant may be limited; detail says which. Send the request again after the number of seconds in Retry-After, when jobs or streams have ended, or delete jobs to free bytes. Without Retry-After the request alone is beyond the quota.
              */
             429: {
                 headers: {
@@ -7631,7 +7631,7 @@ export interface operations {
             /**
              * @description - `/problems/queue-full`: Send the job again after the number of seconds in Retry-After.
              *     - `/problems/store-full`: The disk of the server is full. No job is lost; send the request again after the number of seconds in Retry-After, or delete jobs.
-             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -7650,19 +7650,19 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description What becomes of the job when the client goes away: it goes on. Only the stream that is the answer to the request for the job can end it.
+                 * @description What happens to the job when the client disconnects; by default it continues. Only the stream that answers the request for the job can end it.
                  * @example continue
                  */
                 on_disconnect?: components["parameters"]["reader_on_disconnect"];
-                /** @description A ticket of POST /v1/jobs/{id}/tickets, for clients that cannot send a token in a header, such as EventSource. It counts where there is no Authorization, and for nothing on a server without tokens. */
+                /** @description A ticket of POST /v1/jobs/{id}/tickets, for clients that cannot send a token in a header, such as EventSource. It applies if there is no Authorization, and is ignored on a server without tokens. */
                 ticket?: components["parameters"]["ticket"];
                 /**
-                 * @description What is shown: control points, samples, or the errors alone.
+                 * @description The view: control points, samples, or the errors alone.
                  * @example samples
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
@@ -7680,7 +7680,7 @@ export interface operations {
                  */
                 milestones?: components["parameters"]["milestones"];
                 /**
-                 * @description What a client gets that is slower than the fit: all iterations, or the latest.
+                 * @description The iterations for a client that is slower than the fit: all, or the latest.
                  * @example latest
                  */
                 pace?: components["parameters"]["pace"];
@@ -7690,24 +7690,24 @@ export interface operations {
                  */
                 changed?: components["parameters"]["changed"];
                 /**
-                 * @description What the `job` event says of the job: `none` leaves out knots, parameters and fixed weights, for clients that have them.
+                 * @description The contents of the `job` event: `none` leaves out knots, parameters and fixed weights, for clients that have them.
                  * @example none
                  */
                 describe?: components["parameters"]["describe"];
                 /**
-                 * @description How arrays of numbers are written in JSON.
+                 * @description The encoding of arrays of numbers in JSON.
                  * @example base64
                  */
                 encoding?: components["parameters"]["encoding"];
                 /**
-                 * @description How many digits coordinates have in JSON.
+                 * @description The precision of coordinates in JSON.
                  * @example auto
                  */
                 digits?: components["parameters"]["digits"];
             };
             header?: {
                 /**
-                 * @description The id of the last event that the client has: the stream goes on after it, or begins again if that iteration is of a version of the program whose numbers differ. After `end` there is nothing: 204.
+                 * @description The id of the last event that the client has: the stream continues after it, or restarts if that iteration was computed by a version of the program with different numbers. After `end` the answer is 204.
                  * @example 7
                  */
                 "Last-Event-ID"?: components["parameters"]["Last-Event-ID"];
@@ -7735,7 +7735,7 @@ export interface operations {
                     "application/x-ndjson": string;
                 };
             };
-            /** @description The client has seen the end; there is nothing more. */
+            /** @description The client has received the end; no events follow. */
             204: {
                 headers: {
                     "X-Request-Id": components["headers"]["X-Request-Id"];
@@ -7816,29 +7816,29 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description What is shown: control points, samples, or the errors alone.
+                 * @description The view: control points, samples, or the errors alone.
                  * @example samples
                  */
                 view?: components["parameters"]["view"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
                 /**
-                 * @description How arrays of numbers are written in JSON.
+                 * @description The encoding of arrays of numbers in JSON.
                  * @example base64
                  */
                 encoding?: components["parameters"]["encoding"];
                 /**
-                 * @description How many digits coordinates have in JSON.
+                 * @description The precision of coordinates in JSON.
                  * @example auto
                  */
                 digits?: components["parameters"]["digits"];
             };
             header?: {
                 /**
-                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
+                 * @description `wait=10` (RFC 7240): the answer is sent when the job has ended (for an iteration: when the job has reached it), or after this number of seconds, up to 300, with the state at that time.
                  * @example wait=10
                  */
                 Prefer?: components["parameters"]["Prefer"];
@@ -7892,8 +7892,8 @@ export interface operations {
             409: components["responses"]["no-export"];
             500: components["responses"]["internal"];
             /**
-             * @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
-             *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
+             * @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail reports how far the job is. Ask again after the number of seconds in Retry-After.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -7912,7 +7912,7 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How arrays of numbers are written in JSON.
+                 * @description The encoding of arrays of numbers in JSON.
                  * @example base64
                  */
                 encoding?: components["parameters"]["encoding"];
@@ -7959,7 +7959,7 @@ export interface operations {
             406: components["responses"]["not-acceptable"];
             /**
              * @description - `/problems/no-result`: The job has not ended yet, or it ended without any geometry.
-             *     - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead.
+             *     - `/problems/no-export`: The format cannot represent what was fitted; detail gives the reason and an alternative.
              */
             409: {
                 headers: {
@@ -7978,12 +7978,12 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
                 /**
-                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number; the samples are then equidistant. For shapes, and for gltf, dxf, geojson, gpx and csv files.
                  * @example 0.5
                  */
                 spacing?: components["parameters"]["spacing"];
@@ -7993,7 +7993,7 @@ export interface operations {
                  */
                 by?: components["parameters"]["by"];
                 /**
-                 * @description Whether svg files show data points as dots: by default where these do not hide each other.
+                 * @description True if svg files show data points as dots; by default if these do not hide each other.
                  * @example off
                  */
                 dots?: components["parameters"]["dots"];
@@ -8003,7 +8003,7 @@ export interface operations {
                  */
                 units?: components["parameters"]["units"];
                 /**
-                 * @description What svg files show: a drawing of the fit with its data, or with `path` nothing but the curve, as cubic Bézier curves in the units of the data.
+                 * @description The contents of svg files: a drawing of the fit with its data, or with `path` only the curve, as cubic Bézier curves in the units of the data.
                  * @example path
                  */
                 style?: components["parameters"]["style"];
@@ -8013,14 +8013,14 @@ export interface operations {
                  */
                 version?: components["parameters"]["version"];
                 /**
-                 * @description Latitude and longitude of the place where the first two coordinates start, which are metres to the east and to the north there: geojson and gpx files hold degrees then. gpx files need it.
+                 * @description Latitude and longitude of the origin of the first two coordinates, which are then metres to the east and to the north: geojson and gpx files contain degrees. gpx files need it.
                  * @example 48.1,11.5
                  */
                 origin?: components["parameters"]["origin"];
             };
             header?: {
                 /**
-                 * @description `wait=10` (RFC 7240): the answer comes when the job has ended (of an iteration: when the job has come there), or after so many seconds, up to 300, as it then stands.
+                 * @description `wait=10` (RFC 7240): the answer is sent when the job has ended (for an iteration: when the job has reached it), or after this number of seconds, up to 300, with the state at that time.
                  * @example wait=10
                  */
                 Prefer?: components["parameters"]["Prefer"];
@@ -8089,8 +8089,8 @@ export interface operations {
             409: components["responses"]["no-export"];
             500: components["responses"]["internal"];
             /**
-             * @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams go on as far as they can. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
-             *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail tells how far the job is. Ask again after the number of seconds in Retry-After.
+             * @description - `/problems/store-away`: The database cannot be reached, or the file of the jobs was moved away. No job is lost, and streams continue as far as possible. Send the request again after the number of seconds in Retry-After; one that makes a job with its Idempotency-Key, as it may have been stored.
+             *     - `/problems/not-reached`: An iteration that a job has not reached is waited for as long as `Prefer: wait` says, or 10 seconds; detail reports how far the job is. Ask again after the number of seconds in Retry-After.
              *     - `/problems/stopping`: The server takes no new work; send the request again after the number of seconds in Retry-After.
              */
             503: {
@@ -8109,12 +8109,12 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
                 /**
-                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number; the samples are then equidistant. For shapes, and for gltf, dxf, geojson, gpx and csv files.
                  * @example 0.5
                  */
                 spacing?: components["parameters"]["spacing"];
@@ -8124,7 +8124,7 @@ export interface operations {
                  */
                 by?: components["parameters"]["by"];
                 /**
-                 * @description Whether svg files show data points as dots: by default where these do not hide each other.
+                 * @description True if svg files show data points as dots; by default if these do not hide each other.
                  * @example off
                  */
                 dots?: components["parameters"]["dots"];
@@ -8134,7 +8134,7 @@ export interface operations {
                  */
                 units?: components["parameters"]["units"];
                 /**
-                 * @description What svg files show: a drawing of the fit with its data, or with `path` nothing but the curve, as cubic Bézier curves in the units of the data.
+                 * @description The contents of svg files: a drawing of the fit with its data, or with `path` only the curve, as cubic Bézier curves in the units of the data.
                  * @example path
                  */
                 style?: components["parameters"]["style"];
@@ -8144,7 +8144,7 @@ export interface operations {
                  */
                 version?: components["parameters"]["version"];
                 /**
-                 * @description Latitude and longitude of the place where the first two coordinates start, which are metres to the east and to the north there: geojson and gpx files hold degrees then. gpx files need it.
+                 * @description Latitude and longitude of the origin of the first two coordinates, which are then metres to the east and to the north: geojson and gpx files contain degrees. gpx files need it.
                  * @example 48.1,11.5
                  */
                 origin?: components["parameters"]["origin"];
@@ -8206,7 +8206,7 @@ export interface operations {
             406: components["responses"]["not-acceptable"];
             /**
              * @description - `/problems/no-result`: The job has not ended yet, or it ended without any geometry.
-             *     - `/problems/no-export`: The format cannot say what was fitted; detail tells why and what to do instead.
+             *     - `/problems/no-export`: The format cannot represent what was fitted; detail gives the reason and an alternative.
              */
             409: {
                 headers: {
@@ -8225,12 +8225,12 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description Which iteration is measured: its number, or `last`: the last one so far.
+                 * @description The iteration to measure: its number, or `last`: the last one so far.
                  * @example last
                  */
                 iteration?: components["parameters"]["iteration"];
                 /**
-                 * @description Whether the distance of each data point is told.
+                 * @description True to list the distance of each data point.
                  * @example true
                  */
                 list?: components["parameters"]["list"];
@@ -8284,17 +8284,17 @@ export interface operations {
         parameters: {
             query?: {
                 /**
-                 * @description Which iteration is measured: its number, or `last`: the last one so far.
+                 * @description The iteration to measure: its number, or `last`: the last one so far.
                  * @example last
                  */
                 iteration?: components["parameters"]["iteration"];
                 /**
-                 * @description How many samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
+                 * @description The number of samples: `200` for a curve, `40x40` for a surface; with view=samples, of shapes, and for gltf, stl, ply, dxf, svg, geojson, gpx and csv files; of a dxf surface at most 256 in each direction.
                  * @example 200
                  */
                 samples?: components["parameters"]["samples"];
                 /**
-                 * @description The largest distance between samples along a curve, in units of the data, instead of their number: they are at equal distances then. For shapes, and for gltf, dxf, geojson, gpx and csv files.
+                 * @description The largest distance between samples along a curve, in units of the data, instead of their number; the samples are then equidistant. For shapes, and for gltf, dxf, geojson, gpx and csv files.
                  * @example 0.5
                  */
                 spacing?: components["parameters"]["spacing"];
