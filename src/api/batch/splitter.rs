@@ -168,7 +168,7 @@ mod tests {
             ),
             (
                 r#"{"items": [], "defaults": {}}"#,
-                "/defaults: it stands before the items",
+                "/defaults: it must come before the items",
             ),
             (
                 r#"{"curve": {}}"#,
