@@ -261,7 +261,7 @@ fn wrong_basis() -> Vec<Bad> {
         bad(
             curve("basis", json!("spline")),
             "/curve/basis",
-            "no kind of basis",
+            "unknown kind of basis",
         ),
         bad(
             curve("basis", json!(3)),

@@ -261,7 +261,7 @@ async fn what_is_no_batch_is_refused() {
         (
             r#"{"items": [], "defaults": {}}"#,
             422,
-            "it stands before the items",
+            "it must come before the items",
         ),
     ] {
         let request = server.post("/v1/batch");

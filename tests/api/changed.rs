@@ -160,7 +160,7 @@ async fn what_does_not_go_with_changes_is_refused() {
     let job = server.fit(&data::small_job()).await;
     let path = format!("{}/events", base(&job));
     for (query, reason) in [
-        ("changed=yes", "false, true"),
+        ("changed=yes", "false or true"),
         ("changed=true&view=samples", "control points"),
         ("changed=true&view=errors", "control points"),
         ("changed=true&every=2", "none can be skipped"),

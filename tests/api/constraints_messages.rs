@@ -239,7 +239,7 @@ async fn wrong_settings_are_named() {
                 ..plain()
             },
             "fairness_order",
-            "order 4",
+            "is 4; expected 2 or 3",
         ),
         (
             false,

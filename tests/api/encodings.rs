@@ -272,7 +272,7 @@ async fn encodings_that_make_no_sense_are_refused() {
             assert_query_refused(&server, &path, query, parameter, reason).await;
         };
         refused("encoding=base32", "encoding", "json, base64, base64_f32").await;
-        refused("encoding=", "encoding", "no choice").await;
+        refused("encoding=", "encoding", "unknown choice").await;
         let query = "encoding=base64&view=errors";
         refused(query, "encoding", "without geometry").await;
         let query = "digits=auto&encoding=base64";

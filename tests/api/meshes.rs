@@ -240,7 +240,7 @@ async fn wrong_meshes_are_refused() {
         (
             with(&|it| it.clear()),
             "/surface/parameters",
-            "there are none",
+            "has no triangles",
         ),
         (
             with(&|it| {

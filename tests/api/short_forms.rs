@@ -129,7 +129,7 @@ async fn what_is_wrong_with_a_short_form_is_told_where_it_stands() {
         (
             with(curve(), Some("curve"), "basis", json!("nurbs")),
             "/curve/basis",
-            "no kind of basis",
+            "unknown kind of basis",
         ),
         (
             with(curve(), Some("curve"), "degree", json!(0)),

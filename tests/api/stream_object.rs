@@ -233,7 +233,7 @@ async fn objects_are_read_to_the_letter() {
         (json!({"every": 0}), "/stream/every", "positive"),
         (json!({"every": "5"}), "/stream/every", "whole number"),
         (json!({"every": 1.5}), "/stream/every", "whole number"),
-        (json!({"view": "all"}), "/stream/view", "no choice"),
+        (json!({"view": "all"}), "/stream/view", "unknown choice"),
         (
             json!({"view": {"errors": null}}),
             "/stream/view",

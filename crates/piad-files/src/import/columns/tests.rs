@@ -249,7 +249,7 @@ fn wrong_choices_are_refused() {
             "there is no column 4: the file has 3 columns, \"x\"",
         ),
         (named, "x,1", 3, "column 1 is chosen twice"),
-        (named, "y:x", 3, "columns \"y:x\" are none"),
+        (named, "y:x", 3, "columns \"y:x\" are not a range"),
         (named, "y,code", 4, "column 3: \"a\" is no number"),
         (
             named,
@@ -281,7 +281,7 @@ fn wrong_choices_are_refused() {
         assert!(wrong[0].detail.starts_with(detail), "{columns}: {wrong:?}");
     }
     let array = errors("[[0, 0], [1, 2]]", &hints("1,2"));
-    assert!(array[0].detail.starts_with("columns are chosen in a table"));
+    assert!(array[0].detail.starts_with("columns can be chosen only in a table"));
 }
 
 #[test]

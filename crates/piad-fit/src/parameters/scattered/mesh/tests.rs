@@ -449,7 +449,7 @@ fn meshes_that_are_no_surface_are_refused() {
     let error = mesh(good, MeshUnfolding::MeanValue)
         .parameters(&points, [false; 2])
         .unwrap_err();
-    assert!(error.to_string().contains("at one place"), "{error}");
+    assert!(error.to_string().contains("at the same place"), "{error}");
     let flat = Points::from_lanes([vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 1.0]]);
     let (_, detail) = refused(vec![[0, 1, 2]], &flat);
     assert!(detail.contains("points of space"), "{detail}");
