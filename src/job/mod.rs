@@ -64,7 +64,7 @@ use std::sync::{Arc, OnceLock, Weak};
 use std::time::Duration;
 
 use parking_lot::Mutex;
-use tokio::sync::{Notify, watch};
+use tokio::sync::watch;
 use tokio::time::sleep;
 use uuid::Uuid;
 
@@ -102,12 +102,9 @@ pub(crate) struct Job {
     store: Option<Arc<Store>>,
     system: Mutex<Weak<SharedSystem>>,
     result: OnceLock<Option<LastGeometry>>,
-    cancel_requested: AtomicBool,
-    cancel: Notify,
+    wish: watch::Sender<Wish>,
     /// Another replica runs it, or may.
     elsewhere: AtomicBool,
-    /// It was not stored, or nobody knows.
-    abandoned: AtomicBool,
     /// The run whose end is the end of the job; gone once the job has ended.
     primary: Mutex<Weak<Run>>,
     /// Runs that readers can share, including the primary one.
@@ -117,6 +114,19 @@ pub(crate) struct Job {
     replays: Arc<Replays>,
     descriptions: EncodingCache,
     trace: Arc<JobTrace>,
+}
+
+/// What is wanted of a job. Each is more than the one before, and stays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Wish {
+    /// That it comes to its end.
+    Run,
+    /// That it stops, to run again after the next start of the server.
+    Suspend,
+    /// That it ends as soon as its current step is done.
+    Cancel,
+    /// That it stops, and nobody is told of its end.
+    Abandon,
 }
 
 impl Job {
@@ -135,10 +145,8 @@ impl Job {
             store,
             system: Mutex::default(),
             result: OnceLock::new(),
-            cancel_requested: AtomicBool::new(false),
-            cancel: Notify::new(),
+            wish: watch::Sender::new(Wish::Run),
             elsewhere: AtomicBool::new(false),
-            abandoned: AtomicBool::new(false),
             primary: Mutex::new(Weak::new()),
             runs: Mutex::new(Vec::new()),
             resources,
@@ -291,36 +299,37 @@ impl Job {
             let (shared, id) = (Arc::clone(shared), self.id());
             tokio::spawn(async move { patiently(|| shared.cancel(id)).await });
         }
-        self.cancel_requested.store(true, Ordering::Release);
-        self.cancel.notify_waiters();
-        if let Some(run) = self.primary.lock().upgrade() {
-            run.stop();
-        }
+        self.stop(Wish::Cancel);
     }
 
     /// Stops a job that was not stored, or may not have been: nobody is told of its end.
     fn abandon(&self) {
-        self.cancel_requested.store(true, Ordering::Release);
-        self.abandoned.store(true, Ordering::Release);
         self.trace.abandon(&self.status());
-        self.suspend();
+        self.stop(Wish::Abandon);
+    }
+
+    /// Returns true if nobody is told of its end.
+    fn is_abandoned(&self) -> bool {
+        *self.wish.borrow() == Wish::Abandon
     }
 
     /// Stops the job; it runs again after the next start of the server.
     fn suspend(&self) {
-        self.cancel.notify_waiters();
+        self.stop(Wish::Suspend);
+    }
+
+    fn stop(&self, wish: Wish) {
+        self.wish.send_modify(|before| *before = wish.max(*before));
         if let Some(run) = self.primary.lock().upgrade() {
             run.stop();
         }
     }
 
-    /// Waits until cancelling is asked for.
-    async fn cancel_requested(&self) {
-        let mut notified = std::pin::pin!(self.cancel.notified());
-        notified.as_mut().enable();
-        if !self.cancel_requested.load(Ordering::Acquire) {
-            notified.await;
-        }
+    /// Waits until the job is to stop.
+    async fn stop_requested(&self) {
+        let mut watcher = self.wish.subscribe();
+        // The sender lives in `self`: there is no error.
+        let _ = watcher.wait_for(|wish| *wish > Wish::Run).await;
     }
 
     /// The data of the `job` event in this form, made once by `encode`.
@@ -352,8 +361,8 @@ impl Job {
         let run = Run::new(system, resources, permit, self.peer, trace);
         *self.primary.lock() = Arc::downgrade(&run);
         self.runs.lock().push(Arc::downgrade(&run));
-        // The job may have been cancelled before there was a run to stop.
-        if self.cancel_requested.load(Ordering::Acquire) {
+        // The job may have been stopped before there was a run.
+        if *self.wish.borrow() > Wish::Run {
             run.stop();
         }
         run

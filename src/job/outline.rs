@@ -30,7 +30,7 @@ pub(crate) struct Outline {
     pub(crate) surface: bool,
     /// The arrangement of the data points.
     pub(crate) grid: Grid,
-    #[serde(with = "super::store::record::method")]
+    /// The method, without the lists of its settings.
     pub(crate) method: Method,
     /// Local fits: how many control points may move.
     pub(crate) adjusted: Option<usize>,

@@ -4,20 +4,17 @@ use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{MethodTarget, check_count, chosen, some, value};
 use crate::model::either::AtMost;
-use crate::model::lists::PointNumbers;
 use crate::model::method::{
     AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, MethodInput, StartInput,
     SweepsInput, WeightedInput,
 };
-use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
+use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::per_direction::PerDirection;
 use crate::model::settings::{self, Matrix, Thresholds};
-use piad_fit::data::Grid;
 use piad_fit::engine::Forecast;
 use piad_fit::invalid::{Axis, Place, Setting};
 use piad_fit::method::{
-    Adaptive, Convex, Custom, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold,
-    Weighted,
+    Adaptive, Convex, Extended, LARGEST, Local, Method, Omega, Start, Sweeps, Threshold, Weighted,
 };
 
 const STARTS: [(StartInput, m::Start); 2] = [
@@ -102,31 +99,6 @@ fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput
         threshold: Some(each.unwrap_or(Thresholds::All(threshold))),
         omega: omega.map(|omega| settings::Omega(Some(omega))),
     })
-}
-
-/// The method as outlines of jobs have it, of its message without the indices and thresholds of points
-/// and the entries of matrices.
-pub(crate) fn outline(method: Option<pb::Method>, surface: bool) -> OrMistakes<Method> {
-    let target = MethodTarget {
-        grid: Grid {
-            rows: 0,
-            columns: 1,
-        },
-        surface,
-        most: usize::MAX,
-    };
-    let mut input = match method.as_ref().and_then(|method| method.kind.as_ref()) {
-        Some(Kind::Custom(_)) => return Ok(Method::Custom(Custom::new(Vec::new(), None))),
-        _ => self::input(method, target)?.unwrap_or_default(),
-    };
-    match &mut input {
-        MethodInput::Local(local) => local.indices = Some(Vec::new()),
-        MethodInput::Adaptive(adaptive) if adaptive.threshold == Some(Thresholds::All(0.0)) => {
-            adaptive.threshold = Some(Thresholds::Each(PointNumbers::Line(Vec::new())));
-        }
-        _ => {}
-    }
-    Ok(input.choice(target.grid, surface)?.method)
 }
 
 /// The matrices of a transform.

@@ -301,10 +301,10 @@ async fn unknown_files_and_versions_are_clear_errors() {
     refused(data.path(), "cannot be opened");
     std::fs::remove_file(&file).unwrap();
 
-    for version in [0, 1, 99] {
+    for version in [0, 1, 2, 99] {
         set_version(&file, version);
         let reason =
-            format!("has version {version} of the format, this program reads version 2 only");
+            format!("has version {version} of the format, this program reads version 3 only");
         refused(data.path(), &reason);
     }
 

@@ -80,7 +80,7 @@ impl Jobs {
                 (Ending::Broken, None)
             }
         };
-        if job.abandoned.load(Ordering::Acquire) {
+        if job.is_abandoned() {
             return drop(slot);
         }
         if self.suspended.load(Ordering::Acquire) && ending == Ending::Stopped {
@@ -179,7 +179,7 @@ impl Jobs {
         };
         let permits = tokio::select! {
             biased;
-            () = job.cancel_requested() => None,
+            () = job.stop_requested() => None,
             permits = permits => permits,
         };
         drop(queue);
@@ -194,7 +194,7 @@ impl Jobs {
         let started = tokio::select! {
             biased;
             started = started => started?,
-            () = job.cancel_requested() => return Ok(Turn::Cancelled),
+            () = job.stop_requested() => return Ok(Turn::Cancelled),
         };
         if !started {
             return Ok(Turn::Elsewhere);
@@ -202,7 +202,7 @@ impl Jobs {
         let problem = tokio::select! {
             biased;
             problem = patiently(|| job.problem()) => problem?,
-            () = job.cancel_requested() => return Ok(Turn::Cancelled),
+            () = job.stop_requested() => return Ok(Turn::Cancelled),
         };
         let system = SharedSystem::new(problem, None);
         let run = job.begin(Arc::new(system), Some(memory));

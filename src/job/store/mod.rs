@@ -13,7 +13,7 @@ mod error;
 #[cfg(any(test, fuzzing))]
 pub(crate) mod fuzzing;
 mod kept;
-pub(super) mod record;
+mod record;
 pub(crate) mod shared;
 
 use std::path::Path;

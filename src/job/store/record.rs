@@ -188,26 +188,6 @@ fn lists(lanes: Vec<Lane>) -> Option<Vec<Arc<Vec<f64>>>> {
     (!lanes.is_empty()).then_some(lists)
 }
 
-/// The method of an outline as a message of the contract, without the lists of its settings.
-pub(in crate::job) mod method {
-    use prost::Message;
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serializer};
-
-    use crate::proto::{messages as pb, method};
-    use piad_fit::method::Method;
-
-    pub(in crate::job) fn serialize<S: Serializer>(it: &Method, s: S) -> Result<S::Ok, S::Error> {
-        s.serialize_bytes(&method::message(it, true, None).encode_to_vec())
-    }
-
-    pub(in crate::job) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Method, D::Error> {
-        let message = pb::Method::decode(<&[u8]>::deserialize(d)?).map_err(D::Error::custom)?;
-        // As for a surface, which has all that a curve has.
-        method::outline(Some(message), true).map_err(D::Error::custom)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

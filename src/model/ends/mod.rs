@@ -30,16 +30,9 @@ names!(EndWord, "rule for ends", [
 ]);
 
 /// How a direction ends.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub(crate) struct EndsInput {
-    start: Option<EndInput>,
-    end: Option<EndInput>,
-}
-
-/// The ends of both sides.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BothEnds {
     start: Option<EndInput>,
     end: Option<EndInput>,
 }
@@ -49,8 +42,7 @@ impl<'de> Object<'de> for EndsInput {
         "\"estimated\", \"repeated\" or \"natural\", or {\"start\": …, \"end\": …}";
 
     fn of_fields<D: Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
-        let BothEnds { start, end } = BothEnds::deserialize(fields)?;
-        Ok(Self { start, end })
+        Self::deserialize(fields)
     }
 
     fn of_name<E: Error>(name: &str) -> Result<Self, E> {

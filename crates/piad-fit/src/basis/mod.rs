@@ -17,7 +17,7 @@
 //! - `pieces`: curves in pieces that meet at corners;
 //! - `choice` and `end_conditions`: what is requested of a direction; `direction`: a basis at the parameters of the
 //!   data;
-//! - `functional` and `quadrature`: values, derivatives and integrals of the functions.
+//! - `evaluated`: the functions at parameters; `functional` and `quadrature`: values, derivatives and integrals.
 
 pub(crate) mod ball;
 pub(crate) mod bernstein;
@@ -26,6 +26,7 @@ pub(crate) mod bspline;
 pub(crate) mod choice;
 pub(crate) mod direction;
 pub(crate) mod end_conditions;
+pub(crate) mod evaluated;
 pub(crate) mod functional;
 pub(crate) mod given_knots;
 pub(crate) mod knots;

@@ -3,6 +3,7 @@
 use pulp::Arch;
 use rayon::prelude::*;
 
+use super::aligned::Lane;
 use super::blocks::{BLOCK, Block};
 use super::points::Points;
 
@@ -29,11 +30,7 @@ impl Distances {
     /// squared.
     pub(crate) fn of_residual(residual: &Points, unit: f64) -> Self {
         Self::by_blocks(vec![0.0; residual.len()], unit, |start, squares| {
-            for lane in residual.lanes() {
-                for (square, x) in squares.iter_mut().zip(&lane[start..]) {
-                    *square += (x * unit) * (x * unit);
-                }
-            }
+            sum_squares(residual.lanes(), start, unit, squares);
         })
     }
 
@@ -94,6 +91,17 @@ impl Distances {
             rms: (total.squares / each.len() as f64).sqrt() / unit,
             sum: total.roots / unit,
             each,
+        }
+    }
+}
+
+/// Writes `Σ_c (unit Δ_i,c)²` for consecutive points from `start` on.
+pub(crate) fn sum_squares(residual: &[Lane], start: usize, unit: f64, squares: &mut [f64]) {
+    squares.fill(0.0);
+    for lane in residual {
+        for (square, x) in squares.iter_mut().zip(&lane[start..]) {
+            let x = x * unit;
+            *square += x * x;
         }
     }
 }

@@ -18,6 +18,7 @@ use std::cell::OnceCell;
 use super::line::{Along, Constants, Fitted, Line, values_of};
 use crate::basis::direction::Direction;
 use crate::basis::end_conditions::Ends;
+use crate::basis::evaluated::Evaluated;
 use crate::data::grid::Grid;
 use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place};
@@ -142,9 +143,9 @@ impl Offsets {
                 let controls = strip.values.lane(c);
                 let values = match v {
                     None => controls.to_vec(),
-                    Some((v, at_v)) => along_v
-                        .get_or_init(|| Evaluated::new(v, at_v))
-                        .spline(controls),
+                    Some((v, at_v)) => {
+                        spline(along_v.get_or_init(|| Evaluated::new(v, at_v)), controls)
+                    }
                 };
                 for (i, value) in &rows {
                     let row = lane.as_mut()[i * columns..][..columns].iter_mut();
@@ -157,7 +158,7 @@ impl Offsets {
             let places = values_of(v, strip.function, at_v);
             for (c, lane) in lanes.iter_mut().enumerate().filter(|_| !places.is_empty()) {
                 let along = along_u.get_or_init(|| Evaluated::new(u, at_u));
-                let values = along.spline(strip.values.lane(c));
+                let values = spline(along, strip.values.lane(c));
                 for (j, value) in &places {
                     let column = lane.as_mut()[*j..].iter_mut().step_by(columns);
                     let column = column.zip(&values);
@@ -176,33 +177,14 @@ impl Offsets {
     }
 }
 
-/// The functions of a direction at some parameters.
-struct Evaluated {
-    /// At each parameter the first function that can differ from zero.
-    starts: Vec<usize>,
-    /// At each parameter the values of the functions from there on.
-    values: Vec<f64>,
-    width: usize,
-}
-
-impl Evaluated {
-    fn new(direction: &Direction, parameters: &[f64]) -> Self {
-        let width = direction.basis.support_width();
-        let mut values = vec![0.0; width * parameters.len()];
-        let rows = values.chunks_exact_mut(width).zip(parameters);
-        Self {
-            starts: rows.map(|(row, &t)| direction.evaluate(t, row)).collect(),
-            values,
-            width,
-        }
-    }
-
-    /// The B-spline with these control points, one for each function.
-    fn spline(&self, controls: &[f64]) -> Vec<f64> {
-        let rows = self.values.chunks_exact(self.width).zip(&self.starts);
-        rows.map(|(row, &start)| row.iter().zip(&controls[start..]).map(|(a, x)| a * x).sum())
-            .collect()
-    }
+/// The B-spline with these control points, one for each function, at the parameters of the functions.
+fn spline(functions: &Evaluated, controls: &[f64]) -> Vec<f64> {
+    let value = |i: usize| {
+        let (first, values) = functions.at(i);
+        let products = values.iter().zip(&controls[first..]);
+        products.map(|(a, x)| a * x).sum()
+    };
+    (0..functions.firsts.len()).map(value).collect()
 }
 
 /// The constants of many lines, function by function: one point for each line.

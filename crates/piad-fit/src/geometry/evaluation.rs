@@ -14,6 +14,7 @@
 //! only.
 
 use crate::basis::direction::Direction;
+use crate::basis::evaluated::Evaluated;
 use crate::data::grid::Grid;
 use crate::data::points::Points;
 use crate::interrupt::Meter;
@@ -255,14 +256,14 @@ impl Values {
         let (along, across) = (&self.along, &self.across);
         let Grid { rows, columns } = self.controls;
         let (r, c) = (along.count(), across.count());
-        let at_once = r * c * along.width * across.width;
-        let by_rows = r * along.width * columns + r * c * across.width;
-        let by_columns = c * across.width * rows + r * c * along.width;
+        let at_once = r * c * along.width() * across.width();
+        let by_rows = r * along.width() * columns + r * c * across.width();
+        let by_columns = c * across.width() * rows + r * c * along.width();
         let mut sums = vec![0.0; r * c];
         let mut meter = Meter::default();
         if at_once <= by_rows.min(by_columns) {
             for (place, sum) in sums.iter_mut().enumerate() {
-                meter.add(along.width * across.width);
+                meter.add(along.width() * across.width());
                 let inner = |k: usize| across.sum(place % c, |l| lane[k * columns + l]);
                 *sum = along.sum(place / c, inner);
             }
@@ -295,52 +296,51 @@ impl Values {
 
 /// The values of the basis functions of a direction at some parameters.
 struct LineValues {
-    /// How many functions can differ from zero at a parameter.
-    width: usize,
+    functions: Evaluated,
     /// At each parameter the free control points of these functions.
     indices: Vec<u32>,
-    /// At each parameter the values of these functions.
-    values: Vec<f64>,
 }
 
 impl LineValues {
     /// Evaluates the basis of a direction at all parameters.
     fn new(direction: &Direction, parameters: &[f64]) -> Self {
-        let width = direction.basis.support_width();
-        let mut values = vec![0.0; width * parameters.len()];
-        let mut indices = Vec::with_capacity(values.len());
-        let mut meter = Meter::default();
-        for (values, &t) in values.chunks_exact_mut(width).zip(parameters) {
-            meter.add(direction.basis.multiplications());
-            let start = direction.evaluate(t, values);
-            direction.share(start, values);
-            indices.extend((0..width).map(|k| direction.free_index(start + k) as u32));
+        let mut functions = Evaluated::new(direction, parameters);
+        let width = functions.width;
+        let mut indices = Vec::with_capacity(functions.values.len());
+        let values = functions.values.chunks_exact_mut(width);
+        for (values, &first) in values.zip(&functions.firsts) {
+            let first = first as usize;
+            direction.share(first, values);
+            indices.extend((0..width).map(|k| direction.free_index(first + k) as u32));
         }
-        Self {
-            width,
-            indices,
-            values,
-        }
+        Self { functions, indices }
     }
 
     /// Across a curve there is one control point, whose function is 1.
     fn one() -> Self {
-        Self {
+        let functions = Evaluated {
             width: 1,
-            indices: vec![0],
+            firsts: vec![0],
             values: vec![1.0],
-        }
+        };
+        let indices = vec![0];
+        Self { functions, indices }
     }
 
     /// The number of parameters.
     fn count(&self) -> usize {
-        self.values.len() / self.width
+        self.functions.firsts.len()
+    }
+
+    /// How many functions can differ from zero at a parameter.
+    fn width(&self) -> usize {
+        self.functions.width
     }
 
     /// Each control point that matters at parameter `i`, with the value of its function.
     fn each(&self, i: usize, mut visit: impl FnMut(usize, f64)) {
-        let range = i * self.width..(i + 1) * self.width;
-        for (&index, &value) in self.indices[range.clone()].iter().zip(&self.values[range]) {
+        let (_, values) = self.functions.at(i);
+        for (&index, &value) in self.indices[i * self.width()..].iter().zip(values) {
             visit(index as usize, value);
         }
     }

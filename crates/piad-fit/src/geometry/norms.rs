@@ -15,9 +15,8 @@
 //! residual is told apart. A point at which the weight of the curve is not positive is at an
 //! infinite distance.
 
-use crate::data::aligned::Lane;
 use crate::data::blocks::{BLOCK, Block, Blocks};
-use crate::data::distances::Distances;
+use crate::data::distances::{Distances, sum_squares};
 use crate::data::points::{self, Points, normalizing_scale};
 use crate::setup::Setup;
 
@@ -278,17 +277,6 @@ impl Norms {
             } else {
                 f64::INFINITY
             };
-        }
-    }
-}
-
-/// Writes `Σ_c (scale Δ_i,c)²` for consecutive points from `start` on.
-fn sum_squares(lanes: &[Lane], start: usize, scale: f64, squares: &mut [f64]) {
-    squares.fill(0.0);
-    for lane in lanes {
-        for (square, x) in squares.iter_mut().zip(&lane[start..]) {
-            let x = x * scale;
-            *square += x * x;
         }
     }
 }

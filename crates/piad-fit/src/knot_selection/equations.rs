@@ -15,7 +15,7 @@
 use std::sync::Arc;
 
 use super::breaks::Breaks;
-use super::gram::{Cholesky, Gram};
+use super::gram::{Factor, Gram};
 use super::knot_step::{can_move, moved};
 use super::values::Values;
 use crate::basis::quadrature::{Row, node_rows};
@@ -109,7 +109,7 @@ impl LeastSquares {
         &self,
         values: &Values,
         weights: Option<&[f64]>,
-        (factor, bending): (&Cholesky, &[Row]),
+        (factor, bending): (&Factor, &[Row]),
         x: &mut Points,
     ) {
         let (width, data) = (values.width(), self.points.lanes());

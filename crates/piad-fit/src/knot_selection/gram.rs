@@ -1,27 +1,20 @@
 //! Normal equations of B-splines: symmetric, banded and positive definite.
 //!
 //! Entry (i, j) of `Aᵀ W A` differs from zero for |i − j| ≤ p. Those of a closed line are ordered as
-//! on a circle that is pressed flat, in which they have twice the bandwidth. The factorization
-//! `L Lᵀ` takes n b² operations and stays within the band.
+//! on a circle that is pressed flat, in which they have twice the bandwidth.
 //!
 //! What is added to the equations, as the energy of a fairness term, goes through [`Gram::add`].
 
 use super::values::Values;
 use crate::basis::quadrature::Row;
 use crate::linear::folded;
+use crate::linear::symmetric::{Cholesky, SymmetricBand};
 
-/// A pivot below this part of its diagonal entry is a control point that the data say nothing
-/// about: beyond it a solution has no digits left.
-const SINGULAR: f64 = 1e-13;
-
-/// The lower half of a symmetric banded matrix.
+/// The matrix of the normal equations.
 #[derive(Clone, Debug)]
 pub(super) struct Gram {
     order: Order,
-    /// How many entries are kept beside the diagonal.
-    band: usize,
-    /// Row by row entries (i, i − band) … (i, i).
-    rows: Vec<f64>,
+    matrix: SymmetricBand,
 }
 
 /// The places of unknowns.
@@ -42,22 +35,19 @@ impl Gram {
     /// line is closed.
     pub(super) fn new(count: usize, reach: usize, closed: bool) -> Self {
         let band = if closed { 2 * reach } else { reach };
-        let band = band.min(count.saturating_sub(1));
         Self {
             order: Order {
                 count,
                 folds: closed,
             },
-            band,
-            rows: vec![0.0; count * (band + 1)],
+            matrix: SymmetricBand::new(count, band + 1),
         }
     }
 
     /// Adds to entry (i, j), which stands for (j, i) too: call it for one of them.
     pub(super) fn add(&mut self, i: usize, j: usize, value: f64) {
         let (i, j) = (self.order.place(i), self.order.place(j));
-        let (i, j) = (i.max(j), i.min(j));
-        self.rows[i * (self.band + 1) + j + self.band - i] += value;
+        self.matrix.add(i.max(j), i.min(j), value);
     }
 
     /// `AᵀWA` of the control points that move, and the squares of some rows.
@@ -96,80 +86,34 @@ impl Gram {
         gram
     }
 
-    /// The Cholesky factor, or `None` if some combination of unknowns is not determined.
-    pub(super) fn factor(mut self) -> Option<Cholesky> {
-        let (band, width) = (self.band, self.band + 1);
-        for i in 0..self.order.count {
-            let (done, rest) = self.rows.split_at_mut(i * width);
-            let row = &mut rest[..width];
-            let diagonal = row[band];
-            for k in band.saturating_sub(i)..band {
-                let j = i + k - band;
-                let other = &done[j * width..(j + 1) * width];
-                // Entries (i, l) and (j, l) for the columns l that both rows have.
-                let shared = row[..k].iter().zip(&other[band - k..band]);
-                let sum: f64 = shared.map(|(a, b)| a * b).sum();
-                row[k] = (row[k] - sum) / other[band];
-            }
-            let square: f64 = row[..band].iter().map(|x| x * x).sum();
-            let pivot = diagonal - square;
-            if !(pivot > SINGULAR * diagonal && pivot.is_finite()) {
-                return None;
-            }
-            row[band] = pivot.sqrt();
-        }
-        Some(Cholesky {
-            order: self.order,
-            band,
-            rows: self.rows,
-        })
+    /// Its factor, or `None` if some combination of unknowns is not determined.
+    pub(super) fn factor(self) -> Option<Factor> {
+        let (order, cholesky) = (self.order, self.matrix.factor()?);
+        Some(Factor { order, cholesky })
     }
 }
 
-/// `L` of `L Lᵀ`, row by row as in [`Gram`].
+/// The factor of the matrix.
 #[derive(Clone, Debug)]
-pub(super) struct Cholesky {
+pub(super) struct Factor {
     order: Order,
-    band: usize,
-    rows: Vec<f64>,
+    cholesky: Cholesky,
 }
 
-impl Cholesky {
+impl Factor {
     /// Solves in place.
     pub(super) fn solve(&self, x: &mut [f64]) {
         if !self.order.folds {
-            self.solve_ordered(x);
+            self.cholesky.solve(x);
             return;
         }
         let mut ordered = vec![0.0; x.len()];
         for (i, &x) in x.iter().enumerate() {
             ordered[self.order.place(i)] = x;
         }
-        self.solve_ordered(&mut ordered);
+        self.cholesky.solve(&mut ordered);
         for (i, x) in x.iter_mut().enumerate() {
             *x = ordered[self.order.place(i)];
-        }
-    }
-
-    /// `L y = x`, then `Lᵀ x = y`.
-    fn solve_ordered(&self, x: &mut [f64]) {
-        let (band, width) = (self.band, self.band + 1);
-        for i in 0..x.len() {
-            let from = i.saturating_sub(band);
-            let row = &self.rows[i * width..(i + 1) * width];
-            let left = &row[band - (i - from)..band];
-            let sum: f64 = left.iter().zip(&x[from..i]).map(|(l, x)| l * x).sum();
-            x[i] = (x[i] - sum) / row[band];
-        }
-        for i in (0..x.len()).rev() {
-            let from = i.saturating_sub(band);
-            let row = &self.rows[i * width..(i + 1) * width];
-            x[i] /= row[band];
-            let (before, at) = x.split_at_mut(i);
-            let left = &row[band - (i - from)..band];
-            for (x, l) in before[from..].iter_mut().zip(left) {
-                *x -= l * at[0];
-            }
         }
     }
 }

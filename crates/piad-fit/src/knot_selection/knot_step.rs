@@ -98,11 +98,11 @@ fn without_control_points(
     slopes: &[Slope],
     right: impl Fn(&Slope) -> f64,
 ) -> Option<(DMatrix<f64>, DVector<f64>)> {
-    let (line, width, count) = (values.line(), values.width(), slopes.len());
+    let (line, count) = (values.line(), slopes.len());
     let fixed = line.fixed_ends();
     let moving = line.control_points() - 2 * fixed;
     let factor = Gram::of(values, weights, &[]).factor()?;
-    let (first, rows) = values.clone().into_rows();
+    let rows = values.clone().into_rows();
     let weight = |i: usize| weights.map_or(1.0, |weights| weights[i]);
     let mut system = DMatrix::zeros(count, count);
     for c in 0..slopes.first().map_or(0, |slope| slope.lanes.len()) {
@@ -110,9 +110,9 @@ fn without_control_points(
         for (q, slope) in slopes.iter().enumerate() {
             let mut product = vec![0.0; line.control_points()];
             for (&i, slope) in slope.data.iter().zip(&slope.lanes[c]) {
-                let row = &rows[i * width..(i + 1) * width];
+                let (first, row) = rows.at(i);
                 for (k, value) in row.iter().enumerate() {
-                    let j = line.control_point(first[i] as usize + k);
+                    let j = line.control_point(first + k);
                     product[j] += weight(i) * value * slope;
                 }
             }

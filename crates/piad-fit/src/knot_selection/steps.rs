@@ -8,6 +8,8 @@ use super::values::Values;
 use crate::data::blocks::{LANES, add_up};
 use crate::data::distances::Distances;
 use crate::data::points::Points;
+use crate::linear::conjugate::Conjugate;
+use crate::linear::vectors::add;
 
 /// Conjugate gradients over some knots.
 #[derive(Clone, Debug)]
@@ -20,8 +22,8 @@ pub(crate) struct Steps {
     residual: Points,
     /// The directions of the last step.
     direction: Points,
-    /// `gᵀ D g` of each coordinate in the last step.
-    gamma: Vec<f64>,
+    /// What is remembered of each coordinate.
+    conjugate: Vec<Conjugate>,
     gradient: Points,
     image: Points,
 }
@@ -55,7 +57,7 @@ impl Steps {
             unit,
             residual,
             direction: Points::zeros(dimension, count),
-            gamma: vec![0.0; dimension],
+            conjugate: vec![Conjugate::default(); dimension],
             gradient: Points::zeros(dimension, count),
             image: Points::zeros(dimension, points.len()),
         }
@@ -69,35 +71,17 @@ impl Steps {
     /// One step for each coordinate.
     pub(crate) fn step(&mut self, values: &Values, control_points: &mut Points) {
         values.apply_transposed(self.residual.lanes(), self.gradient.lanes_mut());
-        for c in 0..self.gamma.len() {
-            self.turn(c);
+        for (c, conjugate) in self.conjugate.iter_mut().enumerate() {
+            let direction = &mut self.direction.lanes_mut()[c];
+            conjugate.turn(direction, self.gradient.lane(c), &self.scale, self.unit);
         }
         values.apply(self.direction.lanes(), self.image.lanes_mut());
-        for (c, x) in control_points.lanes_mut().iter_mut().enumerate() {
+        for (c, conjugate) in self.conjugate.iter().enumerate() {
             let (image, direction) = (self.image.lane(c), self.direction.lane(c));
-            let curvature = sum_of_squares(image, self.unit);
-            if curvature > 0.0 {
-                let alpha = self.gamma[c] / curvature;
-                add(x, alpha, direction);
+            if let Some(alpha) = conjugate.length(sum_of_squares(image, self.unit)) {
+                add(&mut control_points.lanes_mut()[c], alpha, direction);
                 add(&mut self.residual.lanes_mut()[c], -alpha, image);
             }
-        }
-    }
-
-    /// The next direction of a coordinate.
-    fn turn(&mut self, c: usize) {
-        let (gradient, scale) = (self.gradient.lane(c), &self.scale);
-        let weighed = gradient.iter().zip(scale);
-        let weighed = weighed.map(|(g, d)| (g * self.unit) * d * (g * self.unit));
-        let gamma: f64 = weighed.sum();
-        let beta = match self.gamma[c] > 0.0 {
-            true => gamma / self.gamma[c],
-            false => 0.0,
-        };
-        self.gamma[c] = gamma;
-        let direction = self.direction.lanes_mut()[c].iter_mut();
-        for ((direction, g), d) in direction.zip(gradient).zip(scale) {
-            *direction = d * g + beta * *direction;
         }
     }
 }
@@ -113,9 +97,4 @@ fn sum_of_squares(numbers: &[f64], unit: f64) -> f64 {
     }
     lanes.iter_mut().zip(rest).for_each(square);
     add_up(lanes)
-}
-
-/// `x ← x + factor y`.
-fn add(x: &mut [f64], factor: f64, y: &[f64]) {
-    x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y);
 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::breaks::Breaks;
+use crate::basis::evaluated::Evaluated;
 use crate::data::blocks::{BLOCK, Block};
 use crate::data::distances::{Distances, measure};
 use kernels::{add, evaluate, invert_widths, multiply, multiply_all, with_width};
@@ -103,12 +104,14 @@ impl Values {
         &self.parts
     }
 
-    /// Datum by datum the first function that can differ from zero, and the values of it and of the next
-    /// p.
-    pub(super) fn into_rows(self) -> (Vec<u32>, Vec<f64>) {
+    /// Datum by datum the functions that can differ from zero.
+    pub(super) fn into_rows(self) -> Evaluated {
         let first = |part: &Part| std::iter::repeat_n(part.span as u32, part.data.len());
-        let firsts = self.parts.iter().flat_map(first);
-        (firsts.collect(), self.values)
+        Evaluated {
+            width: self.width(),
+            firsts: self.parts.iter().flat_map(first).collect(),
+            values: self.values,
+        }
     }
 
     /// `y = A x`, for some coordinates of control points and of data.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::aggregation::Hierarchy;
 use super::sparse_rows::SparseRows;
+use super::vectors::{add, dot, length};
 use crate::interrupt;
 
 /// The most steps.
@@ -33,7 +34,7 @@ impl SparseRows {
 
     fn solution(&self, hierarchy: &Hierarchy<'_>, b: Vec<f64>) -> Option<Vec<f64>> {
         let count = self.len();
-        let size = norm(&b);
+        let size = length(&b);
         let mut x = hierarchy.apply(&b);
         let mut r = vec![0.0; count];
         let mut steps = STEPS;
@@ -42,7 +43,7 @@ impl SparseRows {
         while steps > 0 {
             self.apply(&x, &mut r);
             r.iter_mut().zip(&b).for_each(|(r, b)| *r = b - *r);
-            let left = norm(&r);
+            let left = length(&r);
             if left < least {
                 least = left;
                 best.clone_from(&x);
@@ -91,7 +92,7 @@ impl SparseRows {
             add(r, -omega, &t);
             let next = dot(&shadow, r);
             let beta = next / rho * (alpha / omega);
-            if norm(r) <= done || !beta.is_finite() || beta == 0.0 {
+            if length(r) <= done || !beta.is_finite() || beta == 0.0 {
                 return;
             }
             rho = next;
@@ -100,19 +101,6 @@ impl SparseRows {
             }
         }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
-}
-
-/// `x ← x + c y`.
-fn add(x: &mut [f64], c: f64, y: &[f64]) {
-    x.iter_mut().zip(y).for_each(|(x, y)| *x += c * y);
 }
 
 #[cfg(test)]

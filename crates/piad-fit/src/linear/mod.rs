@@ -12,8 +12,10 @@
 //! - `inverse`: `B⁻¹` by `elimination` without pivots, by banded `lu` or by `dense` LU;
 //! - `qr`: the transform of the extended method, of cyclic matrices by `bordered`;
 //! - `triangular`: least-squares factorizations of the matrices that `rows` collects;
+//! - `symmetric`: symmetric banded matrices and their Cholesky factors;
 //! - `stencil`: symmetric matrices over the functions of a grid, by diagonals;
 //! - `bicgstab`: sparse systems that are not symmetric (`sparse_rows`), with a multigrid cycle (`aggregation`);
+//! - `conjugate`: steps of conjugate gradients; `vectors`: sums over vectors;
 //! - `band`: cyclic matrices on their way into a factorization.
 
 mod aggregation;
@@ -22,6 +24,7 @@ pub(crate) mod banded;
 pub(crate) mod bicgstab;
 mod bordered;
 pub(crate) mod columns;
+pub(crate) mod conjugate;
 mod dense;
 mod elimination;
 mod inverse;
@@ -32,7 +35,9 @@ pub(crate) mod qr;
 pub(crate) mod rows;
 pub(crate) mod sparse_rows;
 pub(crate) mod stencil;
+pub(crate) mod symmetric;
 pub(crate) mod triangular;
+pub(crate) mod vectors;
 
 pub(crate) use band::folded;
 pub(super) use dense::{Dense, DenseMap};

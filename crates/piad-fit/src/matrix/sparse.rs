@@ -13,6 +13,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 
 use crate::basis::direction::Direction;
+use crate::basis::evaluated::Evaluated;
 use crate::data::grid::Grid;
 use crate::linear::folded;
 
@@ -38,35 +39,16 @@ pub struct Sparse {
 struct Line {
     /// The control point of each function.
     control_points: Vec<u32>,
-    /// The first of them.
-    starts: Vec<u32>,
-    /// How many there are.
-    width: usize,
-    /// Their values, point by point.
-    values: Vec<f64>,
+    functions: Evaluated,
 }
 
 impl Line {
     fn new(direction: &Direction) -> Self {
-        let width = direction.basis.support_width();
-        let mut values = vec![0.0; width * direction.parameters.len()];
-        let places = values.chunks_exact_mut(width);
-        let starts = places.zip(direction.parameters.iter());
         let functions = 0..direction.basis.functions();
         Self {
             control_points: functions.map(|j| direction.free_index(j) as u32).collect(),
-            starts: starts
-                .map(|(values, &t)| direction.evaluate(t, values) as u32)
-                .collect(),
-            width,
-            values,
+            functions: Evaluated::new(direction, &direction.parameters),
         }
-    }
-
-    /// The first function and the values at point `i`.
-    fn at(&self, i: usize) -> (usize, &[f64]) {
-        let values = &self.values[i * self.width..(i + 1) * self.width];
-        (self.starts[i] as usize, values)
     }
 }
 
@@ -100,7 +82,7 @@ impl Sparse {
 
     /// The number of points.
     pub fn rows(&self) -> usize {
-        self.u.starts.len()
+        self.u.functions.firsts.len()
     }
 
     /// The arrangement of the control points.
@@ -110,17 +92,17 @@ impl Sparse {
 
     /// How many functions of u and of v can differ from zero at a point.
     pub(crate) fn widths(&self) -> [usize; 2] {
-        [self.u.width, self.v.width]
+        [self.u.functions.width, self.v.functions.width]
     }
 
     /// The first functions of u and v that can differ from zero at point `i`.
     pub(crate) fn cell(&self, i: usize) -> (u32, u32) {
-        (self.u.starts[i], self.v.starts[i])
+        (self.u.functions.firsts[i], self.v.functions.firsts[i])
     }
 
     /// The entries of row `i`, columns and values.
     pub(crate) fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + Clone + '_ {
-        let ((first, along), (start, across)) = (self.u.at(i), self.v.at(i));
+        let ((first, along), (start, across)) = (self.u.functions.at(i), self.v.functions.at(i));
         along.iter().enumerate().flat_map(move |(k, a)| {
             let across = across.iter().enumerate();
             across.map(move |(l, b)| (self.control_point(first + k, start + l), a * b))
@@ -144,7 +126,7 @@ impl Sparse {
 
     /// The most places from the first to the last entry of a row.
     pub(crate) fn band(&self) -> usize {
-        let lines = if self.folds() { 2 } else { 1 } * self.u.width;
+        let lines = if self.folds() { 2 } else { 1 } * self.u.functions.width;
         lines * self.control.columns
     }
 
@@ -173,7 +155,8 @@ impl Sparse {
     pub(crate) fn apply(&self, x: &[f64], y: &mut [f64]) {
         let (x, columns) = (self.with_margin(x), self.v.control_points.len());
         let sum = |i: usize| {
-            let ((first, along), (start, across)) = (self.u.at(i), self.v.at(i));
+            let ((first, along), (start, across)) =
+                (self.u.functions.at(i), self.v.functions.at(i));
             let line = |(k, a): (usize, &f64)| {
                 let x = &x[(first + k) * columns + start..][..across.len()];
                 let sum: f64 = x.iter().zip(across).map(|(x, b)| x * b).sum();
@@ -208,7 +191,8 @@ impl Sparse {
         y.fill(0.0);
         let columns = self.v.control_points.len();
         for (i, &x) in x.iter().enumerate().filter(|(_, x)| **x != 0.0) {
-            let ((first, along), (start, across)) = (self.u.at(i), self.v.at(i));
+            let ((first, along), (start, across)) =
+                (self.u.functions.at(i), self.v.functions.at(i));
             for (k, a) in along.iter().enumerate() {
                 let factor = a * x;
                 let y = &mut y[(first + k) * columns + start..][..across.len()];

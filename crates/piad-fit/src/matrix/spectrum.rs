@@ -15,6 +15,7 @@ use super::tensor::Tensor;
 use crate::basis::direction::Direction;
 use crate::interrupt;
 use crate::linear::LineMap;
+use crate::linear::vectors::length;
 
 /// Dense matrices up to this number of rows have their eigenvalues computed, in O(n³).
 pub(crate) const DENSE: usize = 100;
@@ -294,11 +295,6 @@ pub(crate) fn chebyshev_rate(lambda: f64, a: f64) -> f64 {
 fn set_direction(z: &mut [f64], w: &[f64]) {
     let size = length(w);
     z.iter_mut().zip(w).for_each(|(z, w)| *z = w / size);
-}
-
-/// The Euclidean length of a vector.
-fn length(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

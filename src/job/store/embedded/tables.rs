@@ -9,7 +9,7 @@ use crate::job::quota::Amount;
 use crate::job::store::{IdempotencyEntry, Record, StoreError, record};
 
 /// The version of what is described here. Files of other versions are refused.
-pub(super) const VERSION: u64 = 2;
+pub(super) const VERSION: u64 = 3;
 
 /// Facts about the file itself.
 pub(super) const FACTS: TableDefinition<&str, u64> = TableDefinition::new("facts");

@@ -11,7 +11,7 @@
 
 use std::ops::Range;
 
-use super::sampling::{Homogeneous, Jet, MOST_VALUES, SpanParameter};
+use super::sampling::{Homogeneous, Jet, MOST_VALUES, SpanParameter, combine};
 use super::{KnotVector, Nurbs};
 use crate::basis::{bernstein, bspline};
 use crate::interrupt::Meter;
@@ -184,16 +184,6 @@ impl Nurbs {
             }
         }
     }
-}
-
-fn combine(values: &[f64], points: &[Homogeneous]) -> Homogeneous {
-    let mut sum = Homogeneous::default();
-    for (value, point) in values.iter().zip(points) {
-        for (sum, x) in sum.iter_mut().zip(point) {
-            *sum += value * x;
-        }
-    }
-    sum
 }
 
 /// From homogeneous coordinates: those of the point, of its derivatives by u and v, and by uu, uv and vv.

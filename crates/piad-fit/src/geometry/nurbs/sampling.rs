@@ -289,7 +289,8 @@ fn contract(
     }
 }
 
-fn combine(values: &[f64], points: &[Homogeneous]) -> Homogeneous {
+/// The sum of points, each multiplied with a value.
+pub(super) fn combine(values: &[f64], points: &[Homogeneous]) -> Homogeneous {
     let mut sum = Homogeneous::default();
     for (value, point) in values.iter().zip(points) {
         for (sum, x) in sum.iter_mut().zip(point) {

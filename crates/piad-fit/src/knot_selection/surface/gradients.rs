@@ -9,6 +9,8 @@
 use super::normal::{Normal, Preconditioner};
 use super::rows::Rows;
 use crate::interrupt;
+use crate::linear::conjugate::Conjugate;
+use crate::linear::vectors::{add, dot};
 
 /// The number of steps, each lowering the sum of squares by less than the gain of the [`Effort`], that ends
 /// the descent.
@@ -70,7 +72,8 @@ pub(super) fn descend(
     let mut value = normal.start((x, data, unit), &mut residual, &mut gradient);
     let (mut computed, mut before) = (value, value);
     let (mut conditioned, mut product) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-    let (mut direction, mut last, mut first) = (vec![0.0; x.len()], 0.0, 0.0);
+    let (mut direction, mut first) = (vec![0.0; x.len()], 0.0);
+    let mut conjugate = Conjugate::default();
     for step in 1..=effort.steps {
         interrupt::check();
         if value <= TRUST * computed {
@@ -82,25 +85,22 @@ pub(super) fn descend(
             return;
         }
         preconditioner.apply(&gradient, &mut conditioned);
-        let gamma = product_of(&gradient, &conditioned);
+        let gamma = dot(&gradient, &conditioned);
         first = f64::max(first, gamma);
         if gamma <= ROUNDING * first {
             return;
         }
-        let beta = if last > 0.0 { gamma / last } else { 0.0 };
-        last = gamma;
-        let pairs = direction.iter_mut().zip(&conditioned);
-        pairs.for_each(|(direction, g)| *direction = g + beta * *direction);
+        conjugate.turn_to(&mut direction, conditioned.iter().copied(), gamma);
         normal.apply(&direction, &mut product, &mut residual);
-        let curvature = product_of(&direction, &product);
-        if curvature <= 0.0 || !curvature.is_finite() {
+        let curvature = dot(&direction, &product);
+        let Some(alpha) = conjugate
+            .length(curvature)
+            .filter(|_| curvature.is_finite())
+        else {
             return;
-        }
-        let alpha = gamma / curvature;
-        let pairs = x.iter_mut().zip(&direction);
-        pairs.for_each(|(x, d)| *x += alpha / unit * d);
-        let pairs = gradient.iter_mut().zip(&product);
-        pairs.for_each(|(g, q)| *g -= alpha * q);
+        };
+        add(x, alpha / unit, &direction);
+        add(&mut gradient, -alpha, &product);
         value -= alpha * gamma;
         if step % WINDOW == 0 {
             if before - value <= effort.gain * before {
@@ -120,20 +120,12 @@ pub(super) fn first_gain(rows: &Rows, diagonal: &[f64], residual: &[f64]) -> f64
     pairs.for_each(|(g, d)| *g *= d);
     let mut image = vec![0.0; residual.len()];
     rows.apply(&gradient, &mut image);
-    let curvature = sum_of_squares(&image);
+    let curvature = dot(&image, &image);
     if curvature > 0.0 {
         gamma * (gamma / curvature)
     } else {
         0.0
     }
-}
-
-pub(super) fn sum_of_squares(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum()
-}
-
-fn product_of(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
 /// `gᵀ D g`.

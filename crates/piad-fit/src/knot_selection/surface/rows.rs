@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::basis::evaluated::Evaluated;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::values::Values;
 use crate::linear::stencil::Reach;
@@ -39,39 +40,30 @@ pub(super) struct Sites {
 #[derive(Debug)]
 pub(super) struct Functions {
     line: Breaks,
-    width: usize,
-    /// The first of them.
-    firsts: Vec<u32>,
-    /// Their values, in the order of the points: products read them one after the other.
-    values: Vec<f64>,
+    evaluated: Evaluated,
 }
 
 impl Functions {
     /// At the parameters of these places among the different ones.
     fn new(line: &Breaks, t: &Arc<Vec<f64>>, places: &[u32]) -> Self {
-        let width = line.degree() + 1;
-        let (firsts, values) = Values::new(line, t).into_rows();
+        let mut evaluated = Values::new(line, t).into_rows();
         let are_in_order = places.len() == t.len() && places.is_sorted();
-        let line = line.clone();
-        if are_in_order {
-            return Self {
-                line,
+        if !are_in_order {
+            let width = evaluated.width;
+            let mut values = vec![0.0; places.len() * width];
+            let all = values.par_chunks_mut(width).zip(places);
+            all.with_min_len(PART).for_each(|(point, &place)| {
+                point.copy_from_slice(evaluated.at(place as usize).1);
+            });
+            let first = |&place: &u32| evaluated.firsts[place as usize];
+            evaluated = Evaluated {
                 width,
-                firsts,
+                firsts: places.iter().map(first).collect(),
                 values,
             };
         }
-        let mut of_points = vec![0.0; places.len() * width];
-        let all = of_points.par_chunks_mut(width).zip(places);
-        all.with_min_len(PART).for_each(|(point, &place)| {
-            point.copy_from_slice(&values[place as usize * width..][..width]);
-        });
-        Self {
-            line,
-            width,
-            firsts: places.iter().map(|&place| firsts[place as usize]).collect(),
-            values: of_points,
-        }
+        let line = line.clone();
+        Self { line, evaluated }
     }
 
     /// The number of functions: that of control points, and of a closed direction p more.
@@ -80,13 +72,7 @@ impl Functions {
     }
 
     pub(super) fn degree(&self) -> usize {
-        self.width - 1
-    }
-
-    #[inline]
-    fn at(&self, point: usize) -> (usize, &[f64]) {
-        let values = &self.values[point * self.width..][..self.width];
-        (self.firsts[point] as usize, values)
+        self.evaluated.width - 1
     }
 }
 
@@ -122,7 +108,7 @@ impl Rows {
 
     /// The number of points.
     pub(super) fn points(&self) -> usize {
-        self.u.firsts.len()
+        self.u.evaluated.firsts.len()
     }
 
     /// The number of control points.
@@ -132,7 +118,7 @@ impl Rows {
 
     /// The numbers of it that can differ from zero.
     pub(super) fn numbers(&self) -> usize {
-        self.points() * self.u.width * self.v.width
+        self.points() * self.u.evaluated.width * self.v.evaluated.width
     }
 
     /// `y = A x` for one coordinate of the control points.
@@ -176,7 +162,7 @@ impl Rows {
         let columns = self.v.count();
         let row = |i: usize| self.functions(i)[0].0;
         let (first, last) = (row(start), row(start + x.len() - 1));
-        let mut sums = vec![0.0; (last + self.u.width - first) * columns];
+        let mut sums = vec![0.0; (last + self.u.evaluated.width - first) * columns];
         for (i, x) in x.iter().enumerate() {
             let [(row, along), (column, across)] = self.functions(start + i);
             for (k, a) in along.iter().enumerate() {
@@ -202,7 +188,7 @@ impl Rows {
     /// The points at which the first function of u that differs from zero is one of some; points are sorted by u.
     pub(super) fn points_from(&self, firsts: Range<usize>) -> Range<usize> {
         let before = |end: usize| {
-            let firsts = &self.u.firsts;
+            let firsts = &self.u.evaluated.firsts;
             firsts.partition_point(|&first| (first as usize) < end)
         };
         before(firsts.start)..before(firsts.end)
@@ -211,7 +197,7 @@ impl Rows {
     /// The functions of u and of v at point `i`.
     #[inline]
     pub(super) fn functions(&self, i: usize) -> [(usize, &[f64]); 2] {
-        [self.u.at(i), self.v.at(i)]
+        [self.u.evaluated.at(i), self.v.evaluated.at(i)]
     }
 
     /// The control points with those around the ends of closed directions.

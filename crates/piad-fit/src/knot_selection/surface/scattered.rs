@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use super::correction;
-use super::gradients::{Effort, descend, first_gain, sum_of_squares};
+use super::gradients::{Effort, descend, first_gain};
 use super::normal::{Normal, inverses};
 use super::rows::{Rows, Sites};
 use super::{Data, Fit, Nearest, SurfaceLevel};
@@ -18,6 +18,7 @@ use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
 use crate::linear::stencil::Stencil;
+use crate::linear::vectors::dot;
 
 /// A root of the mean square below this part of the tolerance does not have to fall any more.
 const ENOUGH: f64 = 1e-3;
@@ -262,7 +263,7 @@ impl Data for ScatteredData {
             (gains.sum::<f64>(), added as f64)
         };
         let mut gains = [0, 1].map(|axis| gain(axis, &finer[axis]));
-        let left: f64 = residuals.iter().map(|it| sum_of_squares(it)).sum();
+        let left: f64 = residuals.iter().map(|it| dot(it, it)).sum();
         if gains.iter().all(|(gain, _)| *gain < GAIN * left) {
             // Knots in the middle of spans do nothing for residuals that are odd about it.
             let twice = [0, 1].map(|axis| finer[axis].halved().unwrap_or(finer[axis].clone()));

@@ -3,30 +3,29 @@
 
 use super::objective::Objective;
 use crate::data::points::Points;
+use crate::linear::conjugate::Conjugate;
+use crate::linear::vectors::add;
 use crate::method::equations::Equations;
 use crate::method::update::State;
 
 /// What conjugate gradients remember.
 #[derive(Clone, Debug)]
-pub(super) struct Conjugate {
+pub(super) struct Descent {
+    /// Those of each coordinate.
+    steps: Vec<Conjugate>,
     /// The directions d of the last step, one for each coordinate.
     direction: Points,
     /// `A d`, one coordinate.
     image: Vec<f64>,
-    /// `gᵀ D g` of each coordinate.
-    gamma: Vec<f64>,
-    /// Whether there was a step.
-    begun: bool,
 }
 
-impl Conjugate {
+impl Descent {
     /// Before the first step of so many control points and data points.
     pub(super) fn new(dimension: usize, control_points: usize, data_points: usize) -> Self {
         Self {
+            steps: vec![Conjugate::default(); dimension],
             direction: Points::zeros(dimension, control_points),
             image: vec![0.0; data_points],
-            gamma: vec![0.0; dimension],
-            begun: false,
         }
     }
 
@@ -39,19 +38,9 @@ impl Conjugate {
         scale: &[f64],
         units: &[f64],
     ) {
-        for ((c, gradient), unit) in gradient.lanes().iter().enumerate().zip(units) {
+        for (c, (step, unit)) in self.steps.iter_mut().zip(units).enumerate() {
             let direction = &mut self.direction.lanes_mut()[c];
-            let squares = gradient.iter().zip(scale);
-            let gamma: f64 = squares.map(|(g, d)| (g * unit) * d * (g * unit)).sum();
-            let beta = if self.begun && self.gamma[c] > 0.0 {
-                gamma / self.gamma[c]
-            } else {
-                0.0
-            };
-            self.gamma[c] = gamma;
-            for ((direction, g), d) in direction.iter_mut().zip(gradient).zip(scale) {
-                *direction = d * g + beta * *direction;
-            }
+            step.turn(direction, gradient.lane(c), scale, *unit);
             equations
                 .collocation
                 .apply(direction, &mut self.image, &mut state.scratch);
@@ -59,21 +48,9 @@ impl Conjugate {
                 missing.clear(&mut self.image);
             }
             let curvature = objective.curvature(direction, &self.image, *unit);
-            // At the minimum there is nowhere to go.
-            let alpha = if curvature > 0.0 {
-                gamma / curvature
-            } else {
-                0.0
-            };
-            let x = &mut state.control_points.lanes_mut()[c];
-            for (x, direction) in x.iter_mut().zip(&*direction) {
-                *x += alpha * direction;
-            }
-            let residual = &mut state.residual.lanes_mut()[c];
-            for (residual, image) in residual.iter_mut().zip(&self.image) {
-                *residual -= alpha * image;
-            }
+            let alpha = step.length(curvature).unwrap_or(0.0);
+            add(&mut state.control_points.lanes_mut()[c], alpha, direction);
+            add(&mut state.residual.lanes_mut()[c], -alpha, &self.image);
         }
-        self.begun = true;
     }
 }

@@ -71,15 +71,7 @@ impl Constrained {
         near: Option<&Points>,
         weights: Option<&[f64]>,
     ) -> Option<Points> {
-        let directions = lines.iter().zip(self.setup.directions());
-        let directions = directions.map(|(line, old)| line.direction(Arc::clone(&old.parameters)));
-        let mut directions = directions.collect::<Vec<_>>().into_iter();
-        let setup = Setup {
-            u: directions.next()?,
-            v: directions.next(),
-            start: None,
-            ..Setup::clone(&self.setup)
-        };
+        let setup = over(&self.setup, lines)?;
         let mut settings = self.weighted(weights);
         independent(&setup, &settings).ok()?;
         // Scattered data alone can leave much of a surface open.
@@ -114,6 +106,18 @@ impl Constrained {
         let control_points = in_lines(plain.control_points(), lines);
         error.is_finite().then_some(control_points)
     }
+}
+
+/// The same over other knots of each direction.
+pub(super) fn over(setup: &Setup, lines: &[Breaks]) -> Option<Setup> {
+    let directions = lines.iter().zip(setup.directions());
+    let mut directions = directions.map(|(line, old)| line.direction(Arc::clone(&old.parameters)));
+    Some(Setup {
+        u: directions.next()?,
+        v: directions.next(),
+        start: None,
+        ..setup.clone()
+    })
 }
 
 impl Minimum for Constrained {

@@ -14,16 +14,14 @@
 //! data with spline functions*, Numer. Math. 47 (1985)): a value f takes O(m p²) of a curve, and O(m (p n)²) of a surface
 //! with n control points in a row, of which fewer values are tried. The stiffness of gaps counts beside M.
 
-mod band;
-
 use super::fairness::Energy;
 use super::objective::weights;
 use super::settings::{EndPoints, Fairness, LeastSquares};
 use super::solver::{MOST, places, row};
 use crate::interrupt;
+use crate::linear::symmetric::SymmetricBand;
 use crate::matrix::operator::Operator;
 use crate::setup::Setup;
-use band::Band;
 
 /// Values of f: powers of ten from this one on, by quarters.
 const FIRST_POWER: f64 = -14.0;
@@ -133,9 +131,9 @@ struct Equations<'a> {
     /// The place of each control point, in the order in which the matrices are narrow.
     places: Vec<usize>,
     /// M, K, and what the stiffness of gaps adds to M.
-    data: Band,
-    energy: Band,
-    gaps: Option<Band>,
+    data: SymmetricBand,
+    energy: SymmetricBand,
+    gaps: Option<SymmetricBand>,
     /// `AᵀΩP / Σω` of each coordinate.
     pulls: Vec<Vec<f64>>,
     /// Control points at interpolated ends of a curve, each with its data point.
@@ -157,7 +155,7 @@ impl<'a> Equations<'a> {
         let matrix = setup.collocation();
         let (places, width) = narrow(setup, &matrix);
         let free = places.len();
-        let mut of_data = Band::new(free, width);
+        let mut of_data = SymmetricBand::new(free, width);
         let mut pulls = vec![vec![0.0; free]; data.dimension()];
         for (i, weight) in weights
             .iter()
@@ -165,7 +163,7 @@ impl<'a> Equations<'a> {
             .filter(|(_, weight)| **weight > 0.0)
         {
             let row = entries(&matrix, i);
-            of_data.add(&row, weight / sum, &places);
+            of_data.add_products(&row, weight / sum, &places);
             for (pull, lane) in pulls.iter_mut().zip(data.lanes()) {
                 row.iter()
                     .for_each(|&(j, a)| pull[places[j]] += a * weight / sum * lane[i]);
@@ -183,8 +181,9 @@ impl<'a> Equations<'a> {
                 gap_stiffness,
                 ..settings.clone()
             };
-            let mut band = Band::new(free, width);
-            Energy::new(setup, &settings, 1.0)?.each_row(|row| band.add(&row, 1.0, &places));
+            let mut band = SymmetricBand::new(free, width);
+            Energy::new(setup, &settings, 1.0)?
+                .each_row(|row| band.add_products(&row, 1.0, &places));
             Some(band)
         };
         let is_fixed = settings.ends == EndPoints::Interpolated && !direction.is_closed();
@@ -227,7 +226,7 @@ impl<'a> Equations<'a> {
         let fixed: Vec<usize> = self.fixed.iter().map(|(j, _)| self.places[*j]).collect();
         let coupling: Vec<Vec<f64>> = fixed.iter().map(|&place| whole.column(place)).collect();
         fixed.iter().for_each(|&place| whole.fix(place));
-        whole.factorize()?;
+        let factor = whole.factor()?;
         let (data, n) = (self.setup.data(), self.count as f64);
         let mut squares = vec![0.0; data.len()];
         for (pull, lane) in self.pulls.iter().zip(data.lanes()) {
@@ -240,7 +239,7 @@ impl<'a> Equations<'a> {
             for (place, (_, datum)) in fixed.iter().zip(&self.fixed) {
                 x[*place] = lane[*datum];
             }
-            whole.solve(&mut x);
+            factor.solve(&mut x);
             for (i, square) in squares.iter_mut().enumerate() {
                 let entries = entries(&self.matrix, i).into_iter();
                 let value: f64 = entries.map(|(j, a)| a * x[self.places[j]]).sum();
@@ -252,7 +251,7 @@ impl<'a> Equations<'a> {
             .zip(&self.weights)
             .map(|(x, weight)| weight * x);
         let mean = weighted.sum::<f64>() / self.sum;
-        let trace = whole.trace_of_inverse_times(&self.data, &fixed) + fixed.len() as f64;
+        let trace = factor.trace_of_inverse_times(&self.data, &fixed) + fixed.len() as f64;
         let left = 1.0 - trace / n;
         let is_there = |i: &usize| self.setup.missing().is_none_or(|it| !it.contains(*i));
         let there = (0..squares.len()).filter(is_there);

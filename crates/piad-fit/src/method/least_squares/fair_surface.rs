@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use super::constrained::over;
 use super::fairness::Energy;
 use super::settings::{Fairness, LeastSquares};
 use crate::basis::direction::Direction;
@@ -74,15 +75,7 @@ impl FairSurface {
 
     /// The matrix of the energy over some knots.
     fn energy(&self, settings: &LeastSquares, lines: &[Breaks; 2]) -> Option<Stencil> {
-        let parameters = self.setup.directions().map(|it| Arc::clone(&it.parameters));
-        let directions = lines.iter().zip(parameters);
-        let mut directions = directions.map(|(line, parameters)| line.direction(parameters));
-        let setup = Setup {
-            u: directions.next()?,
-            v: directions.next(),
-            start: None,
-            ..Setup::clone(&self.setup)
-        };
+        let setup = over(&self.setup, lines)?;
         let energy = Energy::new(&setup, settings, self.setup.data().len() as f64)?;
         let mut stencil = Stencil::zeros(lines.each_ref().map(Breaks::reach));
         let [u, v] = lines;

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::conjugate::Conjugate;
+use super::conjugate::Descent;
 use super::constraints::{Condition, Projection, independent};
 use super::end::End;
 use super::objective::Objective;
@@ -48,7 +48,7 @@ enum Kind {
     /// It is a multiple of it, for each control point by itself.
     Multiple,
     /// By the steps before.
-    Conjugate(Conjugate),
+    Conjugate(Descent),
     /// By the normal equations.
     Direct(Arc<Solver>),
 }
@@ -81,7 +81,7 @@ impl Steps {
         let kind = match solver.filter(|_| variant == Variant::Direct) {
             Some(solver) => Kind::Direct(solver),
             None if variant == Variant::ConjugateGradients => {
-                Kind::Conjugate(Conjugate::new(dimension, count, setup.grid().count()))
+                Kind::Conjugate(Descent::new(dimension, count, setup.grid().count()))
             }
             None => Kind::Multiple,
         };

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::{Band, Equations, entries};
+use super::{Equations, SymmetricBand, entries};
 use crate::Fit;
 use crate::basis::choice::{BasisChoice, DirectionChoice};
 use crate::basis::knots::Knots;
@@ -148,7 +148,7 @@ fn scores_are_those_of_dense_matrices() {
         let omega = |i: usize| if weighted { weights[i] } else { 1.0 };
         let sum: f64 = (0..n).map(omega).sum();
         let scaled = DMatrix::from_fn(n, m, |i, j| a[(i, j)] * omega(i) / sum);
-        let dense = |band: &Band| {
+        let dense = |band: &SymmetricBand| {
             DMatrix::from_fn(m, m, |i, j| {
                 let (i, j) = (equations.places[i], equations.places[j]);
                 let (i, j) = (i.max(j), i.min(j));
@@ -272,7 +272,7 @@ fn compare_with_dense(points: &[[f64; 3]], has_gaps: bool) {
             .into_iter()
             .for_each(|(j, x)| a[(i, j)] += x);
     }
-    let dense = |band: &Band| {
+    let dense = |band: &SymmetricBand| {
         DMatrix::from_fn(m, m, |i, j| {
             let (i, j) = (i.max(j), i.min(j));
             if i - j < band.width {
