@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstdio>
+#include <filesystem>
 #include <future>
 #include <string>
 #include <thread>
@@ -324,7 +324,7 @@ TEST(stopped_while_waiting) {
 
 TEST(a_server_that_is_killed_and_comes_back) {
     const std::string store = "restart.jobs";
-    for (const char* end : {"", "-wal", "-shm"}) std::remove((store + end).c_str());
+    std::filesystem::remove_all(store);
     testing::Server server("", store);
     const Client client(server.url());
     std::vector<std::uint64_t> numbers;
