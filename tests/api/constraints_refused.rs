@@ -264,7 +264,11 @@ async fn constraints_that_cannot_be_are_refused() {
             "/method/data_weights/7",
             "not negative",
         ),
-        (curve(fair), "/method/fairness_order", "is 4; expected 2 or 3"),
+        (
+            curve(fair),
+            "/method/fairness_order",
+            "is 4; expected 2 or 3",
+        ),
         (closed, "/method/end_points", "closed"),
     ] {
         let response = server.post("/v1/jobs").json(&job).send().await.unwrap();

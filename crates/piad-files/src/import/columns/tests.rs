@@ -281,7 +281,11 @@ fn wrong_choices_are_refused() {
         assert!(wrong[0].detail.starts_with(detail), "{columns}: {wrong:?}");
     }
     let array = errors("[[0, 0], [1, 2]]", &hints("1,2"));
-    assert!(array[0].detail.starts_with("columns can be chosen only in a table"));
+    assert!(
+        array[0]
+            .detail
+            .starts_with("columns can be chosen only in a table")
+    );
 }
 
 #[test]
