@@ -36,7 +36,7 @@ import surfaces
 from fits import limited
 from surfaces import Surface
 
-# After so many seconds the runs of one surface are ended.
+# The seconds after which the runs of one surface are ended.
 LIMIT = 600
 wrong: list[str] = []
 

@@ -47,7 +47,7 @@ class Surface:
 
 
 def piad(program: str, job: dict, limit: float, step: Path | None = None) -> Surface | None:
-    """By `piad fit`, from reading the job to the written result; none after so many seconds."""
+    """By `piad fit`, from reading the job to the written result; `None` if it takes longer than this many seconds."""
     with TemporaryDirectory() as name:
         given, result = Path(name) / "job.json", Path(name) / "result.json"
         given.write_text(json.dumps(job))

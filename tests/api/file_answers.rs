@@ -114,6 +114,11 @@ async fn points_without_order_are_no_curve() {
             .unwrap();
         assert_eq!(shown["surface"]["scattered"].as_array().unwrap().len(), 151);
     }
+    let rows = "0 0 1\n0 1 2\n\n1 0 3\n1 1 5\n";
+    let path = "/v1/points?surface.parameters=auto";
+    let (status, answer) = problem(send(&server, path, "text/csv", rows).await).await;
+    let parameter = &answer["errors"][0]["parameter"];
+    assert_eq!((status, parameter), (400, &json!("surface.parameters")));
     let wrong = send(
         &server,
         "/v1/points?surface.parameters=sphere",

@@ -294,7 +294,7 @@ async fn wrong_settings_are_refused() {
         (
             json!({"kind": "least_squares", "control_points": 8, "variant": "qr"}),
             "/method/variant",
-            "is no variant",
+            "unknown least-squares variant",
         ),
         (
             json!({"kind": "least_squares", "control_points": 8, "mu": 1}),
@@ -356,7 +356,7 @@ async fn wrong_settings_are_refused() {
         (
             json!({"kind": "extended", "start": "zero"}),
             "/method/start",
-            "is no start",
+            "unknown start",
         ),
     ];
     for (method, pointer, reason) in cases {

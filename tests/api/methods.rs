@@ -411,7 +411,7 @@ async fn capabilities_documentation_and_code_agree() {
     let known: Vec<String> = answer["detail"]
         .as_str()
         .unwrap()
-        .split_once("there are ")
+        .split_once("expected one of ")
         .unwrap()
         .1
         .split(", ")

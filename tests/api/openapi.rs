@@ -340,7 +340,7 @@ async fn known(server: &Server, path: &str, body: &Value) -> BTreeSet<String> {
     let (status, problem) = problem(response).await;
     assert_eq!(status, 422, "{body}");
     let detail = problem["errors"][0]["detail"].as_str().unwrap();
-    let names: Vec<&str> = match detail.split_once("there are ") {
+    let names: Vec<&str> = match detail.split_once("expected one of ") {
         Some((_, names)) => names.split(", ").collect(),
         None => detail.split(['`', '"']).skip(1).step_by(2).collect(),
     };

@@ -277,7 +277,7 @@ async fn what_cannot_be_measured_is_refused() {
         ("samples=1", "samples", "at least 2"),
         ("samples=20x20", "samples", "200 for a curve"),
         ("samples=1000001", "samples", "1000000 in all"),
-        ("by=time", "by", "there is length"),
+        ("by=time", "by", "expected length"),
         ("spacing=0", "spacing", "more than 0"),
         ("spacing=x", "spacing", "no distance"),
         ("spacing=1&samples=5", "spacing", "give one of them"),

@@ -3,17 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-/// Private words, separated by commas, and what to write instead. Names in backquotes do not count.
-const PRIVATE: [(&str, &str); 8] = [
-    ("Whether", "True if, Returns true if"),
-    ("told,tells,foretold", "reported, returned, predicted"),
-    ("so many", "this many, the number of"),
-    ("nobody,whoever,for whom", "the client, the tenant, a task"),
-    ("goes on,go on,comes again", "continues, restarts"),
-    ("broke off,breaks off", "disconnects"),
-    ("in the end,for ever", "at the end, forever"),
-    ("mistake,mistakes,asked for", "error, requested"),
-];
+/// Lines of words, separated by commas, a colon and what to write instead. Names in backquotes do not count.
+const AVOIDED: &str = include_str!("../words.txt");
 
 /// The words of the comments and string literals of each line.
 fn words(text: &str) -> Vec<String> {
@@ -33,7 +24,13 @@ fn words(text: &str) -> Vec<String> {
     lines
 }
 
-/// Adds the private words of each file below a folder.
+/// The words of each line, and what to write instead.
+fn avoided() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let lines = AVOIDED.lines().filter(|line| !line.starts_with('#'));
+    lines.filter_map(|line| line.split_once(": "))
+}
+
+/// Adds the avoided words of each file below a folder.
 fn find(folder: &Path, found: &mut Vec<String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -44,8 +41,8 @@ fn find(folder: &Path, found: &mut Vec<String>) {
         for (k, line) in (1..).zip(words(&fs::read_to_string(&path).unwrap())) {
             let lines = [line.to_lowercase(), line];
             let has = |word: &&str| lines.iter().any(|it| it.contains(&format!(" {word} ")));
-            for (words, better) in PRIVATE {
-                let bad = words.split(',').filter(has);
+            for (words, better) in avoided() {
+                let bad = words.split(", ").filter(has);
                 found.extend(bad.map(|it| format!("{}:{k}: {it}: {better}", path.display())));
             }
         }
@@ -53,7 +50,7 @@ fn find(folder: &Path, found: &mut Vec<String>) {
 }
 
 #[test]
-fn comments_and_messages_have_no_private_words() {
+fn comments_and_messages_avoid_words() {
     let mut found = Vec::new();
     for folder in super::CRATES {
         find(Path::new(folder), &mut found);

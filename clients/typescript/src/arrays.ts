@@ -100,7 +100,7 @@ export function moved({ data, shape }: Tensor, step: number, text: string, dimen
   return { data: to, shape };
 }
 
-// Numbers of so many bits are within four bytes, wherever in a byte they begin.
+// A number of up to this many bits is within four bytes, wherever in a byte it begins.
 const NARROW = 25;
 
 /** Moves the numbers of a block. */

@@ -2646,7 +2646,7 @@ export interface components {
             ends: components["schemas"]["EndRules"] | components["schemas"]["EndRulesPair"];
             /** @description The points at which a curve may turn, if there are any. */
             corners?: number[];
-            /** @description The use of weights, if there are any. */
+            /** @description The points that a robust fit leaves out, if there are any. */
             outliers?: components["schemas"]["Outliers"];
             /** @description The use of weights, if there are any. */
             rational: components["schemas"]["Rational"] | null;
@@ -5059,14 +5059,13 @@ export interface components {
             basis: components["schemas"]["BasisKind"];
             /**
              * Format: int64
-             * @description The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides it, and for
-             *     polynomials through more than 100 points other than Bernstein at equal steps.
+             * @description The degree.
              */
             degree: number;
             /**
              * Format: double
-             * @description The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides
-             *     it, and of polynomials through more than 100 points but for Bernstein at equal steps.
+             * @description The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides it, and for
+             *     polynomials through more than 100 points other than Bernstein at equal steps.
              */
             lambda_min: number | null;
             /**

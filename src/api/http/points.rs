@@ -93,6 +93,12 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
     let work = move || {
         let hints = file::hints(&fields, reading, most);
         let points = imported(&body.bytes, &hints)?;
+        let has_shape =
+            points.grid.is_some() || !points.sections.is_empty() || !points.triangles.is_empty();
+        if scattered.is_some() && has_shape {
+            let detail = "the points of the file have rows, sections or triangles, which give them parameters: leave it out";
+            return Err(Problem::at_parameter("surface.parameters", detail));
+        }
         let json = to_bytes(&PointsView::new(points, scattered));
         // Held until now: the file and its points take memory.
         drop(body);

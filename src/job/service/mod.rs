@@ -64,7 +64,7 @@ pub(crate) struct JobLimits {
     pub recent: usize,
     /// Jobs that have not ended.
     pub jobs: usize,
-    /// The retention of ended jobs.
+    /// Jobs of a single peer that have not ended.
     pub jobs_of_a_peer: PerPeer,
     /// The retention of ended jobs.
     pub retention: Retention,
@@ -281,7 +281,7 @@ impl Jobs {
         };
         if let Some(job) = job {
             job.request_cancel();
-            // A job of a dead replica does not end there; and without the database none ends.
+            // Another replica may end its job only after it was removed, and not without the database.
             if self.store.shared().is_some() {
                 let _ = timeout(MOST_WAITING, job.ended()).await;
             } else {

@@ -242,7 +242,7 @@ pub(crate) enum VariantKind {
     Direct,
 }
 
-names!(VariantKind, "variant of the method least_squares", [
+names!(VariantKind, "least-squares variant", [
     "diagonal" => Diagonal,
     "lspia" => Lspia,
     "cg" => Cg,

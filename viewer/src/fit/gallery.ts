@@ -5,8 +5,8 @@ import type { FittedIteration, Job, SampledIteration, api } from "piad";
 import { type Points, type Samples, pointsOf, thinned } from "./geometry.js";
 import type { Axes } from "./axes.js";
 import { Recent } from "./lru.js";
-import { Passing } from "./passing.js";
-import { type Level, Reel, type Request } from "./reel.js";
+import { Playback } from "./playback.js";
+import { type Level, DeltaStream, type Request } from "./delta-stream.js";
 
 // How many bytes of geometry a job keeps.
 const MOST = 64_000_000;
@@ -28,8 +28,8 @@ export class Gallery {
   readonly #fit: Source;
   readonly #kept = new Recent<Points>(MOST);
   readonly #coming = new Map<string, Promise<Points>>();
-  readonly #passing = new Passing();
-  readonly #passingControl = new Passing();
+  readonly #playback = new Playback();
+  readonly #controlPlayback = new Playback();
 
   constructor(fit: Source) {
     this.#fit = fit;
@@ -47,29 +47,29 @@ export class Gallery {
   }
 
   /**
-   * The curve or surface of an iteration that is seen in passing, within a hundredth of its error: those that follow each
+   * The curve or surface of an iteration during playback, within a hundredth of its error: those that follow each
    * other come as differences.
    */
-  async passing(k: number, samples: api.Samples, axes: Axes): Promise<Samples> {
+  async approximate(k: number, samples: api.Samples, axes: Axes): Promise<Samples> {
     const keep = (level: Level, isExact: boolean) => {
       if (level.view === "samples") this.#keep(keyOf(level.number, samples, isExact ? "base64" : "delta"), samplesOf(level, axes));
     };
-    await this.#passing.reach(k, samples, this.passed(k, samples) !== undefined, (after) => this.#reel({ samples, after, keep }));
-    return this.passed(k, samples) ?? this.samples(k, samples, false, axes);
+    await this.#playback.reach(k, samples, this.keptSamples(k, samples) !== undefined, (after) => this.#stream({ samples, after, keep }));
+    return this.keptSamples(k, samples) ?? this.samples(k, samples, false, axes);
   }
 
-  /** The control polygon or net of an iteration that is seen in passing. */
-  async controlPassing(k: number, axes: Axes): Promise<Points> {
+  /** The control polygon or net of an iteration during playback. */
+  async approximateControl(k: number, axes: Axes): Promise<Points> {
     const kept = () => this.#kept.get(controlKeyOf(k, true)) ?? this.#kept.get(controlKeyOf(k, false));
     const keep = (level: Level, isExact: boolean) => {
       if (level.view === "control_points") this.#keep(controlKeyOf(level.number, isExact), netOf(level, axes));
     };
-    await this.#passingControl.reach(k, null, kept() !== undefined, (after) => this.#reel({ after, keep }));
+    await this.#controlPlayback.reach(k, null, kept() !== undefined, (after) => this.#stream({ after, keep }));
     return kept() ?? this.control(k, axes);
   }
 
   /** The best that is here of an iteration. */
-  passed(k: number, samples: api.Samples): Samples | undefined {
+  keptSamples(k: number, samples: api.Samples): Samples | undefined {
     for (const encoding of ["base64", "base64_f32", "delta"] as const) {
       const kept = this.#kept.get(keyOf(k, samples, encoding));
       if (kept !== undefined) return kept as Samples;
@@ -77,8 +77,8 @@ export class Gallery {
     return undefined;
   }
 
-  #reel(request: Pick<Request, "samples" | "after" | "keep">): Reel {
-    return new Reel({ ...request, job: this.#fit.known(), signal: this.#fit.signal });
+  #stream(request: Pick<Request, "samples" | "after" | "keep">): DeltaStream {
+    return new DeltaStream({ ...request, job: this.#fit.known(), signal: this.#fit.signal });
   }
 
   /** The control polygon or net of an iteration. */

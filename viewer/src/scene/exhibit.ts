@@ -6,13 +6,13 @@ import type { Data } from "../fit/data.js";
 import type { Fit, Level } from "../fit/fit.js";
 import type { Layers, View } from "../state.js";
 import { Figure } from "./figure.js";
-import { type Judged, type Look, isGlance, judged, pictureOf, samplesFor, samplesOf } from "./picture.js";
+import { type Judged, type Look, mayApproximate, judged, pictureOf, samplesFor, samplesOf } from "./picture.js";
 import type { Samples } from "../fit/geometry.js";
 
 // How many iterations are asked for before they are shown, while they are played.
 const AHEAD = 4;
 // How long an iteration is looked at until it is asked for exactly, in milliseconds.
-const REST = 250;
+const EXACT_DELAY_MS = 250;
 
 /** What an exhibit tells. */
 export interface Listener {
@@ -40,7 +40,7 @@ export class Exhibit {
   #k = -1;
   #failed = -1;
   #pace = 0;
-  #stir: () => void = () => {};
+  #wake: () => void = () => {};
 
   constructor(fit: Fit, listener: Listener) {
     this.fit = fit;
@@ -75,7 +75,7 @@ export class Exhibit {
   /** Shows an iteration; `pace` is how many milliseconds it may take to get there. */
   show(k: number, look: Look, pace: number): void {
     [this.#k, this.#look, this.#pace] = [k, look, pace];
-    this.#stir();
+    this.#wake();
     if (!this.#isBusy) void this.#work();
   }
 
@@ -117,7 +117,7 @@ export class Exhibit {
         const { layers } = look;
         const key = this.#keyOf(data, k, look);
         if (key === this.#wanted) return;
-        if (await this.#glance(data, k, look, key)) continue;
+        if (await this.#showKept(data, k, look, key)) continue;
         const picture = await pictureOf(this.fit, data, k, look).catch((error: unknown) => this.#missing(error, k, key));
         if (picture === null) continue;
         if (this.held !== null || this.fit.signal.aborted) return;
@@ -132,30 +132,30 @@ export class Exhibit {
   }
 
   #keyOf(data: Data, k: number, look: Look): string {
-    const { layers, largest, passing } = look;
+    const { layers, largest, isPlaying } = look;
     const { fit } = this;
-    return JSON.stringify([k, samplesOf(data, look), layers, largest, passing, layers.heat ? fit.latest : 0, fit.end?.reason, fit.outline !== null]);
+    return JSON.stringify([k, samplesOf(data, look), layers, largest, isPlaying, layers.heat ? fit.latest : 0, fit.end?.reason, fit.outline !== null]);
   }
 
   /**
-   * Shows at once what has been seen of an iteration in passing. It is asked for exactly when it has been looked at for a
+   * Shows at once what is kept of an iteration. It is asked for exactly when it has been looked at for a
    * moment; returns true if something else is to be shown by then.
    */
-  async #glance(data: Data, k: number, look: Look, key: string): Promise<boolean> {
-    const { layers, passing } = look;
-    const samples = passing || layers.polygon || !isGlance(layers) ? undefined : this.fit.gallery.passed(k, samplesOf(data, look));
+  async #showKept(data: Data, k: number, look: Look, key: string): Promise<boolean> {
+    const { layers, isPlaying } = look;
+    const samples = isPlaying || layers.polygon || !mayApproximate(layers) ? undefined : this.fit.gallery.keptSamples(k, samplesOf(data, look));
     if (samples === undefined) return false;
     if (this.shown?.k !== k || this.shown.samples !== samples) this.#set(judged(this.fit, data, k, samples, null, layers), layers, this.#pace);
     const isOther = () => this.#look === null || this.#keyOf(data, this.#k, this.#look) !== key || this.held !== null;
-    const end = performance.now() + REST;
-    while (!isOther() && performance.now() < end) await this.#rest(end - performance.now());
+    const end = performance.now() + EXACT_DELAY_MS;
+    while (!isOther() && performance.now() < end) await this.#sleep(end - performance.now());
     return isOther();
   }
 
   /** Waits until something else may be shown. */
-  async #rest(milliseconds: number): Promise<void> {
-    const timer = setTimeout(() => this.#stir(), milliseconds);
-    await new Promise<void>((resolve) => (this.#stir = resolve));
+  async #sleep(milliseconds: number): Promise<void> {
+    const timer = setTimeout(() => this.#wake(), milliseconds);
+    await new Promise<void>((resolve) => (this.#wake = resolve));
     clearTimeout(timer);
   }
 

@@ -15,7 +15,7 @@ import { Stage } from "./stage.js";
 // Milliseconds that the way from one iteration to the next takes, unless they follow each other faster.
 const GLIDE = 160;
 // Of more fits than these no streams of samples are open: browsers have six connections to a server.
-const MOST_PASSING = 2;
+const MOST_STREAMED_FITS = 2;
 // After a lost connection, in milliseconds.
 const AGAIN = 3000;
 
@@ -117,13 +117,13 @@ export class Hall implements Listener {
     // Side by side, spikes are as long as those of the others.
     const largest = Math.max(0, ...this.exhibits.map((exhibit) => exhibit.fit.levels[exhibit.wantedOf(value)]?.error.max ?? 0));
     const look = { layers: value.layers, largest: this.exhibits.length > 1 && value.layers.spikes ? largest : 0, zoom: this.#detail(), cells: this.exhibits.length };
-    const passing = ({ fit }: Exhibit) => this.exhibits.length <= MOST_PASSING && (value.playing || (value.iteration === "latest" && fit.end === null));
+    const plays = ({ fit }: Exhibit) => this.exhibits.length <= MOST_STREAMED_FITS && (value.playing || (value.iteration === "latest" && fit.end === null));
     const pace = this.#still.matches ? 0 : Math.min(GLIDE, value.playing ? this.pace : GLIDE);
     this.exhibits.forEach((exhibit, i) => {
       exhibit.figure.setColors(this.stage.palette, i, this.exhibits.length);
       exhibit.figure.setLayers(value.layers);
       const k = exhibit.wantedOf(value);
-      exhibit.show(k, { ...look, passing: passing(exhibit) }, pace);
+      exhibit.show(k, { ...look, isPlaying: plays(exhibit) }, pace);
       if (value.playing) exhibit.prepare(k);
     });
     this.stage.invalidate();

@@ -16,7 +16,7 @@ export interface Look {
   /** The largest distance of all fits that are drawn; 0 with one of them, and where there are no spikes. */
   readonly largest: number;
   /** True while iterations follow each other, and each is seen for a moment. */
-  readonly passing: boolean;
+  readonly isPlaying: boolean;
 }
 
 /** A picture, and the numbers behind it. */
@@ -84,18 +84,18 @@ export function judged(fit: Fit, data: Data, k: number, samples: Samples, contro
 export function samplesFor(fit: Fit, data: Data, k: number, look: Look): Promise<Samples> {
   const samples = samplesOf(data, look);
   const { layers } = look;
-  return look.passing && isGlance(layers)
-    ? fit.gallery.passing(k, samples, data.axes)
+  return look.isPlaying && mayApproximate(layers)
+    ? fit.gallery.approximate(k, samples, data.axes)
     : fit.gallery.samples(k, samples, precise(data, layers), data.axes);
 }
 
 /** The control points of an iteration. Of several fits no streams of them are open: browsers have six connections to a server. */
-function controlFor(fit: Fit, data: Data, k: number, { passing, cells }: Look): Promise<Points> {
-  return passing && cells === 1 ? fit.gallery.controlPassing(k, data.axes) : fit.gallery.control(k, data.axes);
+function controlFor(fit: Fit, data: Data, k: number, { isPlaying, cells }: Look): Promise<Points> {
+  return isPlaying && cells === 1 ? fit.gallery.approximateControl(k, data.axes) : fit.gallery.control(k, data.axes);
 }
 
 /** True if nothing is drawn that tells a hundredth of the error. */
-export function isGlance({ heat, spikes, comb }: Layers): boolean {
+export function mayApproximate({ heat, spikes, comb }: Layers): boolean {
   return !heat && !spikes && !comb;
 }
 

@@ -25,7 +25,7 @@ pub enum ExportError {
          export csv or json"
     )]
     ManyCoordinates {
-        /// The number of coordinates.
+        /// The requested format.
         format: Format,
         /// The number of coordinates.
         dimension: usize,

@@ -10,11 +10,14 @@
 //! - `mesh`: its triangles, for `gltf`, `stl` and `ply`;
 //! - `sampling`: samples along curves; `map`: those in degrees, for `geojson` and `gpx`;
 //! - `deviation`: its distance from each data point, for `svg`;
-//! - `csv`: samples as numbers; [`shape`]: with curvatures, which is no file;
-//! - `trim`: edges and triangles of trimmed surfaces;
-//! - `deviation`: distances from the data points, for `svg`;
-//!
 //! - `csv`: samples as numbers; [`shape`]: with curvatures, which is not a file;
+//! - `trim`: edges and triangles of trimmed surfaces;
+//! - `text`: numbers and names as text.
+//!
+//! Exact files hold the numbers of the fit to the last bit: reals are written with as many digits (up to 17) as are
+//! needed to read them back. A format that cannot represent the geometry gives an error, never an approximation. Values
+//! of a function (one coordinate) and points of more than three coordinates cannot be placed in space, and weights must
+//! be positive. Points of the plane have z = 0. STEP and IGES need a unit, by default millimetres.
 
 mod assemble;
 pub mod csv;
@@ -69,10 +72,7 @@ use piad_fit::engine::{Problem, samples};
 /// file with a higher one, and some report this only in their log.
 pub const MOST_CAD_DEGREE: usize = 25;
 
-/// Exact files hold the numbers of the fit to the last bit: reals are written with as many digits (up to 17) as are
-/// needed to read them back. A format that cannot represent the geometry gives an error, never an approximation. Values
-/// of a function (one coordinate) and points of more than three coordinates cannot be placed in space, and weights must
-/// be positive. Points of the plane have z = 0. STEP and IGES need a unit, by default millimetres.
+/// Writes a level of a fit to a file of a format.
 pub fn write(format: Format, fitted: &Fitted<'_>) -> Result<Vec<u8>, ExportError> {
     let surface = fitted.problem.v().is_some();
     check_options(format, surface, &fitted.options)?;

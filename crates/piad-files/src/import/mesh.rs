@@ -63,7 +63,7 @@ fn renumbered(triangles: &[[u32; 3]], numbers: &[u32]) -> Vec<[u32; 3]> {
 ///
 /// # Errors
 ///
-/// There are fewer pieces than hints.
+/// There are fewer pieces than the number of the one in the hints.
 pub(super) fn take_piece(part: &mut Part, hints: &Hints) -> Result<(), FileError> {
     let first = first_there(&part.points);
     let all = renumbered(&part.triangles, &first);
@@ -219,7 +219,7 @@ impl Fans {
         Self((0..count).collect())
     }
 
-    /// The notice about a piece.
+    /// The first corner of a fan.
     fn first(&mut self, mut of: usize) -> usize {
         while let Some(&above) = self.0.get(of).filter(|above| **above != of) {
             let next = self.0.get(above).copied().unwrap_or(above);

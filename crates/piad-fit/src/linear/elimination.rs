@@ -299,7 +299,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         }
     }
 
-    /// The nearest one, which is on the critical path, comes last.
+    /// Applies `L⁻¹` to N lines in place.
     fn forward<const N: usize>(&self, lines: &mut [&mut [f64]; N]) {
         let mut before = [[0.0; N]; H];
         for (
@@ -311,7 +311,7 @@ impl<const H: usize, const BACK: bool> Half<H, BACK> {
         ) in self.lower.iter().enumerate()
         {
             let i = self.place(row);
-            // The nearest one, which all wait for, comes last.
+            // The nearest one, which is on the critical path, comes last.
             let mut x: [f64; N] = from_fn(|line| lines[line][i] * reciprocal);
             for k in (0..H).rev() {
                 x = from_fn(|line| x[line] - entries[k] * before[k][line]);

@@ -68,7 +68,7 @@ struct JobEvent<'a> {
     /// The points at which a curve may turn, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     corners: Option<&'a [usize]>,
-    /// The use of weights, if there are any.
+    /// The points that a robust fit leaves out, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Outliers")]
     outliers: Option<Outliers<'a>>,

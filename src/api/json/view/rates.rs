@@ -27,11 +27,10 @@ struct RateView {
     /// The basis.
     #[schemars(with = "BasisKind")]
     basis: &'static str,
+    /// The degree.
+    degree: usize,
     /// The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides it, and for
     /// polynomials through more than 100 points other than Bernstein at equal steps.
-    degree: usize,
-    /// The least eigenvalue of the collocation matrix, by its absolute value; null where rounding hides
-    /// it, and of polynomials through more than 100 points but for Bernstein at equal steps.
     lambda_min: Option<f64>,
     /// The factor by which an iteration reduces distances in the long run, 1 − lambda_min where the basis is totally
     /// positive. Above one they grow.

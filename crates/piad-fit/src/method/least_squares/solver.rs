@@ -322,7 +322,7 @@ pub(super) fn row(matrix: &Collocation, i: usize) -> Vec<(usize, f64)> {
     }
 }
 
-/// The objective.
+/// The rows of the matrix of one direction, each with a factor.
 fn line(matrix: &Collocation, direction: &Direction, factor: impl Fn(usize) -> f64) -> Rows {
     let (places, width) = places(matrix, direction);
     let mut rows = Rows::new(places, width);

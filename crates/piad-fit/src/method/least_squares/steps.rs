@@ -21,7 +21,7 @@ use crate::termination::Outcome;
 pub(super) struct Steps {
     /// The objective.
     objective: Objective,
-    /// The distance of the minimum, if the fit can end there.
+    /// The diagonal of D.
     scale: Vec<f64>,
     /// The projection that keeps the conditions of every level, with the metric D.
     projection: Option<Arc<Projection>>,
@@ -36,7 +36,7 @@ pub(super) struct Steps {
     first_square: Option<f64>,
     /// How the step follows from the gradient.
     kind: Kind,
-    /// How far the minimum is, if the fit ends there.
+    /// The distance of the minimum, if the fit can end there.
     end: End,
     /// The first constraint whose tangent the data run against.
     reversed: Option<usize>,

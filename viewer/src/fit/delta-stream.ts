@@ -24,7 +24,7 @@ export interface Request {
  * A stream that is read as far as iterations are wanted; the server waits meanwhile. Each iteration is within a
  * hundredth of its error; the last one of the job is exact.
  */
-export class Reel {
+export class DeltaStream {
   /** True if the server does not stream this job like that. */
   isRefused = false;
   readonly #request: Request;

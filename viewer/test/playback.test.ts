@@ -94,7 +94,7 @@ describe("iterations that follow each other", () => {
     await until(async () => single(visit).includes(25), "it is asked for");
     await visit.page.locator("#slider").fill("3");
     await becomes(async () => (await visit.iteration())[0], 3);
-    await until(async () => single(visit).includes(3), "and one that was seen in passing");
+    await until(async () => single(visit).includes(3), "and one that was shown during playback");
     await visit.end();
   });
 });
