@@ -9,13 +9,15 @@
   tolerance has more control points than a smaller one.
 
 Ends with code 1 where piad does not converge, leaves a line by more than its longest edge, or needs more control points
-for a larger tolerance. Needs requirements.txt; takes two minutes.
+for a larger tolerance. Needs requirements.txt.
 """
 
 import argparse
 import json
 import sys
+import urllib.error
 import urllib.request
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -64,8 +66,11 @@ def fit(base: str, points: np.ndarray, tolerance: float) -> dict:
         "stop": {"tolerance": tolerance},
     }
     request = urllib.request.Request(f"{base}/v1/fit", json.dumps(job).encode(), {"Content-Type": "application/json"})
-    with urllib.request.urlopen(request) as answer:
-        return json.loads(answer.read())
+    try:
+        with urllib.request.urlopen(request) as answer:
+            return json.loads(answer.read())
+    except urllib.error.HTTPError as error:
+        sys.exit(f"{error.read().decode()}\n{json.dumps(job)}")
 
 
 def leaves(points: np.ndarray, spline: BSpline) -> float:
@@ -83,7 +88,8 @@ def of_scipy(points: np.ndarray, tolerance: float) -> BSpline:
     t = fits.chord_length(points)
 
     def spline(factor: float) -> BSpline:
-        (knots, coefficients, degree), _ = splprep(points.T, u=t, s=factor, k=3)
+        with warnings.catch_warnings(action="ignore"):
+            (knots, coefficients, degree), _ = splprep(points.T, u=t, s=factor, k=3)
         return BSpline(knots, np.array(coefficients).T, degree)
 
     splines = [spline(factor) for factor in fits.factors(len(points), tolerance)]
