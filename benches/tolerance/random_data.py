@@ -15,9 +15,9 @@ for a larger tolerance. Needs requirements.txt.
 import argparse
 import json
 import sys
-import urllib.error
 import urllib.request
 import warnings
+from http.client import HTTPResponse
 from pathlib import Path
 
 import numpy as np
@@ -60,17 +60,23 @@ def any_data(random: np.random.Generator) -> np.ndarray:
 
 
 def fit(base: str, points: np.ndarray, tolerance: float) -> dict:
+    """The result of a job, also of one that has not converged."""
     job = {
         "curve": {"points": points.tolist()},
         "method": {"kind": "least_squares", "control_points": "auto"},
         "stop": {"tolerance": tolerance},
     }
-    request = urllib.request.Request(f"{base}/v1/fit", json.dumps(job).encode(), {"Content-Type": "application/json"})
-    try:
-        with urllib.request.urlopen(request) as answer:
-            return json.loads(answer.read())
-    except urllib.error.HTTPError as error:
-        sys.exit(f"{error.read().decode()}\n{json.dumps(job)}")
+    with answer(f"{base}/v1/jobs", job) as created:
+        url = base + created.headers["Location"]
+    with answer(f"{url}/events?view=errors") as events:
+        events.read()
+    with answer(f"{url}/result") as result:
+        return json.load(result)
+
+
+def answer(url: str, body: dict | None = None) -> HTTPResponse:
+    data = body and json.dumps(body).encode()
+    return urllib.request.urlopen(urllib.request.Request(url, data, {"Content-Type": "application/json"}))
 
 
 def leaves(points: np.ndarray, spline: BSpline) -> float:
