@@ -55,14 +55,14 @@ struct Error : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// The server could not be reached or the connection broke, more often than is tried.
+// The server was unreachable or the connection broke on each attempt.
 struct ConnectionLost : Error {
     explicit ConnectionLost(const std::string& what, bool is_permanent = false) : Error(what), permanent(is_permanent) {}
 
     bool permanent;  // Trying again cannot help: the certificate is wrong, for example.
 };
 
-// The server answered something that is not of this API.
+// The response does not conform to this API.
 struct ProtocolError : Error {
     using Error::Error;
 };
@@ -72,7 +72,7 @@ struct Stopped : Error {
     Stopped() : Error("stopped by its stop token") {}
 };
 
-// One thing that is wrong with a request. Only the location that applies is set.
+// One error of a request. Only the location that applies is set.
 struct FieldError {
     std::string detail;
     std::string pointer;    // JSON pointer into the body (RFC 6901)
@@ -81,7 +81,7 @@ struct FieldError {
     std::uint64_t line = 0;  // line of a file of points, counted from 1
 };
 
-// A problem object (RFC 9457), as servers answer it and failed jobs carry it.
+// A problem object (RFC 9457), in error responses and failed jobs.
 struct Problem {
     std::string type = "about:blank";  // such as "/problems/invalid-fit"; "about:blank" of other servers
     std::string title;
@@ -92,14 +92,14 @@ struct Problem {
     std::string request_id;             // by which the log of the server knows the request
 };
 
-// The server refused a request.
+// The server rejected a request.
 struct ApiError : Error, Problem {
     explicit ApiError(const Problem& problem, std::optional<double> seconds = {})
         : Error(std::to_string(problem.status) + " " + problem.title + ": " + problem.detail),
           Problem(problem),
           retry_after(seconds) {}
 
-    std::optional<double> retry_after;  // seconds after which the server asked to be tried again
+    std::optional<double> retry_after;  // delay in seconds requested by the server
 };
 
 // A job ended without a result.
@@ -210,7 +210,7 @@ struct Distances {
     std::optional<double> fixed_max;    // local fits: the largest one of the points that are not adjusted
     std::optional<double> homogeneous;  // homogeneous fits: the largest one in homogeneous coordinates
     std::optional<double> gradient;     // least squares: zero at the minimum
-    std::optional<double> transformed;  // extended fits: how far a control point moves in the next iteration
+    std::optional<double> transformed;  // extended fits: the largest move of a control point in the next iteration
     std::optional<double> between;      // at the end: by how much the fit leaves its data between neighbours
 };
 
@@ -223,7 +223,7 @@ struct Direction {
     std::vector<double> parameters;  // of the data points
 };
 
-// A control point of a homogeneous fit whose weight no CAD kernel takes.
+// A control point of a homogeneous fit whose weight CAD kernels do not accept.
 struct BadWeight {
     Index control_point;
     double weight = 0;
@@ -256,21 +256,21 @@ struct Iteration : Geometry {
     Distances error;
     std::optional<double> rate;              // the factor by which the step reduced the largest distance
     std::uint64_t moved = 0;                 // how many control points the step moved
-    std::optional<std::uint64_t> predicted;  // about how many iterations the fit takes in all
-    std::optional<double> milestone;         // the smallest milestone that this iteration is the first to reach
+    std::optional<std::uint64_t> predicted;  // predicted total number of iterations
+    std::optional<double> milestone;         // the smallest milestone first reached by this iteration
     Samples samples;                         // with view "samples"
 };
 
-// What is left of a trimmed surface: where its parameters are on the left of all loops.
+// The region of a trimmed surface: the parameters to the left of all loops.
 struct Trim {
     struct Face {
         std::size_t outer = 0;           // the loop around the piece
         std::vector<std::size_t> holes;  // the loops around its holes
     };
 
-    double distance = 0;         // how far the outline can be from the data, in their units
+    double distance = 0;         // the largest distance of the outline from the data, in data units
     std::optional<double> area;  // of surfaces in the plane and in space
-    std::vector<Geometry> loops;  // closed curves in (u, v); none if all of the surface is left
+    std::vector<Geometry> loops;  // closed curves in (u, v); empty if nothing is trimmed off
     std::vector<Face> faces;
 };
 
@@ -284,7 +284,7 @@ struct Result : Geometry {
     std::optional<Trim> trim;
 };
 
-// What came of an item of a batch.
+// The result of an item of a batch.
 struct BatchItem {
     std::uint64_t index = 0;  // its place among the items
     std::string name;
@@ -307,14 +307,14 @@ struct End {
     std::string id;
     std::string state;   // "converged", "exhausted", "stalled", "failed" or "cancelled"
     std::string reason;  // why, where the state does not say it, such as "minimum"
-    std::string detail;  // the reason in words, with what is left
+    std::string detail;  // the reason as text, with the remaining distance
     std::uint64_t iterations = 0;
     std::optional<Distances> error;
     std::optional<double> elapsed;  // seconds
     std::optional<Problem> problem;
 };
 
-// What is doubtful about a fit that is computed even so.
+// A warning about a fit that is computed nevertheless.
 struct Warning {
     std::string code;
     std::string pointer;
@@ -327,7 +327,7 @@ struct Parent {
     std::uint64_t iteration = 0;
 };
 
-// A job as it stood when the server was asked.
+// A snapshot of a job.
 struct JobStatus {
     std::string id;
     std::string name;
@@ -353,7 +353,7 @@ struct Deviation {
     double rms = 0;
     Index at;
     std::map<int, double> percentiles;  // of 50, 90, 95 and 99 per cent
-    std::vector<double> distances;      // of each data point, if they were asked for; NaN of a missing one
+    std::vector<double> distances;      // of each data point, if requested; NaN for a missing one
     std::vector<double> between;        // likewise, by how much the fit leaves the data in each gap beyond their freedom
 };
 
@@ -798,7 +798,7 @@ inline Result read_result(const Json& value) {
     });
 }
 
-// A problem with an item of a part of a batch, by the index of the item in the batch.
+// Replaces the index of the item in its request by that in the batch.
 inline Problem moved(Problem problem, const std::string& own, const std::string& place) {
     const auto ends = [](char c) { return c == '/' || c == ':'; };
     for (auto at = problem.detail.find(own); at != std::string::npos; at = problem.detail.find(own, at + 1)) {
@@ -817,7 +817,7 @@ inline Problem moved(Problem problem, const std::string& own, const std::string&
     return problem;
 }
 
-// The line of an item of a request that has begun with the item `first`.
+// Parses the line of an item; the request began with item `first`.
 inline BatchItem read_batch_item(const Json& value, std::uint64_t first) {
     return reading([&] {
         BatchItem item;
@@ -1430,7 +1430,7 @@ private:
         return answer;
     }
 
-    // The problem that the server names; of others on the way, what the status says.
+    // The problem in a response; for responses of proxies it is made from the status.
     static Problem problem_of(const Answer& answer) {
         if (answer.media_type.rfind("application/problem+json", 0) == 0) {
             return reading([&] { return read_problem(parse(answer.body)); });
@@ -1477,7 +1477,7 @@ inline Query shown(const WatchOptions& options, const Json& defaults) {
     const bool binary = options.encoding.empty() && !decimals && defaults.is_null();
     add(query, "encoding", binary ? "base64" : options.encoding);
     if (options.from != nullptr) add(query, "describe", "none");
-    // Knots are needed, whatever the job says of its streams.
+    // Knots are needed, whatever the job sets for its streams.
     else if (defaults.contains("describe")) add(query, "describe", "full");
     return query;
 }
@@ -1741,12 +1741,12 @@ private:
 
 // -------------------------------------------------------------------------------------------------- Job
 
-// A job, and what can be done with it. `client.job(id)` finds any.
+// A job and its operations. `client.job(id)` returns the job with this id.
 class Job {
 public:
     const std::string& id() const { return status_.id; }
 
-    // What the server said last; `refresh` asks it again.
+    // The last state received from the server; `refresh` updates it.
     const JobStatus& status() const { return status_; }
 
     const JobStatus& refresh(const StopToken& stop = {}) {
@@ -1814,7 +1814,7 @@ public:
         return status_;
     }
 
-    // Makes the server forget the job.
+    // Deletes the job.
     void remove(const StopToken& stop = {}) {
         auto call = get("", {}, stop);
         call.method = "DELETE";

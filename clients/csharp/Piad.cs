@@ -67,7 +67,7 @@ namespace Piad
     /// <summary>A server. It may be used from several threads.</summary>
     public sealed class PiadClient : IDisposable
     {
-        // The server is asked to answer when a job has ended, if that is within this time.
+        // The server is asked to wait up to this long for the end of a job before it responds.
         private static readonly TimeSpan longestWait = TimeSpan.FromSeconds(10);
 
         private readonly Connection connection;
@@ -78,7 +78,7 @@ namespace Piad
             connection = new Connection(url, options ?? new PiadOptions());
         }
 
-        /// <summary>Closes all connections. Jobs go on.</summary>
+        /// <summary>Closes all connections. Jobs continue.</summary>
         public void Dispose()
         {
             connection.Dispose();
@@ -160,7 +160,7 @@ namespace Piad
             {
                 JObject page = await connection.JsonAsync(new Call("GET", "/v1/jobs" + query), cancellation).ConfigureAwait(false);
                 jobs.AddRange(Json.List(page, "jobs").Select(job => new PiadJob(connection, (JObject)job)).Take(most - jobs.Count));
-                // The path is that of the server as it sees itself, perhaps with a prefix that is part of the address here.
+                // The server may put its base path before the link, which the URL already has.
                 string next = Json.Text(page, "next");
                 query = next == null ? null : next.Substring(next.IndexOf('?'));
             }
@@ -207,13 +207,13 @@ namespace Piad
         /// <summary>queued, running, converged, exhausted, stalled, failed or cancelled.</summary>
         public string State { get { return Internal.Json.Text(Json, "state"); } }
 
-        /// <summary>Whether the job goes no further.</summary>
+        /// <summary>True if the job has ended.</summary>
         public bool Ended { get { return State != "queued" && State != "running"; } }
 
-        /// <summary>Why the job ended as it did, such as "minimum"; null where the state says it.</summary>
+        /// <summary>The reason for the end of the job, such as "minimum"; null if the state is sufficient.</summary>
         public string Reason { get { return Internal.Json.Text(Json, "reason"); } }
 
-        /// <summary>The reason in words, with what is left.</summary>
+        /// <summary>The reason as text, with the remaining distance.</summary>
         public string Detail { get { return Internal.Json.Text(Json, "detail"); } }
 
         /// <summary>The last iteration so far; null before the first.</summary>
@@ -230,7 +230,7 @@ namespace Piad
 
         private string Path { get { return "/v1/jobs/" + Id; } }
 
-        /// <summary>Asks the server how the job stands.</summary>
+        /// <summary>Fetches the current state of the job.</summary>
         public async Task<PiadJob> RefreshAsync(CancellationToken cancellation = default(CancellationToken))
         {
             Json = await connection.JsonAsync(new Call("GET", Path), cancellation).ConfigureAwait(false);
@@ -307,13 +307,13 @@ namespace Piad
             return this;
         }
 
-        /// <summary>Makes the server forget the job.</summary>
+        /// <summary>Deletes the job.</summary>
         public Task DeleteAsync(CancellationToken cancellation = default(CancellationToken))
         {
             return connection.RequestAsync(new Call("DELETE", Path), cancellation);
         }
 
-        /// <summary>A new job that starts from the control points of this one; what is not given stays.</summary>
+        /// <summary>Creates a job that starts from the control points of this one; other settings are kept.</summary>
         public Task<PiadJob> EditAsync(
             EditRequest request, CancellationToken cancellation = default(CancellationToken), string idempotencyKey = null)
         {
@@ -716,7 +716,7 @@ namespace Piad
         {
             bool isDecimal = Encoding != null || Digits != null || Changed != null || View == "errors" || defaults != null;
             string describe = Describe;
-            // Knots are needed, whatever the job says of its streams.
+            // Knots are needed, whatever the job sets for its streams.
             if (describe == null && From == null && Json.Text(defaults, "describe") != null) describe = "full";
             return new QueryBuilder()
                 .Add("view", View)
@@ -854,10 +854,10 @@ namespace Piad
         /// <summary>The factor by which the last step made the error smaller.</summary>
         public double? Rate { get; private set; }
 
-        /// <summary>About how many iterations the fit takes in all.</summary>
+        /// <summary>The predicted total number of iterations.</summary>
         public long? Predicted { get; private set; }
 
-        /// <summary>The smallest of the milestones that this iteration is the first to reach.</summary>
+        /// <summary>The smallest milestone first reached by this iteration.</summary>
         public double? Milestone { get; private set; }
 
         /// <summary>How many control points the last step has moved.</summary>
@@ -956,11 +956,11 @@ namespace Piad
         /// <summary>The surface; null of curves.</summary>
         public FittedSurface Surface { get { return geometry.Surface(shape); } }
 
-        /// <summary>What is left of a trimmed surface, else null.</summary>
+        /// <summary>The region of a trimmed surface, else null.</summary>
         public Trim Trim { get; private set; }
     }
 
-    /// <summary>What is left of a trimmed surface: where its parameters are on the left of all loops.</summary>
+    /// <summary>The region of a trimmed surface: the parameters to the left of all loops.</summary>
     public sealed class Trim
     {
         internal Trim(JObject json)
@@ -977,23 +977,23 @@ namespace Piad
                 .ToArray();
         }
 
-        /// <summary>How far the outline can be from the data, in their units.</summary>
+        /// <summary>The largest distance of the outline from the data, in data units.</summary>
         public double Distance { get; private set; }
 
-        /// <summary>The area of what is left, of surfaces in the plane and in space.</summary>
+        /// <summary>The area of the region, of surfaces in the plane and in space.</summary>
         public double? Area { get; private set; }
 
-        /// <summary>Closed curves in u and v; none if all of the surface is left.</summary>
+        /// <summary>Closed curves in u and v; empty if nothing is trimmed off.</summary>
         public FittedCurve[] Loops { get; private set; }
 
-        /// <summary>The pieces, by indices of loops: the one around it, and those of its holes.</summary>
+        /// <summary>The connected pieces, by indices of loops: the outer one and those of holes.</summary>
         public int[][] Faces { get; private set; }
     }
 
-    /// <summary>What came of an item of a batch.</summary>
+    /// <summary>The result of an item of a batch.</summary>
     public sealed class BatchItem
     {
-        // The line of an item of a request that has begun with the item `first`.
+        // Parses the line of an item; the request began with item `first`.
         internal BatchItem(JObject json, long first)
         {
             long own = Json.Integer(json, "index") ?? 0;
@@ -1015,13 +1015,13 @@ namespace Piad
             if (problem != null) Problem = new ApiException(Moved(problem, "/items/" + own, "/items/" + Index));
         }
 
-        /// <summary>Its place among the items, from 0.</summary>
+        /// <summary>Its index in the batch, from 0.</summary>
         public long Index { get; private set; }
 
         /// <summary>The client's name for it, or null.</summary>
         public string Name { get; private set; }
 
-        /// <summary>converged, exhausted, stalled or failed; failed also if it is no fit that can be computed.</summary>
+        /// <summary>converged, exhausted, stalled or failed; failed also if the item is invalid.</summary>
         public string State { get; private set; }
 
         /// <summary>The number of the last iteration, or null.</summary>
@@ -1036,7 +1036,7 @@ namespace Piad
         /// <summary>Why it has not converged, or null; its pointers begin with /items/3 or /defaults. It is not thrown.</summary>
         public ApiException Problem { get; private set; }
 
-        // A problem with an item of a part, by the index of the item in the batch.
+        // Replaces the index of the item in its request by that in the batch.
         private static JObject Moved(JObject problem, string own, string place)
         {
             var moved = (JObject)Json.Copy(problem);
@@ -1089,7 +1089,7 @@ namespace Piad
         /// <summary>Why it ended, where the state does not say it.</summary>
         public string Reason { get; private set; }
 
-        /// <summary>The reason in words; of a failed job its problem.</summary>
+        /// <summary>The reason as text; the problem of a failed job.</summary>
         public string Detail { get; private set; }
 
         /// <summary>The number of the last iteration.</summary>
@@ -1161,7 +1161,8 @@ namespace Piad
 
 namespace Piad.Internal
 {
-    // What stays from iteration to iteration, and the knots, which may change. One entry for a curve, two for a surface.
+    // The parts that are constant over iterations, and the knots, which may change. One entry for a curve, two for a
+    // surface.
     internal sealed class Shape
     {
         internal readonly bool IsCurve;
@@ -1672,7 +1673,7 @@ namespace Piad.Internal
         private const int PartBytes = 256 * 1024;
         private const int PartItems = 5000;
 
-        // Items that come slowly are sent after this time.
+        // Time after which a partly filled request is sent.
         private static readonly TimeSpan partTime = TimeSpan.FromSeconds(0.5);
 
         private readonly Connection connection;
@@ -1950,7 +1951,7 @@ namespace Piad.Internal
         internal HttpContentHeaders Content;
     }
 
-    // Requests that are sent again when that helps, and answers as values or exceptions.
+    // Requests with retries; responses as values or exceptions.
     internal sealed class Connection : IDisposable
     {
         // Bytes in a second: servers give bodies up that come more slowly.
@@ -2243,13 +2244,13 @@ namespace Piad
         internal PiadException(string message, Exception inner = null) : base(message, inner) { }
     }
 
-    /// <summary>The server could not be reached, or the connection broke, more often than is tried.</summary>
+    /// <summary>The server was unreachable or the connection broke on each attempt.</summary>
     public sealed class ConnectionLostException : PiadException
     {
         internal ConnectionLostException(string message, Exception inner = null) : base(message, inner) { }
     }
 
-    /// <summary>The server answered something that is not of this API.</summary>
+    /// <summary>The response does not conform to this API.</summary>
     public sealed class ProtocolException : PiadException
     {
         internal ProtocolException(string message, Exception inner = null) : base(message, inner) { }
@@ -2286,7 +2287,7 @@ namespace Piad
         }
     }
 
-    /// <summary>The server refused a request, with a problem object (RFC 9457).</summary>
+    /// <summary>The server rejected a request with a problem object (RFC 9457).</summary>
     public sealed class ApiException : PiadException
     {
         internal ApiException(HttpResponseMessage response, string body) : this(response, body, ProblemOf(response, body)) { }
@@ -2321,7 +2322,8 @@ namespace Piad
         /// <summary>The HTTP status.</summary>
         public int Status { get; private set; }
 
-        /// <summary>Such as /problems/invalid-fit, where the server explains it; about:blank for answers of others.</summary>
+        /// <summary>Such as /problems/invalid-fit, which is also the path of its description; about:blank for responses
+        /// of other servers.</summary>
         public string Type { get; private set; }
 
         /// <summary>What the kind of problem is called.</summary>
@@ -2330,7 +2332,7 @@ namespace Piad
         /// <summary>What is wrong.</summary>
         public string Detail { get; private set; }
 
-        /// <summary>The values of the body that are wrong, as JSON pointers.</summary>
+        /// <summary>JSON pointers to the invalid values of the body.</summary>
         public string[] Pointers { get; private set; }
 
         /// <summary>The single things that are wrong: objects with `detail` and `pointer`, `parameter`, `header` or `line`.</summary>
@@ -2339,10 +2341,10 @@ namespace Piad
         /// <summary>The id by which the log of the server knows the request, or null.</summary>
         public string RequestId { get; private set; }
 
-        /// <summary>After which time the server asks to be tried again, or null.</summary>
+        /// <summary>The delay requested by the server, or null.</summary>
         public TimeSpan? RetryAfter { get; private set; }
 
-        // Too many requests, and what proxies and servers say that have no room or no time.
+        // Too many requests, and the statuses of overloaded servers and proxies.
         internal bool IsTemporary { get { return Status == 429 || Status == 502 || Status == 503 || Status == 504; } }
 
         private static JObject ProblemOf(HttpResponseMessage response, string body)

@@ -81,7 +81,7 @@ def test_data_are_measured_from_the_nearest_points(client: piad.Client) -> None:
     assert list(told.percentiles) == [50, 90, 95, 99]
     places = result.curve.evaluate(np.linspace(*result.curve.domain, 20001))
     nearest = np.linalg.norm(places[None, :, :] - points[:, None, :], axis=2).min(axis=1)
-    # Places lie 1.6e-4 apart.
+    # Samples are 1.6e-4 apart.
     assert np.abs(nearest - told.distances).max() < 2e-4
     first = job.deviation(0)
     assert (first.iteration, first.distances) == (0, None)

@@ -1,4 +1,4 @@
-"""What goes wrong on this side: no server, wrong addresses, numbers that JSON does not have."""
+"""Errors of the client: no server, invalid URLs, numbers that are not finite."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_where_nobody_listens() -> None:
 
 
 def test_where_nobody_answers() -> None:
-    """A machine that takes no connection and refuses none."""
+    """A host that neither accepts nor refuses connections."""
     with socket.create_server(("127.0.0.1", 0), backlog=0) as silent:
         address = silent.getsockname()
         # These fill the queue of connections.
@@ -52,7 +52,7 @@ def test_where_nobody_answers() -> None:
 
 
 def test_servers_that_come_late(durable_server: Server) -> None:
-    """One that has answered may be starting again: it is waited for."""
+    """A server that has responded before may be restarting: the client waits for it."""
     with piad.Client(durable_server.url) as client:
         client.capabilities()
         durable_server.kill()

@@ -129,7 +129,7 @@ function moveWide(to: Float64Array, start: number, end: number, dimension: numbe
   }
 }
 
-/** A copy that can be written to. */
+/** A writable copy. */
 export function copy({ data, shape }: Tensor): Tensor {
   return { data: data.slice(), shape };
 }

@@ -8,7 +8,7 @@ const LONGEST = 30;
 // Servers that ask for more are not waited for: the caller is told.
 const MOST_PATIENT = 60;
 
-// Too many requests, and what proxies and servers say that have no room or no time.
+// Too many requests, and the statuses of overloaded servers and proxies.
 const TRY_AGAIN = new Set([429, 502, 503, 504]);
 
 // How often a server is tried that has never answered. One that has may be starting again.
@@ -48,8 +48,8 @@ function mayTryAgain(error: PiadError): boolean {
 }
 
 /**
- * The seconds to wait after so many failures in a row: twice as many each time, and by chance up to half
- * more, so that clients of a server that comes back do not come all at once.
+ * The seconds to wait after this number of consecutive failures. The delay doubles each time, with up to 50% random
+ * jitter so that clients do not all reconnect at once.
  */
 function delay(failures: number, atLeast: number): number {
   const doubled = Math.min(Math.max(atLeast, FIRST) * 2 ** (failures - 1), LONGEST);

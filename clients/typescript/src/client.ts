@@ -1,4 +1,4 @@
-/** The client: where fits begin. */
+/** The client. */
 
 import type * as api from "./api.js";
 import type { Fetch } from "./attempt.js";
@@ -9,7 +9,7 @@ import { Job, create, createStream } from "./job.js";
 import type { Cancellable, Creation, Making, Repeatable } from "./options.js";
 import type { Stream } from "./stream.js";
 
-// The server is asked to answer when a job has ended, if that is within so many seconds.
+// The server is asked to wait up to this many seconds for the end of a job before it responds.
 const WAIT = 10;
 
 /** How a server is reached. */
@@ -90,7 +90,7 @@ export class Client {
     return new Job(this.#connection, await this.#connection.json<api.Job>({ path, signal }));
   }
 
-  /** All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time. */
+  /** All jobs, newest first, fetched as they are used, `page` (1 to 1000) at a time. */
   async *jobs(
     options: Cancellable & { readonly state?: api.JobState | undefined; readonly page?: number | undefined } = {},
   ): AsyncGenerator<Job, void, undefined> {
@@ -99,7 +99,7 @@ export class Client {
     for (;;) {
       for (const job of page.jobs) yield new Job(this.#connection, job);
       if (page.next === null) return;
-      // The path is that of the server as it sees itself, perhaps with a prefix that is part of the address here.
+      // The server may put its base path before the link, which the URL already has.
       const more = page.next.slice(page.next.indexOf("?"));
       page = await this.#connection.json<api.JobPage>({ path: `/v1/jobs${more}`, signal });
     }

@@ -1,4 +1,4 @@
-/** Requests that are sent again when that helps, and answers as values or errors. */
+/** Requests with retries; responses as values or errors. */
 
 import type * as api from "./api.js";
 import { Attempt, type Fetch, type Sent } from "./attempt.js";
@@ -44,8 +44,8 @@ export interface Settings {
 const QUIET_STREAM = 60;
 
 /**
- * The way to a server. Every request may be sent more than once: those that create something carry a key by
- * which the server recognises them.
+ * The way to a server. Each request may be sent more than once: those that create something have a key by which the
+ * server recognises them.
  */
 export class Connection {
   readonly #settings: Settings;
@@ -145,7 +145,7 @@ export function parse<T>(text: string): T {
   }
 }
 
-/** The problem that the server names; of others on the way, what the status says. */
+/** The problem in a response; for responses of proxies it is made from the status. */
 async function refusal(response: Response, attempt: Attempt): Promise<ApiError> {
   const text = await (await attempt.body(response)).text();
   const named = response.headers.get("Content-Type")?.startsWith("application/problem+json") === true;

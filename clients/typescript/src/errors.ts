@@ -10,12 +10,12 @@ export class PiadError extends Error {
   override readonly name: string = "PiadError";
 }
 
-/** The server refused a request. */
+/** The server rejected a request. */
 export class ApiError extends PiadError {
   override readonly name = "ApiError";
   /** The problem object of the answer. */
   readonly problem: Problem;
-  /** The seconds after which the server asked to be tried again (`Retry-After`). */
+  /** The delay in seconds requested by the server (`Retry-After`). */
   readonly retryAfter: number | null;
 
   constructor(problem: Problem, retryAfter: number | null = null) {
@@ -49,18 +49,18 @@ export class ApiError extends PiadError {
     return this.problem.errors ?? [];
   }
 
-  /** The values of the body that are wrong, as JSON pointers (RFC 6901). */
+  /** JSON pointers (RFC 6901) to the invalid values of the body. */
   get pointers(): readonly string[] {
     return this.errors.flatMap(({ pointer }) => pointer ?? []);
   }
 }
 
-/** The server could not be reached, or the connection broke, more often than is tried. */
+/** The server was unreachable or the connection broke on each attempt. */
 export class ConnectionLost extends PiadError {
   override readonly name = "ConnectionLost";
 }
 
-/** The server answered something that is not of this API. */
+/** The response does not conform to this API. */
 export class ProtocolError extends PiadError {
   override readonly name = "ProtocolError";
 }

@@ -7,17 +7,17 @@ import { type Shape, shapeOf, withKnots } from "./shape.js";
 
 /** What is known of an iteration in each view. */
 interface Level {
-  /** From 0 on. */
+  /** Counted from 0. */
   readonly number: number;
   /** The distances from the data points, in their units. */
   readonly error: api.FitError;
-  /** How many control points the step to this level has moved. */
+  /** The number of control points moved by the step to this iteration. */
   readonly moved: number;
-  /** The factor by which the step has made the largest distance smaller. */
+  /** The factor by which the step has reduced the largest distance. */
   readonly rate: number | null;
-  /** About how many iterations the fit takes in all, by what is known at this level. */
+  /** The total number of iterations, as predicted at this iteration. */
   readonly predicted: number | null;
-  /** The smallest of the milestones that this is the first level to reach. */
+  /** The smallest milestone first reached by this iteration. */
   readonly milestone: number | null;
   readonly badWeight: api.BadWeight | null;
   /** With the knots of this level, of fits that choose them. */
@@ -55,7 +55,7 @@ export type Iteration = FittedIteration | SampledIteration | ErrorIteration;
 /** The iterations of a view. */
 export type IterationIn<View extends api.View> = Extract<Iteration, { view: View }>;
 
-/** The last level of a fit that has ended. */
+/** The last iteration of a fit that has ended. */
 export interface Result {
   /** The id of the job. */
   readonly id: string;
@@ -66,13 +66,13 @@ export interface Result {
   readonly error: api.FitError;
   readonly badWeight: api.BadWeight | null;
   readonly shape: Shape;
-  /** Where on it the data points lie: on a curve, or those of u and of v. */
+  /** The parameters of the data points: of a curve, or of u and v. */
   readonly parameters: Lines;
   /** End copies included. */
   readonly controlPoints: Tensor;
   /** Of homogeneous fits; fixed ones are in `shape`. */
   readonly weights: Tensor | null;
-  /** What is left of a surface that is trimmed. */
+  /** The trimmed region of a surface. */
   readonly trim: api.Trimmed | null;
 }
 

@@ -21,9 +21,9 @@ const ENDS_ONLY = {
   digits: "full",
 } as const;
 
-/** A job, and what can be done with it. */
+/** A job and its operations. */
 export class Job {
-  /** What the server said last; `refresh` asks it again. */
+  /** The last state received from the server; `refresh` updates it. */
   status: api.Job;
   readonly #connection: Connection;
   #shape: Shape | null = null;
@@ -43,13 +43,13 @@ export class Job {
     return this.status.state !== "queued" && this.status.state !== "running";
   }
 
-  /** Asks the server how the job stands. */
+  /** Fetches the current state of the job. */
   async refresh(options: Cancellable = {}): Promise<api.Job> {
     return (this.status = await this.#get<api.Job>("", {}, options));
   }
 
   /**
-   * The iterations of the job, as they are computed and then up to its end. Every one from 0 on (or after
+   * The iterations of the job, as they are computed, until it ends. Every one from 0 on (or after
    * `after`) comes, unless `every`, `milestones` or `pace: "latest"` leave some out.
    */
   iterations<const View extends api.View = api.View>(options: Watching<View> = {}): Stream<IterationIn<View>> {
@@ -144,7 +144,7 @@ export class Job {
   }
 
   /**
-   * Makes the server forget the job. That there is none is no error: the answer to the same request before may
+   * Deletes the job. That there is none is no error: the answer to the same request before may
    * have been lost, and browsers send one again without telling.
    */
   async delete({ signal }: Cancellable = {}): Promise<void> {
@@ -152,7 +152,7 @@ export class Job {
     await this.#connection.request(call, ({ response, attempt }) => attempt.body(response));
   }
 
-  /** A new job that starts from the control points of this one; what is not given stays. */
+  /** Creates a job that starts from the control points of this one; other settings are kept. */
   async edit(request: api.EditRequest, options: Creation = {}): Promise<Job> {
     return create(this.#connection, `${this.#path}/edits`, request, options);
   }

@@ -1,4 +1,4 @@
-/** What stays from iteration to iteration, and the knots, which may change. */
+/** The parts that are constant over iterations, and the knots, which may change. */
 
 import type * as api from "./api.js";
 import { type Tensor, line } from "./arrays.js";
@@ -32,7 +32,7 @@ export function shapeOf(value: Shaped): Shape {
   return { kind: value.kind, bases, fixedWeights: fixedWeights(value, bases) };
 }
 
-/** The same with the knots of an iteration, of a fit that chooses them. */
+/** The same with the knots of an iteration, if the fit chooses them. */
 export function withKnots(shape: Shape, knots: NonNullable<api.IterationEvent["knots"]>): Shape {
   const [u, v] = shape.bases;
   if (v === undefined) return { ...shape, bases: [{ ...u, knots: lineOf(of(knots)) }] };

@@ -53,7 +53,7 @@ export class Server {
     return this;
   }
 
-  /** SIGKILL: nothing is said to anybody. */
+  /** Sends SIGKILL: connections are not closed cleanly. */
   async kill(): Promise<void> {
     const child = this.#process;
     if (child === undefined || child.exitCode !== null || child.signalCode !== null) return;

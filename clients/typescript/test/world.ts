@@ -6,7 +6,7 @@ import type { Client, ClientOptions } from "piad";
 export interface Backstage {
   /** Starts a server that keeps its jobs, perhaps with a path that clients see it below, or a token that it asks for. */
   durable(basePath?: string, token?: string): Promise<string>;
-  /** SIGKILL: nothing is said to anybody. */
+  /** Sends SIGKILL: connections are not closed cleanly. */
   kill(server: string): Promise<void>;
   /** Starts a server again, with the same data at the same address. */
   restart(server: string): Promise<void>;

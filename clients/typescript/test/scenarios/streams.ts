@@ -1,4 +1,4 @@
-/** Every iteration once and in order, whatever happens to the connection. */
+/** Each iteration once and in order, even if connections break. */
 
 import { ApiError, ConnectionLost, type ErrorIteration, type FittedIteration, type SampledIteration } from "piad";
 
