@@ -16,11 +16,11 @@ const PART_TIME = 500;
 
 const LINES = "application/x-ndjson";
 
-/** What can be asked for beside the items. */
+/** Options of a batch. */
 export interface Batching extends Cancellable {
-  /** Fields of jobs, without points, for items that do not have them. */
+  /** Job fields other than points, for items that do not set them. */
   readonly defaults?: Readonly<Record<string, unknown>> | undefined;
-  /** How numbers travel; base64 is the default. */
+  /** The encoding of numbers; base64 is the default. */
   readonly encoding?: api.NumberEncoding | undefined;
 }
 
@@ -31,10 +31,10 @@ export interface BatchItem {
   readonly name: string | null;
   /** `failed` also if the item is invalid. */
   readonly state: api.JobState;
-  /** The number of the last iteration; null if there was none. */
+  /** The number of the last iteration; null if there is none. */
   readonly iteration: number | null;
   readonly error: api.FitError | null;
-  /** The last iteration, also of a fit that has not converged; its id is empty. */
+  /** The last iteration, also if the fit has not converged; its id is empty. */
   readonly result: Result | null;
   /** Why it has not converged; its pointers begin with `/items/3` or `/defaults`. */
   readonly problem: Problem | null;
@@ -50,7 +50,7 @@ export interface BatchTotals {
   readonly failed: number;
 }
 
-/** Jobs, also such as come one by one. */
+/** Jobs, as an iterable or async iterable. */
 export type Items = Iterable<api.JobRequest> | AsyncIterable<api.JobRequest>;
 
 /** The results of a batch, in the order of the items, as they complete. It can be iterated once. */
@@ -90,7 +90,7 @@ export class Batch implements AsyncIterable<BatchItem> {
 
   /** Fits a group of items. After a broken connection, items without a result are sent again. */
   async *#fit(lines: readonly string[], first: number): AsyncGenerator<BatchItem, void, undefined> {
-    const patience = this.#connection.patience();
+    const retries = this.#connection.retries();
     for (let sent = 0; sent < lines.length; ) {
       const rest = lines.slice(sent);
       try {
@@ -100,7 +100,7 @@ export class Batch implements AsyncIterable<BatchItem> {
           else if (!("index" in line)) throw new ApiError(line.problem);
           else {
             sent += 1;
-            patience.reset();
+            retries.reset();
             yield itemOf(line, first + sent - 1);
           }
         }
@@ -108,7 +108,7 @@ export class Batch implements AsyncIterable<BatchItem> {
         throw new ConnectionLost("the answer to the batch has no end");
       } catch (error) {
         if (!(error instanceof PiadError)) throw error;
-        await patience.wait(error, this.#options.signal);
+        await retries.wait(error, this.#options.signal);
       }
     }
   }
@@ -134,7 +134,7 @@ export class Batch implements AsyncIterable<BatchItem> {
   }
 }
 
-/** An item of a batch, of which it is at this place. */
+/** An item of a batch, with its index. */
 function itemOf(line: api.BatchItem, index: number): BatchItem {
   const { name = null, state, iteration = null, error = null, problem, notices = [] } = line;
   const fitted = (kind: "curve" | "surface", geometry: api.FitGeometry | undefined): Result | null => {

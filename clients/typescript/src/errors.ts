@@ -1,8 +1,8 @@
-/** What can go wrong, as classes; all of them are {@link PiadError}. */
+/** Errors, which are all derived from {@link PiadError}. */
 
 import type * as api from "./api.js";
 
-/** A problem object (RFC 9457). Its type is "about:blank" where it was not a piad server that answered. */
+/** A problem object (RFC 9457). Its type is "about:blank" if another server responded. */
 export type Problem = Omit<api.Problem, "type"> & { type: api.Problem["type"] | "about:blank" };
 
 /** The base of all errors of this package. */
@@ -13,7 +13,7 @@ export class PiadError extends Error {
 /** The server rejected a request. */
 export class ApiError extends PiadError {
   override readonly name = "ApiError";
-  /** The problem object of the answer. */
+  /** The problem object of the response. */
   readonly problem: Problem;
   /** The delay in seconds requested by the server (`Retry-After`). */
   readonly retryAfter: number | null;
@@ -24,12 +24,12 @@ export class ApiError extends PiadError {
     this.retryAfter = retryAfter;
   }
 
-  /** What kind of problem it is, such as "/problems/invalid-fit", where the server explains it. */
+  /** The problem type, such as "/problems/invalid-fit", which is also the path of its description. */
   get type(): Problem["type"] {
     return this.problem.type;
   }
 
-  /** The kind in words. */
+  /** The title of the problem type. */
   get title(): string {
     return this.problem.title;
   }
@@ -39,12 +39,12 @@ export class ApiError extends PiadError {
     return this.problem.status;
   }
 
-  /** What is wrong this time. */
+  /** The description of this error. */
   get detail(): string {
     return this.problem.detail;
   }
 
-  /** All that is wrong, each with its place. */
+  /** All errors, with their locations. */
   get errors(): readonly api.FieldError[] {
     return this.problem.errors ?? [];
   }
@@ -68,7 +68,7 @@ export class ProtocolError extends PiadError {
 /** A job ended without a result. */
 export class JobFailed extends PiadError {
   override readonly name = "JobFailed";
-  /** The job, as it ended. */
+  /** The ended job. */
   readonly status: api.Job;
 
   constructor(status: api.Job) {

@@ -1,4 +1,4 @@
-/** Servers and proxies by their addresses. */
+/** Servers and proxies, identified by their addresses. */
 
 import { Proxy } from "./proxy.js";
 import { Server } from "./server.js";
@@ -39,7 +39,7 @@ export class Stage implements Backstage {
     return url;
   };
 
-  /** Ends all of it. */
+  /** Stops all servers and proxies. */
   async clear(): Promise<void> {
     for (const proxy of this.#proxies.values()) proxy.stop();
     for (const server of this.#servers.values()) await server.remove();

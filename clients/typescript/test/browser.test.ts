@@ -15,7 +15,7 @@ import type { Backstage } from "./world.js";
 const PACKAGE = new URL("..", import.meta.url);
 const CHROMIUM = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
 
-// No bundler: the page loads what is published, and its parser.
+// No bundler: the page loads the published files and their parser.
 const IMPORTS = {
   imports: {
     piad: "/dist/index.js",
@@ -24,7 +24,7 @@ const IMPORTS = {
 };
 const HTML = `<!doctype html><title>a page</title><script type="importmap">${JSON.stringify(IMPORTS)}</script>`;
 
-/** What runs in the page: a scenario by its name, with what is behind the page as functions of it. */
+/** Runs a scenario in the page, with the servers behind it as functions. */
 async function play([name, url, methods]: [string, string, (keyof Backstage)[]]): Promise<string | null> {
   const { Client } = await import("piad");
   const { scenarios } = (await import("/build/scenarios/index.js" as string)) as typeof import("./scenarios/index.js");

@@ -16,7 +16,7 @@ const told = (result: Result): Told => {
   return { state, iteration, error: error.max, ...ends };
 };
 
-/** What the stream of a new job brings. */
+/** The events of the stream of a new job. */
 async function levels(request: api.JobRequest, { pause = 0, ready = false } = {}): Promise<Told & { numbers: number[]; last: number[] }> {
   const stream = client.createStream(request, { view: "control_points" });
   const seen: number[] = [];

@@ -14,7 +14,7 @@ import { scenarios } from "./scenarios/index.js";
 import { ROOT, Server } from "./server.js";
 import { large } from "./shapes.js";
 
-// For people.
+// For users.
 const PAGES = new Set(["getPagePart", "getReference", "getReferenceFile"]);
 
 describe("in Node", () => {
@@ -28,7 +28,7 @@ describe("in Node", () => {
     await server.kill();
   });
 
-  /** A client whose requests are noted. */
+  /** A client that records its requests. */
   const client = (options: ClientOptions = {}, url = server.url): Client => {
     const { fetch = globalThis.fetch, ...others } = options;
     const noted: ClientOptions["fetch"] = (url, init) => {

@@ -1,4 +1,4 @@
-/** All that is tried in Node and in a browser. */
+/** All scenarios for Node and browsers. */
 
 import type { Scenarios } from "../world.js";
 import { batches } from "./batches.js";

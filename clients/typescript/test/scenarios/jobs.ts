@@ -1,4 +1,4 @@
-/** Jobs from their beginning to their end: each operation of the API. */
+/** The life of jobs: each operation of the API. */
 
 import { ApiError, ConnectionLost, type FittedIteration, ProtocolError, type Tensor, type api } from "piad";
 
@@ -7,7 +7,7 @@ import { AUTOMATIC, AUTOMATIC_SURFACE, CURVE, FITS, slow } from "../shapes.js";
 import type { Scenarios } from "../world.js";
 
 const POINTS = { curve: { points: CURVE } };
-/** Curves have no triangles for STL and PLY, and this one no place on the earth for GPX. */
+/** Curves have no triangles for STL and PLY, and this one no geographic coordinates for GPX. */
 const FORMATS: Readonly<Record<Exclude<api.ParameterFormat, "stl" | "ply" | "gpx">, string>> = {
   step: "ISO-10303-21;",
   iges: "",
@@ -146,7 +146,7 @@ export const jobs: Scenarios = {
     const stream = job.editStream(drag, { describe: "none", changed: true, from });
     equal(await all(stream), kept);
     equal([stream.job?.knots, stream.job?.links, stream.end?.state], [undefined, null, "converged"]);
-    // Knots that are not described are known from nowhere else.
+    // Knots that are not described are unknown.
     const short = await all(job.editStream(drag, { describe: "none", view: "control_points" }));
     equal([short.at(-1)?.shape.bases[0].knots, short.at(-1)?.controlPoints], [null, kept.at(-1)?.controlPoints]);
     await refused(all(job.editStream(drag, { changed: true })), ProtocolError);
@@ -263,7 +263,7 @@ export const jobs: Scenarios = {
   },
 };
 
-/** Fails unless the numbers of control points and knots go together. */
+/** Fails unless the numbers of control points and knots are consistent. */
 function consistent({ shape, controlPoints, weights }: FittedIteration, name: string): void {
   const counts = shape.bases.map(({ knots, degree }) => (knots === null ? degree + 1 : knots.length - degree - 1));
   equal(controlPoints.shape.slice(0, -1), counts, name);

@@ -1,4 +1,4 @@
-/** What goes wrong: requests that are refused, no server, others than a server, silence. */
+/** Failures: rejected requests, no server, another server, silence. */
 
 import { ApiError, Client, ConnectionLost, JobFailed, PiadError, ProtocolError } from "piad";
 
@@ -19,7 +19,7 @@ export const mistakes: Scenarios = {
     equal(streamed.status, 422);
     const bad = await refused(client().rates({ points: 1 }), ApiError);
     equal([bad.status, bad.errors[0]?.parameter], [400, "points"]);
-    // @ts-expect-error: there is no such basis.
+    // @ts-expect-error: unknown basis.
     const typed = await refused(client().create({ curve: { points: CURVE, basis: { kind: "nurbs" } } }), ApiError);
     ok(typed.pointers.includes("/curve/basis/kind"));
   },

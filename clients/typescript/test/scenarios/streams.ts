@@ -33,7 +33,7 @@ export const streams: Scenarios = {
     equal((await numbers(job.iterations({ pace: "latest" }))).at(-1), last);
     // @ts-expect-error: errors have no control points.
     void error.controlPoints;
-    // @ts-expect-error: there is no such view.
+    // @ts-expect-error: unknown view.
     job.iterations({ view: "points" });
   },
 
@@ -152,7 +152,7 @@ export const streams: Scenarios = {
 
   "iterations of another version come again": async ({ client }) => {
     let last = "";
-    // The first answer breaks off in the middle of an event.
+    // The first connection breaks in the middle of an event.
     const newer = async (url: string, init: RequestInit) => {
       const headers = new Headers(init.headers);
       last = headers.get("Last-Event-ID") ?? "";
@@ -225,7 +225,7 @@ export const streams: Scenarios = {
     ok(Date.now() - waiting < 8000, "answers that do not come are given up");
     await refused(first(job.iterations({ signal })), Error);
     await job.delete();
-    // Waiting for a server that is gone.
+    // Waiting for a server that has stopped.
     const url = await backstage.durable();
     const patient = client({ attempts: 20 }, url);
     await patient.live();
