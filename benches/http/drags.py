@@ -1,11 +1,11 @@
-"""Drags of one of 1e5 points: how long an ephemeral edit takes end to end, and what it leaves.
+"""Drags one of 1e5 points: the time of an ephemeral edit end to end, and its remaining memory.
 
     drags.py PROGRAM        # PROGRAM is target/release/piad
 
 A curve of 1e5 points is fitted; then one point is moved, a little further each time, and 25 control points
-follow. Times and bytes are those of whole answers: of 100 drags over a connection that stays open, and of
-100 by curl, which makes a connection for each. In the end 1,000 drags: the memory of the process before and
-after, and what the store and the list of jobs have of them. Needs curl.
+follow. Times and bytes are those of whole responses: of 100 drags over a persistent connection, and
+of 100 by curl, with a new connection each. Finally 1,000 drags: the memory of the process, the
+store and the list of jobs before and after. Needs curl.
 """
 
 import argparse
@@ -122,7 +122,7 @@ def main() -> None:
                 drags(f"{path}?{query}", 10)
                 told(f"{name}", *drags(f"{path}?{query}", 100))
                 told(f"{name}, by curl", *by_curl(f"{path}?{query}", 100))
-            # After a restart nothing of the parent is in memory.
+            # After a restart the parent is not in memory.
             process.terminate()
             process.wait()
             process = start(program, directory)

@@ -1,4 +1,4 @@
-"""The Python client for event loops in the scenarios of README.md."""
+"""The asynchronous Python client in the scenarios of README.md."""
 
 import asyncio
 import json
@@ -13,7 +13,7 @@ from python import Json, told
 
 
 async def new(client: piad.AsyncClient, request: Json) -> piad.AsyncJob:
-    """A job of a request as the API has it."""
+    """The JSON of a job for a request."""
     [shape] = [request[kind] for kind in ("curve", "surface") if kind in request]
     return await client.create(shape["points"], **request.get("stop", {}))
 

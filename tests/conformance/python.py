@@ -14,7 +14,7 @@ Json = dict[str, Any]
 
 
 def new(client: piad.Client, request: Json) -> piad.Job:
-    """A job of a request as the API has it."""
+    """The JSON of a job for a request."""
     [(kind, shape)] = [(kind, request[kind]) for kind in ("curve", "surface") if kind in request]
     stop = request.get("stop", {})
     assert kind == "surface" or isinstance(shape["points"][0][0], (int, float))

@@ -1,9 +1,9 @@
-"""Fits all airfoils of UIUC that the package aerosandbox has, each with `piad fit`: counts and reasons.
+"""Fits all UIUC airfoils of the package aerosandbox with `piad fit`: counts and reasons.
 
     tests/python/airfoils.py PROGRAM    # such as target/release/piad
 
-Each file is fitted, or refused with its name, the line and the reason; anything else fails the script. The wheel is
-downloaded and read as a zip file, nothing of it is installed. Needs pip.
+Each file is fitted, or rejected with its name, the line and the reason; anything else fails the
+script. The wheel is downloaded and read as a zip file, without installing it. Needs pip.
 """
 
 import collections

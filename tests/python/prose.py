@@ -1,6 +1,6 @@
 """Checks the documents: length of sentences, cells and paragraphs, headings, links, JSON, and words to avoid.
 
-A finding is `FILE:LINE: RULE: TEXT`. EXCEPTIONS stay as they are, each with its reason.
+A finding is `FILE:LINE: RULE: TEXT`. EXCEPTIONS are allowed, each with its reason.
 """
 
 import json
@@ -26,13 +26,13 @@ def words(text: str) -> int:
 
 
 def anchors(path: Path) -> set[str]:
-    """What GitHub makes of the headings."""
+    """The anchors that GitHub generates for headings."""
     titles = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", path.read_text(), flags=re.S), re.M)
     return {re.sub(r"[^\w\- ]", "", title.strip().lower()).replace(" ", "-") for title in titles}
 
 
 def parts(text: str) -> Iterator[tuple[int, str, str]]:
-    """Line, kind (fence, heading, row, text) and content; an item of a list is a text of its own."""
+    """Line, kind (fence, heading, row, text) and content; each item of a list is a text."""
     fence, start, gathered = "", 0, []
     for number, line in enumerate([*text.splitlines(), ""], 1):
         mark = line.strip() if line.lstrip().startswith("```") else ""

@@ -1,4 +1,4 @@
-// What callers, servers and networks do wrong.
+// Errors of callers, servers and networks.
 
 #include <chrono>
 #include <cmath>
@@ -24,7 +24,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 
 const std::string job = R"({"id":"j","name":null,"kind":"curve","state":"running","progress":0,"iteration":null,"error":null})";
 
-// The value of a field of the head of a request.
+// The value of a header of a request.
 std::string header(const std::string& request, const std::string& name) {
     const auto begin = request.find("\r\n" + name + ": ");
     if (begin == std::string::npos) return "";
@@ -68,7 +68,7 @@ TEST(nobody_is_there) {
     const auto begin = std::chrono::steady_clock::now();
     const auto error = THROWN(piad::ConnectionLost, Client("http://127.0.0.1:1").fit(testing::curve()));
     CHECK(!error.permanent);
-    // Two pauses, of a quarter and half a second and up to half more.
+    // Two delays, of a quarter and half a second plus jitter of up to 50%.
     CHECK(seconds_since(begin) >= 0.7 && seconds_since(begin) < 5);
     THROWN(piad::ConnectionLost, Client("http://127.0.0.1:1").watch(testing::curve(), [](const piad::Iteration&) {}));
 }
@@ -106,7 +106,7 @@ TEST(a_job_without_a_result) {
     auto finished = Client(testing::server().url()).create(testing::curve());
     finished.wait();
     CHECK_EQUAL(THROWN(piad::ApiError, finished.cancel()).type, "/problems/already-ended");
-    // The cancelled one has come somewhere.
+    // The cancelled job has computed an iteration.
     CHECK_EQUAL(running.result().state, "cancelled");
     const std::string failed = R"({"id":"j","kind":"curve","state":"failed","progress":0,"problem":{"type":"/problems/overflow","title":"","status":500,"detail":"too large"}})";
     const ScriptedServer server({says("201 Created", failed)});
@@ -139,7 +139,7 @@ TEST(a_server_without_room_is_given_up) {
     CHECK_EQUAL(error.type, "about:blank");
     CHECK_EQUAL(error.detail, "no room");
     CHECK_EQUAL(server.requests().size(), 3u);
-    // Nobody waits for as long as this.
+    // A delay too long to wait for.
     const ScriptedServer tomorrow({says("503 Service Unavailable", "", "Retry-After: 86400\r\n")});
     CHECK_EQUAL(THROWN(piad::ApiError, Client(tomorrow.url()).create(testing::curve())).retry_after.value_or(0), 86400.0);
     CHECK_EQUAL(tomorrow.requests().size(), 1u);
@@ -152,7 +152,7 @@ TEST(the_lost_answer_to_a_removal) {
     auto one = Client(server.url()).job("j");
     one.remove();
     CHECK_EQUAL(server.requests().size(), 3u);
-    // At the first attempt it is an error.
+    // For the first attempt it is an error.
     CHECK_EQUAL(THROWN(piad::ApiError, one.remove()).type, "/problems/unknown-job");
 }
 

@@ -13,7 +13,7 @@ using System.Text.RegularExpressions;
 using System.Threading;
 using System.Threading.Tasks;
 
-/// <summary>What a test expects.</summary>
+/// <summary>Assertions.</summary>
 public static class Check
 {
     public static void That(bool truth, string what)
@@ -56,7 +56,7 @@ public sealed class CheckFailed : Exception
     public CheckFailed(string message) : base(message) { }
 }
 
-/// <summary>A server of its own, which can be killed and started again at the same address.</summary>
+/// <summary>A server that can be killed and restarted at the same address.</summary>
 public sealed class Server : IDisposable
 {
     public static string Program;
@@ -67,7 +67,7 @@ public sealed class Server : IDisposable
     private int port;
     private Process process;
 
-    /// <summary>With a `store`, a file, its jobs outlive it.</summary>
+    /// <summary>With a `store`, a file, its jobs are persistent.</summary>
     public Server(string store = ":memory:", string token = null, string more = "")
     {
         this.store = store;
@@ -102,7 +102,7 @@ public sealed class Server : IDisposable
         process.WaitForExit();
     }
 
-    /// <summary>As an operator stops it.</summary>
+    /// <summary>Shuts it down like an operator.</summary>
     public void Stop()
     {
         using (Process kill = Process.Start(new ProcessStartInfo("kill", "-TERM " + process.Id) { UseShellExecute = false })) kill.WaitForExit();
@@ -116,8 +116,8 @@ public sealed class Server : IDisposable
     }
 }
 
-/// <summary>Passes requests on, unless the test has something else in mind: `before` may answer a request itself,
-/// `after` may change or lose an answer. Both are told how many requests there have been, this one included.</summary>
+/// <summary>Forwards requests: `before` may respond itself, `after` may change or lose a response.
+/// Both get the number of requests so far, including this one.</summary>
 public sealed class Relay : DelegatingHandler
 {
     public readonly List<string> Requests = new List<string>();
@@ -164,7 +164,8 @@ public sealed class Relay : DelegatingHandler
     }
 }
 
-/// <summary>Another stream up to some byte, after which it breaks off or says nothing more.</summary>
+/// <summary>Forwards a stream up to some byte, after which it disconnects or stays
+/// silent.</summary>
 public sealed class CutStream : Stream
 {
     private readonly Stream inner;
@@ -178,7 +179,7 @@ public sealed class CutStream : Stream
         left = bytes;
     }
 
-    /// <summary>An answer whose body is cut.</summary>
+    /// <summary>A response with a truncated body.</summary>
     public static HttpResponseMessage Cut(HttpResponseMessage response, int bytes, bool silent = false)
     {
         var content = new StreamContent(new CutStream(response.Content.ReadAsStreamAsync().Result, bytes, silent));
@@ -215,7 +216,7 @@ public sealed class CutStream : Stream
     }
 }
 
-/// <summary>A port at which nobody is.</summary>
+/// <summary>A port without a server.</summary>
 public static class Port
 {
     public static int Unused()

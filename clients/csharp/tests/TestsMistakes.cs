@@ -1,4 +1,4 @@
-// What is wrong, cancelled or refused.
+// Errors, cancellation and rejected requests.
 
 using System;
 using System.Collections.Generic;
@@ -10,7 +10,7 @@ using System.Threading.Tasks;
 using Newtonsoft.Json.Linq;
 using Piad;
 
-/// <summary>Mistakes of either side, and cancellation.</summary>
+/// <summary>Errors of client and server, and cancellation.</summary>
 public static class MistakeTests
 {
     private const string Token = "0123456789abcdef0123456789abcdef";

@@ -1,4 +1,4 @@
-// Streams: what they show, and how they go on.
+// Streams: content and resumption.
 
 using System;
 using System.Collections.Generic;
@@ -11,7 +11,7 @@ using System.Threading.Tasks;
 using Newtonsoft.Json.Linq;
 using Piad;
 
-/// <summary>What streams show.</summary>
+/// <summary>Content of streams.</summary>
 public static class StreamTests
 {
     public static async Task EachIterationComesOnceAndInOrder(Server server)
@@ -268,7 +268,7 @@ public static class StreamTests
                 most = Math.Max(most, GC.GetTotalMemory(true) - before);
                 sent += iteration.Curve.ControlPoints.Length * 32;
             });
-            // The collector of Mono keeps some that nobody has any more.
+            // The garbage collector of Mono retains some unreachable objects.
             Check.That(sent > 30000000 && most < 16000000, most + " bytes are held of a stream of " + sent);
         }
     }
@@ -329,7 +329,7 @@ public static class StreamTests
     }
 }
 
-/// <summary>Connections that break, and servers that stop.</summary>
+/// <summary>Broken connections and stopped servers.</summary>
 public static class BreakTests
 {
     public static async Task CutStreamsGoOn(Server server)
@@ -448,7 +448,7 @@ public static class BreakTests
             using (var client = new PiadClient(own.Url, new PiadOptions { HttpMessageHandler = relay }))
             {
                 bool ended = false;
-                // More than what is on its way when the server ends.
+                // More than is in transit when the server ends.
                 await CheckCompleteAsync(client, new CurveRequest(Tests.Wave(10000)) { Tolerance = 1e-12 }, async iteration =>
                 {
                     if (iteration.Number < 5 || ended) return;

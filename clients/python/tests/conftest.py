@@ -18,7 +18,7 @@ PROGRAM = os.environ.get("PIAD_PROGRAM", str(ROOT / "target" / "debug" / "piad")
 
 
 class Server:
-    """A server that can be killed and started again with the same data at the same address."""
+    """A server that can be killed and restarted with the same data at the same address."""
 
     def __init__(self, store: str, *flags: str, token: str = ""):
         self._store, self._flags = store, flags

@@ -11,7 +11,7 @@ import { fileURLToPath } from "node:url";
 export const ROOT = fileURLToPath(new URL("../../..", import.meta.url));
 const PROGRAM = process.env["PIAD_PROGRAM"] ?? join(ROOT, "target/debug/piad");
 
-/** A server that can be killed and started again with the same data at the same address. */
+/** A server that can be killed and restarted with the same data at the same address. */
 export class Server {
   #address = "127.0.0.1:0";
   #process: ChildProcess | undefined;

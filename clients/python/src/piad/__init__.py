@@ -9,7 +9,7 @@
 - `client`: `Client`, the entry point; `job`: `Job`, its iterations and its result; `async_client`,
   `async_job`: the same for asyncio; `status`: the state of a job;
 - `iteration`: `Iteration`, `Result` and their parts; `geometry`: `Curve` and `Surface`, and conversions to other
-packages; `points`: files of points; `plotting`: plots;
+  packages; `points`: files of points; `plotting`: plots;
 - `curvature`: `CurveShape` and `SurfaceShape`, what `Job.curvature` returns;
 - `batch`: many fits in one request;
 - `errors`: the exceptions.

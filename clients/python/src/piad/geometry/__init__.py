@@ -2,7 +2,7 @@
 
 - `curve`, `surface`: the fitted geometry;
 - `basis`: knots and functions of one direction; `net`: homogeneous control points; `ball`: conversion of the Ball bases
-to Bézier form;
+  to Bézier form;
 - `derivative`: derivatives with respect to the parameters;
 - `boundary`: boundaries of surfaces, for neighbours that join there;
 - `scipy`, `geomdl`, `rhino`, `occ`: conversions to other packages, which are imported when needed.
