@@ -55,7 +55,7 @@ def main() -> None:
         with started(arguments.program, folder, file) as address:
             recent = jobs(Client(address, other), arguments.rounds)
             client = Client(address, own)
-            times: dict[str, list[float]] = {"nobody's": [], "another's, recent": [], "another's, in the file": []}
+            times: dict[str, list[float]] = {"unknown": [], "another's, recent": [], "another's, in the file": []}
             for ids in zip(map(like, recent), recent, stored):
                 for name, id in zip(times, ids):
                     times[name].append(seconds(client, id))

@@ -64,7 +64,7 @@ def post(address: tuple[str, int], count: int, job: dict) -> None:
         connection.close()
 
 
-def told(seconds: list[float]) -> str:
+def summary(seconds: list[float]) -> str:
     return f"{1000 * statistics.median(seconds):8.2f} {1000 * max(seconds):9.2f}"
 
 
@@ -85,7 +85,7 @@ def main() -> int:
                 assert json.loads(text)["state"] == "converged", text
                 jobs.append(seconds)
                 probes.append(ask(address, "127.0.0.2", "GET", "/livez")[0])
-            print(f"{name:26} {told(jobs)} {told(probes)}", flush=True)
+            print(f"{name:26} {summary(jobs)} {summary(probes)}", flush=True)
     return 0
 
 

@@ -37,7 +37,7 @@ REQUESTS = {
 }
 
 
-def collect(told: Connection, pause: float) -> None:
+def collect(pipe: Connection, pause: float) -> None:
     """A collector that accepts everything after this many seconds, and counts the bytes."""
     from concurrent.futures import ThreadPoolExecutor
 
@@ -51,10 +51,10 @@ def collect(told: Connection, pause: float) -> None:
     server = grpc.server(ThreadPoolExecutor(1))
     calls = {"Export": grpc.unary_unary_rpc_method_handler(export)}
     server.add_generic_rpc_handlers([grpc.method_handlers_generic_handler(SERVICE, calls)])
-    told.send(server.add_insecure_port("127.0.0.1:0"))
+    pipe.send(server.add_insecure_port("127.0.0.1:0"))
     server.start()
-    told.recv()
-    told.send(taken.value)
+    pipe.recv()
+    pipe.send(taken.value)
 
 
 class Server:

@@ -11,7 +11,7 @@
 #![expect(
     clippy::print_stdout,
     clippy::expect_used,
-    reason = "a bench prints, and stops where it cannot go on"
+    reason = "a bench prints, and stops where it cannot continue"
 )]
 
 mod differences;

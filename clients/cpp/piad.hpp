@@ -1210,7 +1210,7 @@ private:
         const int pause = call_.stop.possible() ? 50 : 500;
         for (;;) {
             int running = 0;
-            if (curl_multi_perform(multi_, &running) != CURLM_OK) throw Error("libcurl cannot go on with a transfer");
+            if (curl_multi_perform(multi_, &running) != CURLM_OK) throw Error("libcurl cannot continue a transfer");
             int left = 0;
             while (const CURLMsg* message = curl_multi_info_read(multi_, &left)) {
                 if (message->msg == CURLMSG_DONE) return message->data.result;

@@ -149,8 +149,8 @@ def tokens(request: Json) -> Json:
 
 
 def large(request: Json) -> Json:
-    told = levels(request)
-    return {"numbers": told["numbers"], "count": len(told["last"]), "sum": sum(told["last"])}
+    summary = levels(request)
+    return {"numbers": summary["numbers"], "count": len(summary["last"]), "sum": sum(summary["last"])}
 
 
 SCENARIOS = {

@@ -28,7 +28,7 @@ from packed import moved
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.normpath(os.path.join(HERE, "..", ".."))
 TOKEN = "piad_" + "0123456789abcdef" * 4
-PATIENCE = 120
+TIMEOUT = 120
 
 Json = dict[str, Any]
 
@@ -82,7 +82,7 @@ class Server:
         headers = {"Content-Type": "application/json", "Prefer": "wait=60", "Authorization": f"Bearer {TOKEN}"}
         request = urllib.request.Request(self.url + path, content, headers)
         try:
-            with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+            with urllib.request.urlopen(request, timeout=TIMEOUT) as answer:
                 return json.load(answer)
         except urllib.error.HTTPError as refusal:
             return json.load(refusal)
@@ -133,7 +133,7 @@ def differences_of(server: Server, job: Json) -> Json:
         headers={"Accept": "application/x-ndjson", "Authorization": f"Bearer {TOKEN}"},
     )
     points: list[list[float]] = []
-    with urllib.request.urlopen(request, timeout=PATIENCE) as stream:
+    with urllib.request.urlopen(request, timeout=TIMEOUT) as stream:
         events = [json.loads(line) for line in stream]
     levels = [event["data"] for event in events if event["event"] == "iteration"]
     for level in levels:
@@ -161,7 +161,7 @@ class Run:
         return self.process.stdout.readline().strip()
 
     def answer(self) -> Json:
-        timer = threading.Timer(PATIENCE, self.process.kill)
+        timer = threading.Timer(TIMEOUT, self.process.kill)
         timer.start()
         said = self.line()
         assert self.process.wait() == 0, f"it has ended with {self.process.returncode}: {said}"

@@ -78,7 +78,7 @@ CHECKS = {
         const response = await fetch(BASE + "/v1/jobs", {
             method: "POST", headers: {"Content-Type": "application/json"}, body: "{}",
         });
-        return {status: response.status, told: (await response.json()).errors.length > 0};
+        return {status: response.status, explained: (await response.json()).errors.length > 0};
     """,
     "a deletion": """
         const response = await fetch(BASE + job.links.self, {method: "DELETE"});
@@ -95,7 +95,7 @@ EXPECTED = {
     "an EventSource": {"job": 1, "iterations": True, "end": 1},
     "a stream that is resumed by its header": {"status": 200, "after": "1"},
     "a file with its name": {"status": 200, "named": True},
-    "a problem with its reason": {"status": 422, "told": True},
+    "a problem with its reason": {"status": 422, "explained": True},
     "a deletion": {"status": 204, "gone": 404},
 }
 

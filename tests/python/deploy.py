@@ -81,20 +81,20 @@ def prometheus(content: dict) -> None:
             target = pathlib.Path(folder) / pathlib.Path(to).relative_to("/etc/prometheus")
             target.parent.mkdir(exist_ok=True)
             shutil.copy(DEPLOY / source, target)
-        told = run("promtool", "check", "config", pathlib.Path(folder) / "prometheus.yml")
-        check(f"{len(alerts())} rules found" in told, f"prometheus.yml does not load all rules:\n{told}")
+        output = run("promtool", "check", "config", pathlib.Path(folder) / "prometheus.yml")
+        check(f"{len(alerts())} rules found" in output, f"prometheus.yml does not load all rules:\n{output}")
     run("promtool", "test", "rules", DEPLOY / "alerts" / "tests.yml")
     tests = (DEPLOY / "alerts" / "tests.yml").read_text()
     operations = (ROOT / "docs" / "OPERATIONS.md").read_text()
     for alert in alerts():
         name, about = alert["alert"], alert["annotations"]
         check(f'alertname="{name}"' in tests, f"no test in which {name} fires")
-        check(f"| `{name}` |" in operations, f"docs/OPERATIONS.md does not tell about {name}")
+        check(f"| `{name}` |" in operations, f"docs/OPERATIONS.md does not describe {name}")
         section = re.search(r'See "(.+)" in docs/OPERATIONS\.md\.$', about["description"])
         check(section and f"\n## {section[1]}\n" in operations, f"{name} names no section of docs/OPERATIONS.md")
-        check(about["summary"] and alert["labels"]["severity"] in ("critical", "warning"), f"{name} is not told well")
+        check(about["summary"] and alert["labels"]["severity"] in ("critical", "warning"), f"{name} lacks a summary or severity")
     for name in re.findall(r"\| `(Piad\w+)` \|", operations):
-        check(name in [alert["alert"] for alert in alerts()], f"docs/OPERATIONS.md tells about {name}")
+        check(name in [alert["alert"] for alert in alerts()], f"docs/OPERATIONS.md describes the unknown alert {name}")
 
 
 def alerts() -> list[dict]:

@@ -221,7 +221,7 @@ def is_a_good_citizen(channel):
         answer = health.Check(health_pb2.HealthCheckRequest(service=service))
         assert answer.status == health_pb2.HealthCheckResponse.SERVING
     code = grpc.StatusCode
-    assert failure(lambda: health.Check(health_pb2.HealthCheckRequest(service="nobody"))) == code.NOT_FOUND
+    assert failure(lambda: health.Check(health_pb2.HealthCheckRequest(service="unknown"))) == code.NOT_FOUND
 
     def call(path, message=b""):
         return failure(lambda: channel.unary_unary(path)(message))

@@ -94,13 +94,13 @@ def openssl(checks: Checks, address: str, files: Certificates) -> None:
         return [said.stdout] if said.returncode == 0 else []
 
     for version, name in (("-tls1_2", "TLSv1.2"), ("-tls1_3", "TLSv1.3")):
-        told = "".join(shake(version))
-        checks.equal(f"openssl, {name}", f"New, {name}, Cipher is" in told and "Verify return code: 0 (ok)" in told, True)
+        output = "".join(shake(version))
+        checks.equal(f"openssl, {name}", f"New, {name}, Cipher is" in output and "Verify return code: 0 (ok)" in output, True)
     # Debian's openssl offers it only at its lowest level of security.
     checks.equal("openssl, TLS 1.1", shake("-tls1_1", "-cipher", "DEFAULT:@SECLEVEL=0"), [])
     for offered, chosen in (("h2,http/1.1", "h2"), ("http/1.1", "http/1.1"), ("http/1.1,h2", "h2")):
-        told = "".join(shake("-alpn", offered))
-        checks.equal(f"openssl, ALPN {offered}", f"ALPN protocol: {chosen}\n" in told, True)
+        output = "".join(shake("-alpn", offered))
+        checks.equal(f"openssl, ALPN {offered}", f"ALPN protocol: {chosen}\n" in output, True)
 
 
 def curl(checks: Checks, base: str, files: Certificates) -> None:
@@ -142,10 +142,10 @@ def call(checks: Checks, address: str, files: Certificates) -> None:
     with grpc.secure_channel(address, grpc.ssl_channel_credentials()) as channel:
         try:
             pb_grpc.FittingServiceStub(channel).ListJobs(pb.ListJobsRequest(), timeout=10)
-            told = "an answer"
+            output = "a response"
         except grpc.RpcError as error:
-            told = error.code()
-        checks.equal("gRPC, an authority that is not trusted", told, grpc.StatusCode.UNAVAILABLE)
+            output = error.code()
+        checks.equal("gRPC, an authority that is not trusted", output, grpc.StatusCode.UNAVAILABLE)
 
 
 def browse(checks: Checks, base: str, files: Certificates) -> None:

@@ -20,7 +20,7 @@ import zlib
 NAME = sys.argv[1] if len(sys.argv) > 1 else "piad"
 USER = 12345
 MOST_BYTES = 25_000_000
-PATIENCE = 60
+TIMEOUT = 60
 
 
 def run(*command: str) -> str:
@@ -62,10 +62,10 @@ class Container:
     def fetch(self, path: str, body: bytes | None = None, **headers: str):
         headers = {name.replace("_", "-"): value for name, value in headers.items()}
         request = urllib.request.Request(self.address + path, body, {"content-type": "application/json", **headers})
-        return urllib.request.urlopen(request, timeout=PATIENCE)
+        return urllib.request.urlopen(request, timeout=TIMEOUT)
 
     def wait_until_ready(self) -> None:
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + TIMEOUT
         while True:
             assert self.process.poll() is None, f"it has ended: {self.command}"
             try:
@@ -77,7 +77,7 @@ class Container:
 
     def stop(self) -> None:
         self.process.send_signal(signal.SIGTERM)
-        assert self.process.wait(PATIENCE) == 0, "SIGTERM is an orderly stop"
+        assert self.process.wait(TIMEOUT) == 0, "SIGTERM is an orderly stop"
 
 
 def podman_works() -> bool:

@@ -232,7 +232,7 @@ def jobs_end_with_their_client(proxy: Proxy) -> None:
     connection.close()
     deadline = time.monotonic() + 120
     while proxy.state(job["id"]) != "cancelled":
-        assert time.monotonic() < deadline, "the job goes on without its client"
+        assert time.monotonic() < deadline, "the job continues without its client"
         time.sleep(0.05)
 
 

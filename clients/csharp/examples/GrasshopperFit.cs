@@ -53,7 +53,7 @@ namespace PiadExamples
             pManager.AddPointParameter("Points", "P", "Data points, in order", GH_ParamAccess.list);
             pManager.AddIntegerParameter("Degree", "D", "Degree of the B-spline", GH_ParamAccess.item, 3);
             pManager.AddNumberParameter("Tolerance", "T", "Largest allowed distance from a point", GH_ParamAccess.item, 0.001);
-            pManager.AddBooleanParameter("Closed", "C", "Whether the curve is periodic", GH_ParamAccess.item, false);
+            pManager.AddBooleanParameter("Closed", "C", "True if the curve is periodic", GH_ParamAccess.item, false);
             pManager.AddTextParameter("Server", "S", "Address of the server", GH_ParamAccess.item, "http://127.0.0.1:8080");
             pManager.AddTextParameter("Token", "K", "Token of the server, if it asks for one", GH_ParamAccess.item);
             pManager[5].Optional = true;

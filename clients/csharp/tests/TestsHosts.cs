@@ -94,7 +94,7 @@ public static class HostTests
             Check.Equal(10, (await client.JobsAsync("converged")).Single().Json.Value<int>("points"), "points of the new fit");
             var time = Stopwatch.StartNew();
             while ((await client.JobsAsync("running")).Count > 0 && time.Elapsed < TimeSpan.FromSeconds(20)) await Task.Delay(50);
-            Check.Equal(0, (await client.JobsAsync("running")).Count, "fits that nobody looks at");
+            Check.Equal(0, (await client.JobsAsync("running")).Count, "abandoned fits");
         }
     }
 

@@ -30,7 +30,7 @@ public static class StreamTests
             Check.Same(Enumerable.Range(0, (int)end.Iterations + 1).Select(k => (long)k), numbers, "numbers");
             FitResult result = await (await client.JobAsync(stream.JobId)).ResultAsync();
             Check.Same(Tests.Flat(result.Curve.ControlPoints), Tests.Flat(last.Curve.ControlPoints), "control points of the last");
-            Check.That(last.Rate < 1 && last.Predicted >= last.Number && last.Moved > 0, "the last iteration tells its rate");
+            Check.That(last.Rate < 1 && last.Predicted >= last.Number && last.Moved > 0, "the last iteration has its rate");
         }
     }
 
@@ -343,7 +343,7 @@ public static class BreakTests
             Check.Equal("POST /v1/jobs/stream", relay.Requests[0], "the first request");
             Check.Equal(4, relay.Requests.Count(request => request.Contains("stream") || request.Contains("events")), "connections");
             int[] after = relay.LastIds.Skip(1).Take(3).Select(int.Parse).ToArray();
-            Check.That(after[0] > 0 && after[1] > after[0] && after[2] > after[1], "streams go on after an iteration: " + string.Join(", ", after));
+            Check.That(after[0] > 0 && after[1] > after[0] && after[2] > after[1], "streams resume after an iteration: " + string.Join(", ", after));
         }
     }
 

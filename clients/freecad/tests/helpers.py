@@ -22,7 +22,7 @@ from freecad.piad_workbench.panel import FitPanel
 
 PROGRAM = os.environ["PIAD_PROGRAM"]
 PICTURES = os.environ["PIAD_PICTURES"]
-PATIENCE = 120.0
+TIMEOUT = 120.0
 
 
 def turn(seconds: float = 0.0) -> None:
@@ -37,14 +37,14 @@ def turn(seconds: float = 0.0) -> None:
 
 def until(condition: Callable[[], Any], what: str = "") -> Any:
     """Processes events of FreeCAD until a condition holds."""
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + TIMEOUT
     while True:
         turn()
         found = condition()
         if found:
             return found
         if time.monotonic() > end:
-            raise AssertionError(f"not within {PATIENCE} s: {what or condition}")
+            raise AssertionError(f"not within {TIMEOUT} s: {what or condition}")
         time.sleep(0.005)
 
 

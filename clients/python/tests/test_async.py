@@ -101,7 +101,7 @@ def test_all_methods(server: Server, tmp_path: Path) -> None:
     with_client(server, work)
 
 
-def test_mistakes_are_the_same(server: Server) -> None:
+def test_errors_are_the_same(server: Server) -> None:
     async def work(client: piad.AsyncClient) -> None:
         with pytest.raises(piad.ApiError) as refused:
             await client.create([[0, 0], [1, 1], [1, 1], [2, 0]])
@@ -116,18 +116,18 @@ def test_mistakes_are_the_same(server: Server) -> None:
         with pytest.raises(piad.WaitTimeout):
             await (await client.create(MANY, **ENDLESS)).wait(0.05)
         # The warning refers to the line that requests the fit.
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             await client.fit(MANY, basis="bernstein", max_iterations=2)
-        assert [(it.category, it.filename) for it in told] == [(piad.NotConverged, __file__)]
+        assert [(it.category, it.filename) for it in caught] == [(piad.NotConverged, __file__)]
         # Also in a task of its own, which has no caller.
-        with warnings.catch_warnings(record=True) as told:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             task = asyncio.create_task(client.fit(MANY, basis="bernstein", max_iterations=2))
             line = inspect.currentframe().f_lineno - 1  # type: ignore[union-attr]
             await asyncio.gather(task, asyncio.wait_for(client.fit(MANY, basis="bernstein", max_iterations=3), 30))
         # Either may end first.
-        assert sorted((it.filename, it.lineno) for it in told) == [(__file__, line), (__file__, line + 2)]
+        assert sorted((it.filename, it.lineno) for it in caught) == [(__file__, line), (__file__, line + 2)]
 
     with_client(server, work)
     with pytest.raises(ValueError, match="one attempt"):

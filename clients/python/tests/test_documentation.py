@@ -71,9 +71,9 @@ def test_examples_are_typed(section: str, tmp_path: Path) -> None:
     example.write_text(snippets(CLIENT, section)[0], encoding="utf-8")
     mypy = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(example)]
     environment = {**os.environ, "MYPYPATH": str(ROOT / "clients/python/src")}
-    told = subprocess.run(mypy, capture_output=True, text=True, env=environment, cwd=tmp_path, check=False)
-    wrong = [line for line in told.stdout.splitlines() if line.startswith(str(example))]
-    assert not wrong and told.returncode in (0, 1), told.stdout + told.stderr
+    output = subprocess.run(mypy, capture_output=True, text=True, env=environment, cwd=tmp_path, check=False)
+    wrong = [line for line in output.stdout.splitlines() if line.startswith(str(example))]
+    assert not wrong and output.returncode in (0, 1), output.stdout + output.stderr
 
 
 @pytest.mark.parametrize("page", ["docs/FITTING.md", "docs/JOBS.md", "docs/STREAMS.md"])

@@ -35,7 +35,7 @@ def test_surfaces_are_said_or_seen(client: piad.Client) -> None:
     assert len(client.fit(rows.points, degree={"u": 1, "v": 2}).surface.control_points) == 2
 
 
-def test_mistakes_have_lines(client: piad.Client) -> None:
+def test_errors_have_lines(client: piad.Client) -> None:
     with pytest.raises(piad.ApiError) as refused:
         client.read_points("x,y\n1,2\n3,oops\n4\n")
     problem = refused.value.problem

@@ -3,7 +3,7 @@
 import type { Client, ClientOptions } from "piad";
 
 /** Servers and proxies, identified by their addresses. */
-export interface Backstage {
+export interface Environment {
   /** Starts a server that stores its jobs, optionally with a base path or a required token. */
   durable(basePath?: string, token?: string): Promise<string>;
   /** Sends SIGKILL: connections are not closed cleanly. */
@@ -25,7 +25,7 @@ export interface Backstage {
 export interface World {
   /** A server without other users. */
   readonly url: string;
-  readonly backstage: Backstage;
+  readonly environment: Environment;
   /** A client of that server, or of another one. */
   client(options?: ClientOptions, url?: string): Client;
 }

@@ -60,7 +60,7 @@ FIELDS = (
     Field(
         "closed",
         QT_TRANSLATE_NOOP("piad", "Closed"),
-        QT_TRANSLATE_NOOP("piad", "Goes on smoothly from the last point to the first."),
+        QT_TRANSLATE_NOOP("piad", "Continues smoothly from the last point to the first."),
         "App::PropertyBool",
     ),
     Field(

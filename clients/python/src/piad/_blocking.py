@@ -80,8 +80,8 @@ def _begun(call: Any, asynchronous: Any, self: Any, args: Any, kwargs: Any) -> A
     try:
         return asynchronous(self._async, *args, **kwargs)
     except TypeError as error:
-        told = str(error).replace(f"{asynchronous.__qualname__}()", f"{call.__qualname__}()")
-        error.args = (told,)
+        message = str(error).replace(f"{asynchronous.__qualname__}()", f"{call.__qualname__}()")
+        error.args = (message,)
         raise
 
 

@@ -137,8 +137,8 @@ class Transport:
 
     def is_hopeless(self, error: httpx.TransportError, seconds: float) -> bool:
         """True if a retry is useless after failing for this many seconds."""
-        nobody = isinstance(error, _UNREACHABLE) and not self._has_answered
-        return isinstance(error, _HOPELESS) or (nobody and seconds > _FIRST_CONTACT)
+        unreachable = isinstance(error, _UNREACHABLE) and not self._has_answered
+        return isinstance(error, _HOPELESS) or (unreachable and seconds > _FIRST_CONTACT)
 
     def lost(self, error: httpx.TransportError) -> PiadError:
         """The error after the last attempt, or if the connection was never made."""

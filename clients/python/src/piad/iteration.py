@@ -302,7 +302,7 @@ class Iteration:
     def geometry(self) -> Geometry:
         """The curve or surface. Raises `ValueError` if the view has no control points."""
         if self.control_points is None or self.shape is None:
-            raise ValueError('this iteration has no control points: it was asked for in another view')
+            raise ValueError('this iteration has no control points: it was requested with another view')
         return self.shape.with_net(self.control_points, self.weights)
 
 

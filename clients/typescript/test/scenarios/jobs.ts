@@ -103,9 +103,9 @@ export const jobs: Scenarios = {
 
   "data are measured from the nearest points": async ({ client }) => {
     const job = await client().create(POINTS, { wait: 10 });
-    const told = await job.deviation({ list: true });
-    equal([told.iteration, (told.distances as number[]).length], [job.status.iteration, CURVE.length]);
-    ok(told.max <= (job.status.error?.max ?? 0));
+    const deviation = await job.deviation({ list: true });
+    equal([deviation.iteration, (deviation.distances as number[]).length], [job.status.iteration, CURVE.length]);
+    ok(deviation.max <= (job.status.error?.max ?? 0));
     equal((await job.deviation({ iteration: 0 })).distances, undefined);
   },
 
@@ -156,7 +156,7 @@ export const jobs: Scenarios = {
     equal((await refused(job.edit(drag), ApiError)).pointers, ["/ephemeral"]);
   },
 
-  "a drag that breaks off is over": async ({ client }) => {
+  "a drag cannot be resumed": async ({ client }) => {
     const job = await client().create(POINTS, { wait: 10 });
     let posts = 0;
     const broken = async (address: string, init: RequestInit) => {
@@ -222,8 +222,8 @@ export const jobs: Scenarios = {
     equal((await all(one.iterations())).length, (await all(other.iterations())).length);
   },
 
-  "servers that know their prefix": async ({ client, backstage }) => {
-    const url = await backstage.durable("/tools/fits");
+  "servers that know their prefix": async ({ client, environment }) => {
+    const url = await environment.durable("/tools/fits");
     const piad = client({}, `${url}/tools/fits`);
     const [one, other] = [await piad.create(POINTS, { wait: 10 }), await piad.create(POINTS, { wait: 10 })];
     equal((await piad.service()).links["jobs"], "/tools/fits/v1/jobs");
@@ -231,9 +231,9 @@ export const jobs: Scenarios = {
     equal((await all(one.iterations())).length, (await all(other.iterations())).length);
   },
 
-  "servers that ask for a token": async ({ client, backstage }) => {
+  "servers that ask for a token": async ({ client, environment }) => {
     const token = `piad_${"0123456789abcdef".repeat(4)}`;
-    const url = await backstage.durable("/", token);
+    const url = await environment.durable("/", token);
     equal((await refused(client({}, url).create(POINTS), ApiError)).problem.type, "/problems/unauthenticated");
     const job = await client({ token }, url).create(POINTS, { wait: 10 });
     const events = `${url}/v1/jobs/${job.id}/events`;
@@ -249,7 +249,7 @@ export const jobs: Scenarios = {
     equal((await refused(job.ticket(), ApiError)).problem.type, "/problems/no-tickets");
   },
 
-  "a server tells about itself": async ({ client }) => {
+  "information about a server": async ({ client }) => {
     const piad = client();
     ok((await piad.capabilities()).methods.length > 5);
     const rates = await piad.rates({ points: 5, degree: 2 });

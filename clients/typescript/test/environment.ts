@@ -2,9 +2,9 @@
 
 import { Proxy } from "./proxy.js";
 import { Server } from "./server.js";
-import type { Backstage } from "./world.js";
+import type { Environment } from "./world.js";
 
-export class Stage implements Backstage {
+export class LocalEnvironment implements Environment {
   readonly #servers = new Map<string, Server>();
   readonly #proxies = new Map<string, Proxy>();
 

@@ -6,8 +6,8 @@ import { equal, ok, refused } from "../check.js";
 import { CURVE } from "../shapes.js";
 import type { Scenarios } from "../world.js";
 
-export const mistakes: Scenarios = {
-  "what is wrong has a place": async ({ client }) => {
+export const failures: Scenarios = {
+  "errors have locations": async ({ client }) => {
     const curve = { points: [[0, 0], [1, 2], [1, 2]] };
     const error = await refused(client().create({ curve, stop: { tolerance: -1 } }), ApiError);
     ok(error instanceof PiadError);
@@ -54,15 +54,15 @@ export const mistakes: Scenarios = {
     ok(await client({}, `${url}/`).live());
   },
 
-  "where nobody listens": async ({ client, backstage }) => {
+  "no server listens": async ({ client, environment }) => {
     const started = Date.now();
-    const url = await backstage.nowhere();
+    const url = await environment.nowhere();
     const error = await refused(client({}, url).capabilities(), ConnectionLost);
     ok(error.message.includes(url) && error.cause instanceof Error, error.message);
     ok(Date.now() - started < 10_000);
   },
 
-  "where nobody answers": async ({ client }) => {
+  "a server that does not respond": async ({ client }) => {
     const silent = (_: string, { signal }: RequestInit) =>
       new Promise<Response>((_, reject) => signal?.addEventListener("abort", () => reject(signal.reason)));
     const error = await refused(client({ fetch: silent, timeout: 0.1, attempts: 2 }).live(), ConnectionLost);
