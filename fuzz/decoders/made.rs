@@ -45,7 +45,7 @@ impl<'a> Choices<'a> {
         self.0.int_in_range(0..=last).unwrap_or(0)
     }
 
-    /// Seldom, as a mistake ends most jobs.
+    /// Seldom, as a error ends most jobs.
     fn rarely(&mut self) -> bool {
         self.below(16) == 15
     }

@@ -24,8 +24,8 @@ use crate::job::state::{Levels, State, Status};
 use crate::job::store::fuzzing as store;
 use crate::job::store::{Record, StoreError};
 use crate::model::edit::{EditRequest, ParentFit};
+use crate::model::errors::MAX_ERRORS;
 use crate::model::job::{JobRequest, ValidJob};
-use crate::model::mistakes::MOST_MISTAKES;
 use crate::model::scattered::no_base;
 use made::Choices;
 use piad_fit::data::Points;
@@ -139,7 +139,7 @@ fn job_of_message(bytes: &[u8]) -> Result<ValidJob, Refusal> {
 
 fn valid(request: JobRequest, words: &impl Words) -> Result<ValidJob, Refusal> {
     let valid = request.validate(config().limits(), Err(no_base()));
-    valid.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
+    valid.map_err(|errors| Refusal::of_errors(errors, words))
 }
 
 /// What was accepted. A refusal says what is wrong, and not at any length.
@@ -149,7 +149,7 @@ fn accepted<T>(outcome: Result<T, Refusal>) -> Option<T> {
         Err(refusal) => refusal,
     };
     assert!(!refusal.detail().is_empty(), "{refusal:?}");
-    assert!(refusal.errors().len() <= MOST_MISTAKES, "{refusal:?}");
+    assert!(refusal.errors().len() <= MAX_ERRORS, "{refusal:?}");
     let answer = view::to_bytes(&refusal.body(None));
     assert!(answer.len() <= LONGEST_ANSWER, "{refusal:?}");
     None
@@ -315,7 +315,7 @@ impl Parent {
             stream: None,
         };
         let edited = request.apply(&origin, config().limits());
-        edited.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
+        edited.map_err(|errors| Refusal::of_errors(errors, words))
     }
 }
 

@@ -20,12 +20,12 @@ use crate::job::service::ephemeral::Ephemeral;
 use crate::job::service::sessions::SessionTurn;
 use crate::job::store::IdempotencyKey;
 use crate::model::edit::{EditRequest, ParentFit};
+use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::{JobRequest, Limits};
-use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::scattered;
 use crate::model::stream::StreamSpec;
-use crate::model::stream::choices::ChoiceMistake;
+use crate::model::stream::choices::ChoiceError;
 use crate::model::stream::options::{self, StreamOptions};
 use piad_files::export::{self, ExportError, Format};
 use piad_fit::engine as fit;
@@ -119,7 +119,7 @@ impl Order {
         &self,
         request: &StreamSpec,
         framing: Framing,
-    ) -> Result<(), ChoiceMistake> {
+    ) -> Result<(), ChoiceError> {
         let (job, surface) = (self.label.stream.as_deref(), self.is_surface());
         StreamOptions::new(request, job, framing.is_protobuf(), surface)?;
         if framing.is_protobuf() {
@@ -169,8 +169,9 @@ impl EditOrder {
         let is_ephemeral = edit.ephemeral == Some(true);
         let session = edit.session.clone().filter(|_| is_ephemeral);
         let turn = session.map(|name| app.jobs.session(parent, name));
-        let wrong =
-            |place, detail: String| Problem::of_mistakes(Mistake::at(place, detail).into(), words);
+        let wrong = |place, detail: String| {
+            Problem::of_errors(ValidationError::at(place, detail).into(), words)
+        };
         let iteration = edit.iteration.and_then(IterationChoice::number);
         let frame = start(parent, iteration).await?;
         let frame = frame.map_err(|detail| wrong(SpecPart::Iteration, detail))?;
@@ -197,7 +198,7 @@ impl EditOrder {
             Ok(edit.apply(&origin, limits))
         })
         .await?;
-        let valid = valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))?;
+        let valid = valid.map_err(|errors| Problem::of_errors(errors, words))?;
         let order = Order {
             label: Label {
                 name: valid.name,
@@ -228,7 +229,10 @@ impl EditOrder {
 /// Refuses an ephemeral edit whose stream is not requested.
 pub(super) fn no_stream(words: &impl Words) -> Problem {
     let detail = "an ephemeral edit exists only as a stream: request one with POST /v1/jobs/{id}/edits/stream or the Accept header";
-    Problem::of_mistakes(Mistake::at(SpecPart::Ephemeral, detail).into(), words)
+    Problem::of_errors(
+        ValidationError::at(SpecPart::Ephemeral, detail).into(),
+        words,
+    )
 }
 
 /// Reads a body of this many bytes.

@@ -19,11 +19,11 @@ pub(super) struct Refusal {
     #[serde(default)]
     pub detail: String,
     #[serde(default)]
-    errors: Vec<Mistake>,
+    errors: Vec<ValidationError>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Mistake {
+struct ValidationError {
     pointer: Option<String>,
     parameter: Option<String>,
     line: Option<usize>,
@@ -44,7 +44,7 @@ impl Refusal {
 
     /// Returns true if a file has several parts, or not the requested one.
     pub(super) fn wants_part(&self) -> bool {
-        let is_part = |mistake: &Mistake| mistake.parameter.as_deref() == Some(PART);
+        let is_part = |error: &ValidationError| error.parameter.as_deref() == Some(PART);
         self.errors.iter().any(is_part)
     }
 
@@ -68,7 +68,7 @@ impl Refusal {
     }
 }
 
-impl Mistake {
+impl ValidationError {
     fn told(&self, input: &Input, asked: &Asked) -> String {
         let (name, detail) = (&input.name, &self.detail);
         if let Some(line) = self.line {

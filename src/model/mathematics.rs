@@ -1,6 +1,6 @@
 //! Validation of a fitting problem, which collects independent errors.
 
-use super::mistakes::{Mistake, Mistakes, SpecPart};
+use super::errors::{SpecPart, ValidationError, ValidationErrors};
 use piad_fit::basis::{BasisChoice, Knots};
 use piad_fit::engine::{Admission, DirectionChoice, Problem, Request, Weights, trimmed};
 use piad_fit::invalid::{self as fit, Axis};
@@ -10,7 +10,7 @@ use piad_fit::parameters::Parametrization;
 /// Up to this many points more than one error is searched for, which takes a copy of the problem.
 const MOST_COPIED: usize = 10_000;
 
-impl Mistakes {
+impl ValidationErrors {
     /// The problem, or its errors. Each error is corrected in a copy, to find those after it.
     /// `place` maps a part of the problem to the model.
     pub(super) fn fit(
@@ -37,7 +37,7 @@ impl Mistakes {
                     fit::Place::Whole => SpecPart::Whole,
                     part => place(part),
                 };
-                self.push(Mistake::at(part, error.to_string()));
+                self.push(ValidationError::at(part, error.to_string()));
             }
             if self.full() {
                 break;

@@ -4,7 +4,7 @@
 //!   points), its `weights`, its `method` with `settings`, and its end (`stop`); `edit`: changes of one, from an
 //!   `iteration`;
 //! - `stream`: options of the event streams of a job;
-//! - `mistakes`: all errors of a request, each at a part of the model; `mathematics`: validation of the fitting
+//! - `errors`: all errors of a request, each at a part of the model; `mathematics`: validation of the fitting
 //!   problem;
 //! - `either`: readers of values with several forms; `per_direction`: one value for both directions of a surface, or
 //!   one for each; `lists`: numbers in lists, and `list_limits`: their lengths; `named`: enumerations whose values have
@@ -16,6 +16,7 @@ pub(crate) mod corners;
 pub(crate) mod edit;
 pub(crate) mod either;
 pub(crate) mod ends;
+pub(crate) mod errors;
 mod files;
 mod heights;
 pub(crate) mod iteration;
@@ -24,7 +25,6 @@ pub(crate) mod list_limits;
 pub(crate) mod lists;
 mod mathematics;
 pub(crate) mod method;
-pub(crate) mod mistakes;
 pub(crate) mod named;
 pub(crate) mod numbers;
 pub(crate) mod per_direction;

@@ -12,8 +12,8 @@ use crate::api::problem::{Kind, Location, Problem, Words};
 use crate::api::proto;
 use crate::api::proto::fields::MessageLayout;
 use crate::job::memory::Permit;
+use crate::model::errors::SpecPart;
 use crate::model::job::{JobRequest, LONGEST_NAME};
-use crate::model::mistakes::SpecPart;
 
 /// An item as it has arrived.
 pub(super) struct Item {

@@ -45,7 +45,7 @@ impl Forms {
         let spec = stream::spec(asked, "").map_err(fields::wrong)?;
         let of = |surface| {
             let form = options::message_form(&spec, surface);
-            let form = form.map_err(|mistake| fields::wrong_choice(mistake, ""))?;
+            let form = form.map_err(|error| fields::wrong_choice(error, ""))?;
             Ok((spec.clone(), form))
         };
         Self::any(of(false), of(true))

@@ -66,7 +66,7 @@ impl Service {
         let order = Order::new(app, length, read).await;
         let order = order.map_err(|problem| problem.within("input"))?;
         if let Some(spec) = watch {
-            let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+            let wrong = |error| fields::wrong_choice(error, "stream.");
             order.check_stream(spec, Framing::Protobuf).map_err(wrong)?;
         }
         order.make(app, key).await
@@ -162,7 +162,7 @@ fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Pr
     // The choices are fields of the request itself.
     let spec = stream_of::spec(options, "").map_err(fields::wrong)?;
     let form = options::message_form(&spec, job.outline().surface);
-    form.map_err(|mistake| fields::wrong_choice(mistake, ""))
+    form.map_err(|error| fields::wrong_choice(error, ""))
 }
 
 /// The number of an iteration; numbers beyond those of any job are cut.
@@ -197,7 +197,7 @@ impl FittingService for Service {
         let outline = job.outline();
         let defaults = outline.label.stream.as_deref();
         let options = StreamOptions::new(&spec, defaults, true, outline.surface);
-        let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+        let wrong = |error| fields::wrong_choice(error, "stream.");
         let mut options = options.map_err(wrong)?;
         // A job that was created before has its own stream; only that one may cancel it.
         options.cancels &= !replayed;
@@ -330,7 +330,7 @@ impl FittingService for Service {
         let defaults = outline.label.stream.as_deref();
         let surface = outline.surface;
         let options = StreamOptions::of_reader(&spec, defaults, true, surface);
-        let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+        let wrong = |error| fields::wrong_choice(error, "stream.");
         let options = options.map_err(wrong)?;
         let after = message.resume_after.map(level);
         let start = after.map(|k| resuming::after_iteration(&job, k));

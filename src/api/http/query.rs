@@ -6,7 +6,7 @@ use super::negotiate;
 use crate::api::problem::Problem;
 use crate::api::whole::plain_number;
 use crate::model::named::Named;
-use crate::model::stream::choices::ChoiceMistake;
+use crate::model::stream::choices::ChoiceError;
 use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec, not_samples};
 use piad_files::export::{ExportError, Format, Options, Origin, check_options};
@@ -301,7 +301,7 @@ impl StreamQuery {
 }
 
 fn wrong(choice: Choice, detail: impl Into<String>) -> Problem {
-    ChoiceMistake::of_request(choice, detail).into()
+    ChoiceError::of_request(choice, detail).into()
 }
 
 /// The value that a parameter names.

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::json::view::examples;
 use crate::api::json::plain::never_null;
-use crate::model::mistakes::{self as model, Mistakes, Site};
+use crate::model::errors::{self as model, Site, ValidationErrors};
 use field_error::LONGEST_DETAIL;
 pub(super) use field_error::{FieldError, Location};
 pub(super) use kind::Kind;
@@ -130,13 +130,13 @@ impl Problem {
     }
 
     /// All errors of a job or an edit, located in the encoding of the request.
-    pub fn of_mistakes(mistakes: Mistakes, words: &impl Words) -> Self {
-        let problems = mistakes.into_iter().map(|mistake| {
-            let text = match mistake.site {
+    pub fn of_errors(errors: ValidationErrors, words: &impl Words) -> Self {
+        let problems = errors.into_iter().map(|error| {
+            let text = match error.site {
                 Site::Part(place) => words.of(place),
                 Site::Text(text) => text,
             };
-            Self::at(Kind::InvalidFit, words.place(text), &mistake.detail)
+            Self::at(Kind::InvalidFit, words.place(text), &error.detail)
         });
         let unsaid = || Self::new(Kind::InvalidFit, "the request is not understood");
         Self::of_all(problems).unwrap_or_else(unsaid)

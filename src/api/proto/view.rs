@@ -15,7 +15,7 @@ use crate::job::content::Content;
 use crate::job::outliers::Outliers;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
-use crate::model::mistakes::SpecPart;
+use crate::model::errors::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
 use crate::proto::{basis, ends::rule, job, method, stream};

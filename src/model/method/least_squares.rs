@@ -7,8 +7,8 @@ use super::constraint::ConstraintInput;
 use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
 use super::form::MethodForm;
 use crate::model::either::{AtMost, Whole, number_or_word, whole};
+use crate::model::errors::{OrErrors, SpecPart, ValidationError};
 use crate::model::lists::PointNumbers;
-use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::named::{names, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
@@ -111,10 +111,10 @@ impl LeastSquaresInput {
     }
 
     /// The settings for data points arranged in `grid`.
-    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrMistakes<LeastSquares> {
+    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrErrors<LeastSquares> {
         let wrong = |setting, detail: &str| {
             let place = SpecPart::Fit(Place::Setting(setting));
-            Mistake::at(place, detail)
+            ValidationError::at(place, detail)
         };
         if self.mu.is_some() && self.variant != Some(VariantKind::Lspia) {
             let detail = "mu is a setting of the variant \"lspia\"";
@@ -131,10 +131,11 @@ impl LeastSquaresInput {
         });
         let constraints = self.constraints.map_or_else(Vec::new, |it| it.0);
         let constraints = constraints.into_iter().enumerate().map(|(index, it)| {
-            let wrong = |detail| Mistake::at(SpecPart::Fit(Place::Constraint(index)), detail);
+            let wrong =
+                |detail| ValidationError::at(SpecPart::Fit(Place::Constraint(index)), detail);
             it.constraint(grid, surface).map_err(wrong)
         });
-        let constraints: Result<Vec<Constraint>, Mistake> = constraints.collect();
+        let constraints: Result<Vec<Constraint>, ValidationError> = constraints.collect();
         Ok(LeastSquares {
             variant: match self.variant {
                 None | Some(VariantKind::Cg) => Variant::ConjugateGradients,
@@ -160,8 +161,9 @@ impl LeastSquaresInput {
     }
 
     /// The numbers of control points of both directions, or the most of an automatic fit.
-    fn counts(&self, surface: bool) -> Result<(usize, usize, Option<Automatic>), Mistake> {
-        let wrong = |name, detail: &str| Mistake::at_text(format!("/method/{name}"), detail);
+    fn counts(&self, surface: bool) -> Result<(usize, usize, Option<Automatic>), ValidationError> {
+        let wrong =
+            |name, detail: &str| ValidationError::at_text(format!("/method/{name}"), detail);
         let (counts, most) = (self.control_points, self.max_control_points);
         let each = [
             ("control_points", counts.is_some_and(|it| it.is_each())),

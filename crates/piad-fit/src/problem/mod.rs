@@ -202,9 +202,9 @@ impl Problem {
             problem.setup = Arc::new(placed);
         }
         fairness::choose(&mut problem.request, &problem.setup, problem.tolerance)?;
-        while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
+        while let Err(error) = problem.method().scheme().check_convergence(&problem) {
             let finer = first::finer(&problem.setup, &problem.request);
-            problem.setup = Arc::new(finer.ok_or(mistake)?);
+            problem.setup = Arc::new(finer.ok_or(error)?);
         }
         let kept = match problem.is_automatic() {
             true => gaps::present(&problem.request, &problem.setup),

@@ -3,9 +3,9 @@
 use crate::api::problem::{self, Words};
 use crate::model::edit::EditRequest;
 use crate::model::ends::{EndsForm, EndsInput};
+use crate::model::errors::{ChangePart, SpecPart};
 use crate::model::job::JobRequest;
 use crate::model::method::{self, MethodForm, MethodInput};
-use crate::model::mistakes::{ChangePart, SpecPart};
 use crate::model::named::Named;
 use crate::model::per_direction::{PerDirection, direction};
 use crate::model::scattered::SurfaceParameters;

@@ -8,7 +8,7 @@ use crate::api::json::request::places::Places;
 use crate::api::problem::Words;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
-use crate::model::mistakes::SpecPart;
+use crate::model::errors::SpecPart;
 use piad_fit::engine as fit;
 use piad_fit::invalid::Axis;
 

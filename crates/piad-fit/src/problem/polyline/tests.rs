@@ -125,12 +125,12 @@ fn what_is_no_polyline_is_named() {
     );
     let bend = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
     let fit = || Fit::curve(&bend).polyline();
-    let mistakes = [
+    let invalid = [
         fit().control_points(3),
         fit().method(crate::method::Method::Global),
         fit().weights(vec![1.0; 3]),
     ];
-    for fit in mistakes {
+    for fit in invalid {
         assert_eq!(fit.prepare().unwrap_err().place, Place::Polyline);
     }
     let values = Fit::curve(&[[0.0], [1.0], [0.0]]).polyline();

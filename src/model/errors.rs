@@ -9,7 +9,7 @@ use super::stream::Choice;
 use piad_fit::invalid as fit;
 
 /// The most errors that are reported at once.
-pub(crate) const MOST_MISTAKES: usize = 16;
+pub(crate) const MAX_ERRORS: usize = 16;
 
 /// A part of a job or an edit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,14 +68,14 @@ pub enum Site {
 
 /// An error, with its location.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mistake {
+pub struct ValidationError {
     /// The location.
     pub site: Site,
     /// The reason.
     pub detail: String,
 }
 
-impl Mistake {
+impl ValidationError {
     /// An error in a part of the model.
     pub fn at(place: SpecPart, detail: impl Into<String>) -> Self {
         Self {
@@ -94,16 +94,16 @@ impl Mistake {
 }
 
 /// A part of a request, or all of its errors.
-pub(crate) type OrMistakes<T> = Result<T, Mistakes>;
+pub(crate) type OrErrors<T> = Result<T, ValidationErrors>;
 
 /// The independent errors that were found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Mistakes(Vec<Mistake>);
+pub struct ValidationErrors(Vec<ValidationError>);
 
-impl Mistakes {
+impl ValidationErrors {
     /// Adds an error.
-    pub fn push(&mut self, mistake: Mistake) {
-        self.0.push(mistake);
+    pub fn push(&mut self, error: ValidationError) {
+        self.0.push(error);
     }
 
     /// Adds to the last one, after which no more are reported.
@@ -117,8 +117,8 @@ impl Mistakes {
     pub fn keep<T>(&mut self, read: Result<T, impl Into<Self>>) -> Option<T> {
         match read {
             Ok(value) => Some(value),
-            Err(mistakes) => {
-                self.0.extend(mistakes.into().0);
+            Err(errors) => {
+                self.0.extend(errors.into().0);
                 None
             }
         }
@@ -131,32 +131,32 @@ impl Mistakes {
 
     /// Returns true if no more are reported.
     pub fn full(&self) -> bool {
-        self.0.len() >= MOST_MISTAKES
+        self.0.len() >= MAX_ERRORS
     }
 
     /// The value if there are no errors.
-    pub fn or<T>(self, value: T) -> OrMistakes<T> {
+    pub fn or<T>(self, value: T) -> OrErrors<T> {
         if self.none() { Ok(value) } else { Err(self) }
     }
 }
 
 /// The details, in a line.
-impl fmt::Display for Mistakes {
+impl fmt::Display for ValidationErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let details: Vec<&str> = self.0.iter().map(|it| it.detail.as_str()).collect();
         f.write_str(&details.join("; "))
     }
 }
 
-impl From<Mistake> for Mistakes {
-    fn from(mistake: Mistake) -> Self {
-        Self(vec![mistake])
+impl From<ValidationError> for ValidationErrors {
+    fn from(error: ValidationError) -> Self {
+        Self(vec![error])
     }
 }
 
-impl IntoIterator for Mistakes {
-    type Item = Mistake;
-    type IntoIter = std::vec::IntoIter<Mistake>;
+impl IntoIterator for ValidationErrors {
+    type Item = ValidationError;
+    type IntoIter = std::vec::IntoIter<ValidationError>;
 
     fn into_iter(self) -> Self::IntoIter {
         self.0.into_iter()
