@@ -59,7 +59,7 @@ pub enum ChangePart {
 
 /// The location of an error.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Site {
+pub enum Location {
     /// In a part of the model.
     Part(SpecPart),
     /// At a location in the encoding of the request that is not a part of the model.
@@ -70,7 +70,7 @@ pub enum Site {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ValidationError {
     /// The location.
-    pub site: Site,
+    pub location: Location,
     /// The reason.
     pub detail: String,
 }
@@ -79,7 +79,7 @@ impl ValidationError {
     /// An error in a part of the model.
     pub fn at(place: SpecPart, detail: impl Into<String>) -> Self {
         Self {
-            site: Site::Part(place),
+            location: Location::Part(place),
             detail: detail.into(),
         }
     }
@@ -87,7 +87,7 @@ impl ValidationError {
     /// An error at a location that only the encoding of the request has.
     pub fn at_text(text: impl Into<String>, detail: impl Into<String>) -> Self {
         Self {
-            site: Site::Text(text.into()),
+            location: Location::Text(text.into()),
             detail: detail.into(),
         }
     }

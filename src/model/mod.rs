@@ -4,7 +4,7 @@
 //!   points), its `weights`, its `method` with `settings`, and its end (`stop`); `edit`: changes of one, from an
 //!   `iteration`;
 //! - `stream`: options of the event streams of a job;
-//! - `errors`: all errors of a request, each at a part of the model; `mathematics`: validation of the fitting
+//! - `errors`: all errors of a request, each at a part of the model; `validate_fit`: validation of the fitting
 //!   problem;
 //! - `either`: readers of values with several forms; `per_direction`: one value for both directions of a surface, or
 //!   one for each; `lists`: numbers in lists, and `list_limits`: their lengths; `named`: enumerations whose values have
@@ -23,7 +23,6 @@ pub(crate) mod iteration;
 pub mod job;
 pub(crate) mod list_limits;
 pub(crate) mod lists;
-mod mathematics;
 pub(crate) mod method;
 pub(crate) mod named;
 pub(crate) mod numbers;
@@ -37,4 +36,5 @@ pub(crate) mod stop;
 pub(crate) mod stream;
 pub(crate) mod surface;
 pub(crate) mod trim;
+mod validate_fit;
 pub(crate) mod weights;

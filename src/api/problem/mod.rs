@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::json::view::examples;
 use crate::api::json::plain::never_null;
-use crate::model::errors::{self as model, Site, ValidationErrors};
+use crate::model::errors::{self as model, ValidationErrors};
 use field_error::LONGEST_DETAIL;
 pub(super) use field_error::{FieldError, Location};
 pub(super) use kind::Kind;
@@ -132,9 +132,9 @@ impl Problem {
     /// All errors of a job or an edit, located in the encoding of the request.
     pub fn of_errors(errors: ValidationErrors, words: &impl Words) -> Self {
         let problems = errors.into_iter().map(|error| {
-            let text = match error.site {
-                Site::Part(place) => words.of(place),
-                Site::Text(text) => text,
+            let text = match error.location {
+                model::Location::Part(place) => words.of(place),
+                model::Location::Text(text) => text,
             };
             Self::at(Kind::InvalidFit, words.place(text), &error.detail)
         });
