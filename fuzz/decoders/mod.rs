@@ -15,7 +15,7 @@ use bytes::Bytes;
 
 use crate::api::json::request::{edit as json_edit, job as json_job};
 use crate::api::json::view;
-use crate::api::problem::{Problem as Refusal, Words};
+use crate::api::problem::{Locator, Problem as Refusal};
 use crate::api::proto;
 use crate::config::Config;
 use crate::job::outline::{Label, Outline};
@@ -137,9 +137,9 @@ fn job_of_message(bytes: &[u8]) -> Result<ValidJob, Refusal> {
     valid(request, &layout)
 }
 
-fn valid(request: JobRequest, words: &impl Words) -> Result<ValidJob, Refusal> {
+fn valid(request: JobRequest, locator: &impl Locator) -> Result<ValidJob, Refusal> {
     let valid = request.validate(config().limits(), Err(no_base()));
-    valid.map_err(|errors| Refusal::of_errors(errors, words))
+    valid.map_err(|errors| Refusal::of_errors(errors, locator))
 }
 
 /// What was accepted. A refusal says what is wrong, and not at any length.
@@ -307,7 +307,7 @@ impl Parent {
         })
     }
 
-    fn edited(&self, request: EditRequest, words: &impl Words) -> Result<ValidJob, Refusal> {
+    fn edited(&self, request: EditRequest, locator: &impl Locator) -> Result<ValidJob, Refusal> {
         let origin = ParentFit {
             problem: &self.problem,
             control_points: &self.control_points,
@@ -315,7 +315,7 @@ impl Parent {
             stream: None,
         };
         let edited = request.apply(&origin, config().limits());
-        edited.map_err(|errors| Refusal::of_errors(errors, words))
+        edited.map_err(|errors| Refusal::of_errors(errors, locator))
     }
 }
 

@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 
 use crate::api::app::App;
 use crate::api::language::Framing;
-use crate::api::problem::{Kind, Problem, Words};
+use crate::api::problem::{Kind, Locator, Problem};
 use crate::api::start::{Base, start};
 use crate::config::Config;
 use crate::job::Job;
@@ -53,16 +53,16 @@ pub(super) struct ReadJob<W> {
     /// The requested job.
     pub request: JobRequest,
     /// The locations of its parts.
-    pub words: W,
+    pub locator: W,
     /// Notices about the file that has its points, in sentences.
     pub notices: Vec<String>,
 }
 
 impl<W> From<(JobRequest, W)> for ReadJob<W> {
-    fn from((request, words): (JobRequest, W)) -> Self {
+    fn from((request, locator): (JobRequest, W)) -> Self {
         Self {
             request,
-            words,
+            locator,
             notices: Vec::new(),
         }
     }
@@ -79,7 +79,7 @@ pub(super) struct EditOrder {
 
 impl Order {
     /// A new job, from a body of this many bytes.
-    pub(super) async fn new<W: Words + Send + 'static>(
+    pub(super) async fn new<W: Locator + Send + 'static>(
         app: &App,
         bytes: usize,
         read: impl FnOnce(&Config) -> Result<ReadJob<W>, Problem> + Send + 'static,
@@ -88,13 +88,13 @@ impl Order {
         let is_small = bytes <= PARSED_AT_ONCE;
         let ReadJob {
             request,
-            words,
+            locator,
             mut notices,
         } = compute(app, is_small, move || read(&config)).await?;
         let base = Base::of(app, request.base()).await?;
         // Foot points take long even for small jobs.
         let is_short = is_small && !base.is_given();
-        let validate = move || base.validate(request, limits, &words);
+        let validate = move || base.validate(request, limits, &locator);
         let valid = compute(app, is_short, validate).await?;
         notices.extend(scattered::notices(&valid.problem));
         Ok(Self {
@@ -163,14 +163,14 @@ impl EditOrder {
         app: &App,
         parent: &Arc<Job>,
         edit: EditRequest,
-        words: &impl Words,
+        locator: &impl Locator,
     ) -> Result<Self, Problem> {
         // From here on the previous edit of the same session is obsolete.
         let is_ephemeral = edit.ephemeral == Some(true);
         let session = edit.session.clone().filter(|_| is_ephemeral);
         let turn = session.map(|name| app.jobs.session(parent, name));
         let wrong = |place, detail: String| {
-            Problem::of_errors(ValidationError::at(place, detail).into(), words)
+            Problem::of_errors(ValidationError::at(place, detail).into(), locator)
         };
         let iteration = edit.iteration.and_then(IterationChoice::number);
         let frame = start(parent, iteration).await?;
@@ -198,7 +198,7 @@ impl EditOrder {
             Ok(edit.apply(&origin, limits))
         })
         .await?;
-        let valid = valid.map_err(|errors| Problem::of_errors(errors, words))?;
+        let valid = valid.map_err(|errors| Problem::of_errors(errors, locator))?;
         let order = Order {
             label: Label {
                 name: valid.name,
@@ -227,11 +227,11 @@ impl EditOrder {
 }
 
 /// Refuses an ephemeral edit whose stream is not requested.
-pub(super) fn no_stream(words: &impl Words) -> Problem {
+pub(super) fn no_stream(locator: &impl Locator) -> Problem {
     let detail = "an ephemeral edit exists only as a stream: request one with POST /v1/jobs/{id}/edits/stream or the Accept header";
     Problem::of_errors(
         ValidationError::at(SpecPart::Ephemeral, detail).into(),
-        words,
+        locator,
     )
 }
 

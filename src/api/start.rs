@@ -7,7 +7,7 @@ use tokio::time::timeout;
 
 use super::app::App;
 use super::jobs;
-use super::problem::{Problem, Words};
+use super::problem::{Locator, Problem};
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
@@ -71,13 +71,13 @@ impl Base {
         self,
         request: JobRequest,
         limits: Limits,
-        words: &impl Words,
+        locator: &impl Locator,
     ) -> Result<ValidJob, Problem> {
         let surface = self
             .frame
             .map(|base| Nurbs::of(&base.problem, &base.control_points));
         let valid = request.validate(limits, surface.as_ref().map_err(ValidationError::clone));
-        valid.map_err(|errors| Problem::of_errors(errors, words))
+        valid.map_err(|errors| Problem::of_errors(errors, locator))
     }
 }
 

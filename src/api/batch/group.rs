@@ -7,7 +7,7 @@ use std::vec;
 
 use super::answer::{self, LineHead, Lines};
 use super::defaults::Defaults;
-use super::item::{Item, ItemWords, ReadItem};
+use super::item::{Item, ItemLocator, ReadItem};
 use super::settings::Settings;
 use crate::api::language::Language;
 use crate::api::order::PARSED_AT_ONCE;
@@ -58,7 +58,7 @@ enum Stage {
     /// To be read.
     Unread,
     /// To be validated.
-    Read(Box<JobRequest>, ItemWords, Base),
+    Read(Box<JobRequest>, ItemLocator, Base),
     /// To be fitted, and returned in this form.
     Fitting(Fitting),
     /// Its line is to be written.
@@ -187,7 +187,7 @@ impl Group {
     fn step(&mut self, deadline: Instant) -> bool {
         match std::mem::replace(&mut self.stage, Stage::Unread) {
             Stage::Unread => self.read(),
-            Stage::Read(request, words, base) => self.check(*request, &words, base),
+            Stage::Read(request, locator, base) => self.check(*request, &locator, base),
             Stage::Fitting(fitting) => self.fit(fitting, deadline),
             Stage::Ended(fitting, ended) => self.write(fitting, &ended),
         }
@@ -202,15 +202,15 @@ impl Group {
         self.current = Some(item);
         match read {
             Err(problem) => self.fail(problem),
-            Ok(ReadItem { request, words }) => {
+            Ok(ReadItem { request, locator }) => {
                 self.want = request.base().cloned().map(Want::Base);
-                self.stage = Stage::Read(Box::new(request), words, Base::none());
+                self.stage = Stage::Read(Box::new(request), locator, Base::none());
             }
         }
     }
 
-    fn check(&mut self, request: JobRequest, words: &ItemWords, base: Base) {
-        let valid = base.validate(request, self.settings.limits, words);
+    fn check(&mut self, request: JobRequest, locator: &ItemLocator, base: Base) {
+        let valid = base.validate(request, self.settings.limits, locator);
         if self.items.as_slice().is_empty() {
             self.reading = None;
         }

@@ -21,7 +21,7 @@ use crate::api::json::view::job::path;
 use crate::api::language::{Framing, Language};
 use crate::api::order;
 use crate::api::order::{EditOrder, Order};
-use crate::api::problem::{Problem, Words};
+use crate::api::problem::{Locator, Problem};
 use crate::api::proto;
 use crate::api::proto::bounds::Bounded;
 use crate::api::resuming::Start;
@@ -216,13 +216,13 @@ impl Posted {
     fn ephemeral(
         &self,
         edit: &EditRequest,
-        words: &impl Words,
+        locator: &impl Locator,
     ) -> Result<Option<Framing>, Problem> {
         if edit.ephemeral != Some(true) {
             return Ok(None);
         }
         let Answer::Events(framing) = self.answer else {
-            return Err(order::no_stream(words));
+            return Err(order::no_stream(locator));
         };
         if self.key.is_some() {
             let detail = "an ephemeral edit is not kept, so that there is nothing to find by a key";

@@ -21,7 +21,7 @@ use super::body_limits::ReceivedBody;
 use super::{body, negotiate};
 use crate::api::app::App;
 use crate::api::json::request::file::{
-    self, COLUMNS, FileHints, FileWords, ORDER, PART, PIECE, SECTIONS, SIZE,
+    self, COLUMNS, FileHints, FileLocator, ORDER, PART, PIECE, SECTIONS, SIZE,
 };
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
@@ -196,14 +196,18 @@ impl Fields {
     }
 
     /// The job of these fields, with the points of this body.
-    pub(super) fn job(self, bytes: &Bytes, config: &Config) -> Result<ReadJob<FileWords>, Problem> {
+    pub(super) fn job(
+        self,
+        bytes: &Bytes,
+        config: &Config,
+    ) -> Result<ReadJob<FileLocator>, Problem> {
         let hints = file::hints(&self.json, self.reading, config.limits().points);
         let mut points = imported(bytes, &hints)?;
         let notices = std::mem::take(&mut points.notices);
-        let (request, words) = file::read(self.json, points, &hints)?;
+        let (request, locator) = file::read(self.json, points, &hints)?;
         Ok(ReadJob {
             request,
-            words,
+            locator,
             notices,
         })
     }

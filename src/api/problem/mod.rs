@@ -19,7 +19,7 @@ pub(super) use kind::Kind;
 use piad_files::short;
 
 /// Locations of the parts of a request in an encoding.
-pub trait Words {
+pub trait Locator {
     /// The location of a part, as a text.
     fn of(&self, place: model::SpecPart) -> String;
 
@@ -130,13 +130,13 @@ impl Problem {
     }
 
     /// All errors of a job or an edit, located in the encoding of the request.
-    pub fn of_errors(errors: ValidationErrors, words: &impl Words) -> Self {
+    pub fn of_errors(errors: ValidationErrors, locator: &impl Locator) -> Self {
         let problems = errors.into_iter().map(|error| {
             let text = match error.location {
-                model::Location::Part(place) => words.of(place),
+                model::Location::Part(place) => locator.of(place),
                 model::Location::Text(text) => text,
             };
-            Self::at(Kind::InvalidFit, words.place(text), &error.detail)
+            Self::at(Kind::InvalidFit, locator.place(text), &error.detail)
         });
         let unsaid = || Self::new(Kind::InvalidFit, "the request is not understood");
         Self::of_all(problems).unwrap_or_else(unsaid)

@@ -1,6 +1,6 @@
 //! Locations of the parts of the model in a message.
 
-use crate::api::problem::{self, Problem, Words};
+use crate::api::problem::{self, Locator, Problem};
 use crate::model::errors::{ChangePart, SpecPart, ValidationError};
 use crate::model::stream::choices::ChoiceError;
 use crate::proto::ends::EndsLayout;
@@ -152,7 +152,7 @@ impl MessageLayout {
     }
 }
 
-impl Words for MessageLayout {
+impl Locator for MessageLayout {
     fn of(&self, place: SpecPart) -> String {
         match place {
             SpecPart::Whole => String::new(),

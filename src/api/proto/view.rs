@@ -8,7 +8,7 @@ use prost::Message;
 
 use super::fields::MessageLayout;
 use super::names;
-use crate::api::problem::{self as api, Words};
+use crate::api::problem::{self as api, Locator};
 use crate::api::rates::Rates;
 use crate::job::Job;
 use crate::job::content::Content;

@@ -13,7 +13,7 @@ use super::job;
 use super::places::Places;
 use super::points::Data;
 use crate::api::json::view::to_bytes;
-use crate::api::problem::{Kind, Location, Problem, Words};
+use crate::api::problem::{Kind, Location, Locator, Problem};
 use crate::model::errors::SpecPart;
 use crate::model::job::{JobRequest, LONGEST_NAME};
 use crate::model::points::{PointGrid, PointList};
@@ -162,10 +162,10 @@ pub(crate) fn read(
     fields: Map<String, Value>,
     file: Imported,
     hints: &Hints,
-) -> Result<(JobRequest, FileWords), Problem> {
+) -> Result<(JobRequest, FileLocator), Problem> {
     let (fields, data, lines) = parts_of_job(fields, file, hints)?;
     match job::read_with(&to_bytes(&fields), data, hints.most) {
-        Ok((spec, places)) => Ok((spec, FileWords { places, lines })),
+        Ok((spec, places)) => Ok((spec, FileLocator { places, lines })),
         Err(problem) => Err(problem.relocated(|place| match place {
             Location::Pointer(pointer) => lines.place(pointer),
             place => place,
@@ -303,12 +303,12 @@ const UNFOLDING: &str = "surface.parameters.unfolding";
 
 /// The locations of the parts of such a job.
 #[derive(Debug)]
-pub(crate) struct FileWords {
+pub(crate) struct FileLocator {
     places: Places,
     lines: Lines,
 }
 
-impl Words for FileWords {
+impl Locator for FileLocator {
     fn of(&self, place: SpecPart) -> String {
         self.places.of(place)
     }

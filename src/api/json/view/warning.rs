@@ -5,7 +5,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::api::json::request::places::Places;
-use crate::api::problem::Words;
+use crate::api::problem::Locator;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
 use crate::model::errors::SpecPart;
