@@ -33,7 +33,7 @@ impl Iteration {
 /// The predicted end of a fit: short fits are tried, of longer ones the beginning. `None` if that is not enough.
 fn end(system: &Arc<System>) -> Option<Prediction> {
     let problem = system.problem();
-    let method = problem.method().scheme();
+    let method = problem.method().algorithm();
     let exact = system.forecast().exact_after;
     if method.ends_when_exact() {
         return exact.map(Prediction::End);

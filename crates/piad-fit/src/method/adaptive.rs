@@ -11,10 +11,10 @@
 //! The fit ends when no point is further away than its threshold, even if the tolerance is less, or when all are within
 //! the tolerance.
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::eigenvalues;
 use super::equations::Equations;
 use super::omega::Omega;
-use super::scheme::{Demand, Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::threshold::Threshold;
 use super::update::{State, Update};
@@ -55,7 +55,7 @@ impl Adaptive {
     }
 }
 
-impl Scheme for Adaptive {
+impl Algorithm for Adaptive {
     fn about(&self) -> &'static About {
         &ABOUT
     }

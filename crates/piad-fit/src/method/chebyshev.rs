@@ -12,12 +12,12 @@
 //! interval is chosen so that they do not rise far. Bases that are not totally positive are
 //! refused, as their eigenvalues are not real.
 
+use super::algorithm::{Algorithm, Demand, Progress};
 use super::divergence;
 use super::eigenvalues;
 use super::equations::Equations;
 use super::recurrence::Recurrence;
 use super::relaxation::Relaxation;
-use super::scheme::{Demand, Progress, Scheme};
 use super::trial_run;
 use super::update::{Change, State, Update};
 use crate::about::About;
@@ -48,7 +48,7 @@ const SLOW: usize = 200;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chebyshev;
 
-impl Scheme for Chebyshev {
+impl Algorithm for Chebyshev {
     fn about(&self) -> &'static About {
         &ABOUT
     }

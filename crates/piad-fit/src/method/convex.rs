@@ -12,8 +12,8 @@
 //! the interpolant turns otherwise, steps become shorter and shorter, and the fit stalls with a
 //! positive error. A level costs one application of B, and O(n) for each bisection.
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::equations::Equations;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::{Change, State, Update};
 use crate::about::About;
 use crate::data::points::{Points, normalizing_scale};
@@ -56,7 +56,7 @@ impl Default for Convex {
     }
 }
 
-impl Scheme for Convex {
+impl Algorithm for Convex {
     fn about(&self) -> &'static About {
         &ABOUT
     }

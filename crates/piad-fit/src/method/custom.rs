@@ -20,9 +20,9 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::equations::Equations;
 use super::linear::Linear;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::about::About;
 use crate::invalid::{Axis, Invalid, Place};
@@ -116,7 +116,7 @@ fn is_small(setup: &Setup) -> bool {
     grid.rows.max(grid.columns) <= SMALL
 }
 
-impl Scheme for Custom {
+impl Algorithm for Custom {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -8,10 +8,10 @@
 //! a level costs O(n p) or O(n²). Further levels refine the solution (iterative refinement), until
 //! the residual shrinks no more: what is left is rounding.
 
+use super::algorithm::{Algorithm, Progress};
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::{Progress, Scheme};
 use super::update::Update;
 use crate::about::About;
 use crate::matrix::forecast::Forecast;
@@ -36,7 +36,7 @@ const REFINED: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Direct;
 
-impl Scheme for Direct {
+impl Algorithm for Direct {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -20,9 +20,9 @@
 
 use std::sync::Arc;
 
+use super::algorithm::{Algorithm, Demand};
 use super::equations::Equations;
 use super::linear::Linear;
-use super::scheme::{Demand, Scheme};
 use super::trial_run;
 use super::update::Update;
 use crate::about::About;
@@ -79,7 +79,7 @@ impl Extended {
     }
 }
 
-impl Scheme for Extended {
+impl Algorithm for Extended {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -10,12 +10,12 @@
 //! `1 − λ_min(B)` in each level (LBW05, Theorem 2.1). A level costs one application of B: O(n p)
 //! for B-splines of degree p.
 
+use super::algorithm::{Algorithm, Demand};
 use super::divergence;
 use super::eigenvalues;
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::{Demand, Scheme};
 use super::update::Update;
 use crate::about::About;
 use crate::invalid::Invalid;
@@ -36,7 +36,7 @@ pub(super) const ABOUT: About = About {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Global;
 
-impl Scheme for Global {
+impl Algorithm for Global {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -16,10 +16,10 @@
 //! line until it is within the tolerance, then the next one. One pass is not enough, as later lines
 //! disturb earlier ones, so that the sweeps are repeated until all lines are.
 
+use super::algorithm::{Algorithm, Scope};
 use super::eigenvalues;
 use super::equations::Equations;
 use super::omega::Omega;
-use super::scheme::{Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::update::{State, Update};
 use crate::about::About;
@@ -63,7 +63,7 @@ pub enum Sweeps {
     Columns,
 }
 
-impl Scheme for Local {
+impl Algorithm for Local {
     fn about(&self) -> &'static About {
         &ABOUT
     }

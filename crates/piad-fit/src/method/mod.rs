@@ -16,14 +16,14 @@
 //! | `least_squares` | D Aᵀ | sampled data | to the minimum | Deng, Lin 2014 |
 //! | `custom` | any matrix | P | if ρ(I − U B) < 1 | Deng13, Theorem 2.1 |
 
-// What a method is for the rest of the crate is the trait `Scheme`: its checks, its demand of memory,
+// What a method is for the rest of the crate is the trait `Algorithm`: its checks, its demand of memory,
 // its forecast, its transform, its level 0, its update, its stop rule and its warnings. Functions
 // of it that a method does not have are those of classical PIA.
 //
 // # To add a method
 //
-// Write a file with a type that implements `Scheme`, whose documentation gives its formula and its source, and add a
-// line to each of `Method`, `Method::scheme` and `METHODS`. Nothing else in the crate distinguishes methods.
+// Write a file with a type that implements `Algorithm`, whose documentation gives its formula and its source, and add a
+// line to each of `Method`, `Method::algorithm` and `METHODS`. Nothing else in the crate distinguishes methods.
 //
 // # What methods share
 //
@@ -36,6 +36,7 @@
 // - `trial_run`: fits in advance.
 
 mod adaptive;
+mod algorithm;
 mod chebyshev;
 mod convex;
 mod custom;
@@ -52,7 +53,6 @@ mod omega;
 pub(crate) mod plain;
 mod recurrence;
 pub(super) mod relaxation;
-mod scheme;
 mod selection;
 mod threshold;
 mod transpose;
@@ -65,6 +65,7 @@ use super::warning::Warning;
 use crate::matrix::forecast::Forecast;
 
 pub use adaptive::Adaptive;
+pub(super) use algorithm::{Algorithm, Progress, Scope};
 pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
@@ -78,7 +79,6 @@ pub use least_squares::{
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
-pub(super) use scheme::{Progress, Scheme, Scope};
 pub use threshold::Threshold;
 pub use weighted::Weighted;
 
@@ -138,7 +138,7 @@ pub const METHODS: [&About; 11] = [
 
 impl Method {
     /// The algorithm of the method: the only place in the crate that distinguishes methods.
-    pub(super) fn scheme(&self) -> &dyn Scheme {
+    pub(super) fn algorithm(&self) -> &dyn Algorithm {
         match self {
             Self::Global => &global::Global,
             Self::Weighted(method) => method,
@@ -180,12 +180,12 @@ impl Method {
 
     /// Returns true if there are fewer control points than data points.
     pub fn has_fewer_control_points(&self) -> bool {
-        self.scheme().control_points().is_some()
+        self.algorithm().control_points().is_some()
     }
 
     /// Its names, what it does, and its source.
     pub fn about(&self) -> &'static About {
-        self.scheme().about()
+        self.algorithm().about()
     }
 
     /// The fairness of a least-squares fit, also if the data have chosen it.
@@ -217,6 +217,6 @@ impl Method {
         predicted: Option<usize>,
         iterations: usize,
     ) -> Vec<Warning> {
-        self.scheme().warnings(forecast, predicted, iterations)
+        self.algorithm().warnings(forecast, predicted, iterations)
     }
 }

@@ -13,10 +13,10 @@
 //! Of a surface ρ is the product of those of both directions. A level costs two applications of B;
 //! ρ is found by power iteration before.
 
+use super::algorithm::Algorithm;
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::Scheme;
 use super::update::Update;
 use crate::about::About;
 use crate::matrix::forecast::Forecast;
@@ -37,7 +37,7 @@ pub(super) const ABOUT: About = About {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Transpose;
 
-impl Scheme for Transpose {
+impl Algorithm for Transpose {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -8,12 +8,12 @@
 //! 2, by the factor `max(|1 − ω λ_min|, |1 − ω|)` in each level, which is least for ω = 2 / (1 +
 //! λ_min): `(1 − λ_min) / (1 + λ_min)`. A level costs as much as one of classical PIA.
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::divergence;
 use super::eigenvalues;
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::about::About;
 use crate::invalid::Invalid;
@@ -39,7 +39,7 @@ pub struct Weighted {
     pub omega: Option<f64>,
 }
 
-impl Scheme for Weighted {
+impl Algorithm for Weighted {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -44,8 +44,8 @@ mod steps;
 
 use std::sync::Arc;
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::equations::Equations;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
 use crate::about::About;
 use crate::basis::direction::Direction;
@@ -162,7 +162,7 @@ impl LeastSquares {
     }
 }
 
-impl Scheme for LeastSquares {
+impl Algorithm for LeastSquares {
     fn about(&self) -> &'static About {
         &ABOUT
     }

@@ -84,7 +84,7 @@ pub(crate) struct Progress {
 /// A method: how the control points of level 0 are chosen, how they move (the transform U of
 /// `X ← X + U (P − B X)`), when to stop, and what is known beforehand. Functions are called once
 /// for each fit, or for each level; the loops over points are in [`Update`] and the sweeps.
-pub(crate) trait Scheme: Debug {
+pub(crate) trait Algorithm: Debug {
     /// Its entry in the table of methods.
     fn about(&self) -> &'static About;
 
@@ -223,7 +223,7 @@ pub(crate) trait Scheme: Debug {
     }
 }
 
-impl dyn Scheme + '_ {
+impl dyn Algorithm + '_ {
     /// The control points of level 0: given ones, or those of the method.
     pub(crate) fn level_zero(&self, equations: &Equations) -> Arc<Points> {
         match equations.setup.start() {
