@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::named::Named;
 use piad_fit::basis::BASES;
-use piad_fit::engine::About;
+use piad_fit::engine::KindInfo;
 
 /// Gives a type, or the name of a schema, a schema written by hand.
 macro_rules! schema_of {

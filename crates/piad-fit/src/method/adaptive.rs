@@ -18,16 +18,16 @@ use super::omega::Omega;
 use super::selection::{Choice, Selection, all_points};
 use super::threshold::Threshold;
 use super::update::{State, Update};
-use crate::about::About;
 use crate::data::blocks::BLOCK;
 use crate::geometry::norms::Norms;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "adaptive",
     title: "Adaptive PIA",
     summary: "Only control points move whose data points are further away than a threshold, chosen anew at every level.",
@@ -56,8 +56,8 @@ impl Adaptive {
 }
 
 impl Algorithm for Adaptive {
-    fn about(&self) -> &'static About {
-        &ABOUT
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// At 0 all points would move forever.

@@ -16,12 +16,12 @@ use super::equations::Equations;
 use super::plain::Plain;
 use super::relaxation::Relaxation;
 use super::update::Update;
-use crate::about::About;
 use crate::data::grid::Grid;
 use crate::data::missing::Missing;
 use crate::data::points::Points;
 use crate::geometry::norms::FitError;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::matrix::transform::Transform;
@@ -86,7 +86,7 @@ pub(crate) struct Progress {
 /// for each fit, or for each level; the loops over points are in [`Update`] and the sweeps.
 pub(crate) trait Algorithm: Debug {
     /// Its entry in the table of methods.
-    fn about(&self) -> &'static About;
+    fn info(&self) -> &'static KindInfo;
 
     /// Refuses settings that are out of their range, or not for a fit like this.
     ///

@@ -20,9 +20,9 @@ use super::recurrence::Recurrence;
 use super::relaxation::Relaxation;
 use super::trial_run;
 use super::update::{Change, State, Update};
-use crate::about::About;
 use crate::data::points::Points;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::spectrum;
 use crate::matrix::tensor::Tensor;
@@ -31,7 +31,7 @@ use crate::termination::{Outcome, Reason};
 use crate::warning::Warning;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "chebyshev",
     title: "Chebyshev-accelerated PIA",
     summary: "Chebyshev semi-iteration: classical PIA with momentum, a third of its iterations on B-splines.",
@@ -49,13 +49,13 @@ const SLOW: usize = 200;
 pub(super) struct Chebyshev;
 
 impl Algorithm for Chebyshev {
-    fn about(&self) -> &'static About {
-        &ABOUT
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// Steps are chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
-        divergence::check_real(setup, ABOUT.name)
+        divergence::check_real(setup, INFO.name)
     }
 
     /// The last step, in the plain loop and in sweeps.

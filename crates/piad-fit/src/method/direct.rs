@@ -13,7 +13,7 @@ use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
 use super::update::Update;
-use crate::about::About;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::matrix::transform::Transform;
@@ -21,7 +21,7 @@ use crate::setup::Setup;
 use crate::termination::{Outcome, Reason};
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "direct",
     title: "Direct interpolation",
     summary: "The interpolation equations are solved by an LU decomposition, so that level 1 is the limit.",
@@ -37,8 +37,8 @@ const REFINED: f64 = 0.5;
 pub(super) struct Direct;
 
 impl Algorithm for Direct {
-    fn about(&self) -> &'static About {
-        &ABOUT
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// Level 1 is the limit.

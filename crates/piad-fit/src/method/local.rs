@@ -22,16 +22,16 @@ use super::equations::Equations;
 use super::omega::Omega;
 use super::selection::{Choice, Selection, all_points};
 use super::update::{State, Update};
-use crate::about::About;
 use crate::geometry::norms::Norms;
 use crate::invalid::{Invalid, Place, Setting};
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::spectrum;
 use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "local",
     title: "Local PIA (LPIA)",
     summary: "Only the control points of selected data points move, and all others stay where they are.",
@@ -64,8 +64,8 @@ pub enum Sweeps {
 }
 
 impl Algorithm for Local {
-    fn about(&self) -> &'static About {
-        &ABOUT
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// Sweeps are for surfaces, and indices are those of points, each once.

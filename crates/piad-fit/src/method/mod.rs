@@ -60,7 +60,7 @@ mod trial_run;
 pub(super) mod update;
 mod weighted;
 
-use super::about::About;
+use super::kind_info::KindInfo;
 use super::warning::Warning;
 use crate::matrix::forecast::Forecast;
 
@@ -122,18 +122,18 @@ pub enum Method {
 /// assert_eq!(Method::Direct.name(), "direct");
 /// ```
 #[doc(hidden)]
-pub const METHODS: [&About; 11] = [
-    &global::ABOUT,
-    &weighted::ABOUT,
-    &local::ABOUT,
-    &adaptive::ABOUT,
-    &extended::ABOUT,
-    &transpose::ABOUT,
-    &convex::ABOUT,
-    &chebyshev::ABOUT,
-    &direct::ABOUT,
-    &least_squares::ABOUT,
-    &custom::ABOUT,
+pub const METHODS: [&KindInfo; 11] = [
+    &global::INFO,
+    &weighted::INFO,
+    &local::INFO,
+    &adaptive::INFO,
+    &extended::INFO,
+    &transpose::INFO,
+    &convex::INFO,
+    &chebyshev::INFO,
+    &direct::INFO,
+    &least_squares::INFO,
+    &custom::INFO,
 ];
 
 impl Method {
@@ -184,8 +184,8 @@ impl Method {
     }
 
     /// Its names, what it does, and its source.
-    pub fn about(&self) -> &'static About {
-        self.algorithm().about()
+    pub fn info(&self) -> &'static KindInfo {
+        self.algorithm().info()
     }
 
     /// The fairness of a least-squares fit, also if the data have chosen it.
@@ -206,7 +206,7 @@ impl Method {
 
     /// Its name.
     pub fn name(&self) -> &'static str {
-        self.about().name
+        self.info().name
     }
 
     /// Warnings by what is known before the first step. The fit is predicted to end at level `predicted`, and is

@@ -18,7 +18,7 @@ use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
 use super::update::Update;
-use crate::about::About;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::spectrum;
 use crate::matrix::tensor::Tensor;
@@ -26,7 +26,7 @@ use crate::matrix::transform::Transform;
 use crate::setup::Setup;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "transpose",
     title: "PIA with the transpose",
     summary: "Difference vectors are multiplied with the scaled transpose of the collocation matrix, which converges for any basis, slowly.",
@@ -38,8 +38,8 @@ pub(super) const ABOUT: About = About {
 pub(super) struct Transpose;
 
 impl Algorithm for Transpose {
-    fn about(&self) -> &'static About {
-        &ABOUT
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// ρ(B Bᵀ) by power iteration in each direction.

@@ -15,8 +15,8 @@ use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
 use super::update::Update;
-use crate::about::About;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::matrix::transform::Transform;
@@ -24,7 +24,7 @@ use crate::setup::Setup;
 use crate::warning::Warning;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "weighted",
     title: "Weighted PIA (WPIA)",
     summary: "Every control point moves by the difference vector of its data point times a relaxation factor.",
@@ -40,8 +40,8 @@ pub struct Weighted {
 }
 
 impl Algorithm for Weighted {
-    fn about(&self) -> &'static About {
-        &ABOUT
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// ω = 0 would make no progress, and ω = 2 oscillate, as 1 is an eigenvalue of most matrices.
@@ -55,8 +55,8 @@ impl Algorithm for Weighted {
     /// The best ω is chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         match self.omega {
-            Some(omega) => divergence::check_relaxation(setup, ABOUT.name, omega),
-            None => divergence::check_real(setup, ABOUT.name),
+            Some(omega) => divergence::check_relaxation(setup, INFO.name, omega),
+            None => divergence::check_real(setup, INFO.name),
         }
     }
 

@@ -78,7 +78,7 @@ pub(super) fn check_scattered(request: &Request) -> Result<(), Invalid> {
     let weighted = |choice: &DirectionChoice| choice.weights.is_some();
     let mut choices = std::iter::once(&request.u).chain(&request.v);
     if !request.method.algorithm().fits_scattered() || request.v.is_none() {
-        let method = request.method.algorithm().about().name;
+        let method = request.method.algorithm().info().name;
         return Err(Invalid::at(
             Place::Method,
             format!(

@@ -47,10 +47,10 @@ use std::sync::Arc;
 use super::algorithm::{Algorithm, Demand, Scope};
 use super::equations::Equations;
 use super::update::Update;
-use crate::about::About;
 use crate::basis::direction::Direction;
 use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place, Setting};
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::setup::Setup;
 use crate::warning::Warning;
@@ -72,7 +72,7 @@ const FAIR: usize = 2;
 const MATRICES: usize = 4;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "least_squares",
     title: "Least-squares PIA (LSPIA)",
     summary: "Fewer control points than data points approach the least-squares approximation.",
@@ -163,8 +163,8 @@ impl LeastSquares {
 }
 
 impl Algorithm for LeastSquares {
-    fn about(&self) -> &'static About {
-        &ABOUT
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// A given μ must be positive; one that is too large makes the residual grow.

@@ -5,7 +5,7 @@
 /// An entry of a table of methods or bases, in the terms of the field. Names, schemas and OpenAPI
 /// descriptions derive from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct About {
+pub struct KindInfo {
     /// The name: lower case, with underscores between words.
     pub name: &'static str,
     /// The term that the literature uses.
