@@ -16,7 +16,7 @@ use crate::model::settings::DataWeights;
 use piad_fit::data::Grid;
 use piad_fit::invalid::{Place, Setting};
 use piad_fit::method::{
-    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    AS_MANY_AS_DATA, BY_KNOTS, Constraint, EndPoints, Fairness, KnotSelection, LeastSquares,
     MOST_CONDITIONS, Variant,
 };
 
@@ -161,7 +161,10 @@ impl LeastSquaresInput {
     }
 
     /// The numbers of control points of both directions, or the most of an automatic fit.
-    fn counts(&self, surface: bool) -> Result<(usize, usize, Option<Automatic>), ValidationError> {
+    fn counts(
+        &self,
+        surface: bool,
+    ) -> Result<(usize, usize, Option<KnotSelection>), ValidationError> {
         let wrong =
             |name, detail: &str| ValidationError::at_text(format!("/method/{name}"), detail);
         let (counts, most) = (self.control_points, self.max_control_points);
@@ -178,7 +181,7 @@ impl LeastSquaresInput {
             let most = most.map(|most| most.map(|Whole(count)| count).split());
             let (u, v) = most.unwrap_or((AS_MANY_AS_DATA, AS_MANY_AS_DATA));
             let correct_parameters = self.correct_parameters.unwrap_or(false);
-            return Ok((u, v, Some(Automatic { correct_parameters })));
+            return Ok((u, v, Some(KnotSelection { correct_parameters })));
         };
         let unused = [
             ("max_control_points", most.is_some()),

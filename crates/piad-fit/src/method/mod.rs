@@ -74,7 +74,7 @@ pub(super) use least_squares::constrained_surface::ConstrainedSurface;
 pub(super) use least_squares::cross_validation;
 pub(super) use least_squares::fair_surface::{FairSurface, MORE_NUMBERS};
 pub use least_squares::{
-    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    AS_MANY_AS_DATA, At, BY_KNOTS, Constraint, EndPoints, Fairness, KnotSelection, LeastSquares,
     MOST_CONDITIONS, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
@@ -166,7 +166,7 @@ impl Method {
     }
 
     /// The settings of a fit that chooses its knots.
-    pub(crate) fn automatic(&self) -> Option<(&LeastSquares, &Automatic)> {
+    pub(crate) fn automatic(&self) -> Option<(&LeastSquares, &KnotSelection)> {
         match self {
             Self::LeastSquares(settings) => Some((settings, settings.automatic.as_ref()?)),
             _ => None,

@@ -61,7 +61,7 @@ use steps::Steps;
 pub use constraints::MOST_CONDITIONS;
 pub use constraints::{At, Constraint, Wanted};
 pub use settings::{
-    AS_MANY_AS_DATA, Automatic, BY_KNOTS, EndPoints, Fairness, LeastSquares, Variant,
+    AS_MANY_AS_DATA, BY_KNOTS, EndPoints, Fairness, KnotSelection, LeastSquares, Variant,
 };
 
 /// The most control points for each data point of a direction of a fair fit.
