@@ -12,8 +12,7 @@
 mod accept;
 mod activity;
 mod connection;
-mod conversation;
-mod doors;
+mod context;
 mod gathered_writes;
 pub(crate) mod limits;
 pub mod listen;
@@ -23,6 +22,7 @@ pub mod probe;
 pub mod proxy;
 mod request_body;
 mod response_body;
+mod serve_http;
 mod stream_timeout;
 pub(crate) mod tls;
 mod write_timeout;
@@ -51,7 +51,7 @@ use crate::job::slots::PerPeer;
 use crate::job::store::{OpenError, Retention, Store};
 use crate::reload::keep_current;
 use activity::Times;
-use doors::Doors;
+use context::ServerContext;
 use limits::{ConnectionLimits, Connections};
 use listener::Listener;
 use tls::Tls;
@@ -115,7 +115,7 @@ pub async fn serve(
     if let Some(tokens) = tokens {
         tokio::spawn(keep_current(tokens, counters.reloads_failed.clone()));
     }
-    let doors = Doors {
+    let context = ServerContext {
         router,
         times,
         connections: Connections::new(most),
@@ -126,7 +126,7 @@ pub async fn serve(
         crowds: accept::crowds(),
     };
     tokio::select! {
-        () = doors.serve(listeners) => {}
+        () = context.serve(listeners) => {}
         () = async {
             shutdown.await;
             info!("stopping: no new requests, event streams end");

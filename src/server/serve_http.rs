@@ -21,7 +21,7 @@ use tracing::debug;
 
 use super::activity::{Activity, Overdue, Times};
 use super::connection::{self, Caller};
-use super::doors::Doors;
+use super::context::ServerContext;
 use super::gathered_writes::GatheredWrites;
 use super::listener::Stream;
 use super::stream_timeout::unless_stalled;
@@ -47,22 +47,32 @@ const STREAM_WINDOW: u32 = 64 << 10;
 const CONNECTION_WINDOW: u32 = 256 << 10;
 
 /// Serves a connection until it ends, is stopped, or is idle for too long.
-pub(super) async fn serve(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
-    let served = converse(stream, caller, doors, times);
+pub(super) async fn serve(
+    stream: Stream,
+    caller: Caller,
+    context: Arc<ServerContext>,
+    times: Times,
+) {
+    let served = serve_connection(stream, caller, context, times);
     Peer::scope(Some(caller.peer), served).await;
 }
 
-async fn converse(stream: Stream, caller: Caller, doors: Arc<Doors>, times: Times) {
+async fn serve_connection(
+    stream: Stream,
+    caller: Caller,
+    context: Arc<ServerContext>,
+    times: Times,
+) {
     let activity = Arc::new(Activity::new());
     let mut watch = Watch {
         peer: caller.peer,
         activity: Arc::clone(&activity),
         times,
-        stopping: doors.stopping.clone(),
+        stopping: context.stopping.clone(),
     };
     let mut io = TimedStream::new(stream, Arc::clone(&activity), times.write);
     let service = service_fn(move |request: Request<Incoming>| {
-        connection::answer(Arc::clone(&doors), Arc::clone(&activity), caller, request)
+        connection::answer(Arc::clone(&context), Arc::clone(&activity), caller, request)
     });
     loop {
         let begins = tokio::select! {

@@ -14,7 +14,7 @@ use crate::job::counters::Counters;
 use crate::log_throttle::LogThrottle;
 
 /// Shared state to accept and serve connections.
-pub(super) struct Doors {
+pub(super) struct ServerContext {
     /// The handler of requests.
     pub(super) router: Router,
     /// The timeouts of connections.
