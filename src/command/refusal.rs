@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::Asked;
+use super::options::JobOptions;
 use super::pointer;
 use crate::api::json::request::file::{PART, SIZE};
 
@@ -49,7 +49,7 @@ impl Refusal {
     }
 
     /// The failure of a refused fit.
-    pub(super) fn of_fit(self, input: &Input, asked: &Asked) -> Failure {
+    pub(super) fn of_fit(self, input: &Input, options: &JobOptions) -> Failure {
         let about_the_request = matches!(
             self.status,
             StatusCode::BAD_REQUEST
@@ -63,26 +63,26 @@ impl Refusal {
         if self.errors.is_empty() {
             return Failure::usage(format!("{}: {}", input.name, self.detail));
         }
-        let told = self.errors.iter().map(|it| it.told(input, asked));
+        let told = self.errors.iter().map(|it| it.told(input, options));
         Failure::Usage(told.collect())
     }
 }
 
 impl ValidationError {
-    fn told(&self, input: &Input, asked: &Asked) -> String {
+    fn told(&self, input: &Input, options: &JobOptions) -> String {
         let (name, detail) = (&input.name, &self.detail);
         if let Some(line) = self.line {
             return format!("{name}:{line}: {detail}");
         }
         if let Some(parameter) = &self.parameter {
-            let flag = asked.flag(parameter);
+            let flag = options.flag(parameter);
             return format!("{}: {detail}", flag.unwrap_or(parameter));
         }
         let Some(pointer) = &self.pointer else {
             return format!("{name}: {detail}");
         };
         let path = pointer.trim_start_matches('/').replace('/', ".");
-        if let Some(flag) = asked.flag(&path) {
+        if let Some(flag) = options.flag(&path) {
             return format!("{flag}: {detail}");
         }
         match input.content {
@@ -95,7 +95,7 @@ impl ValidationError {
     }
 }
 
-impl Asked {
+impl JobOptions {
     /// The flag that a field comes from: the one with the longest path that contains it, or one inside it.
     pub(super) fn flag(&self, path: &str) -> Option<&str> {
         if path == SIZE {

@@ -83,7 +83,7 @@ impl ServerContext {
         let _open = self.counters.open_connection();
         let proxy = Peer::at(incoming.address);
         if !proxy::is_trusted(&self.proxies, incoming.address) {
-            return self.serve_connection(incoming, Caller::direct(proxy)).await;
+            return self.admit(incoming, Caller::direct(proxy)).await;
         }
         let stream = &mut incoming.stream;
         let begun = timeout(self.times.head, proxy::read(stream)).await;
@@ -99,10 +99,10 @@ impl ServerContext {
         };
         let (input, output) = split(incoming.stream);
         incoming.stream = Box::new(join(Cursor::new(rest).chain(input), output));
-        self.serve_connection(incoming, caller).await;
+        self.admit(incoming, caller).await;
     }
 
-    async fn serve_connection(self: &Arc<Self>, incoming: Incoming, mut caller: Caller) {
+    async fn admit(self: &Arc<Self>, incoming: Incoming, mut caller: Caller) {
         let admission = self.connections.admit(caller.limited());
         match admission {
             Admission::Within(_slot) => self.serve_connection(incoming, caller, self.times).await,
