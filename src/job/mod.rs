@@ -297,7 +297,7 @@ impl Job {
             && let Some(shared) = self.store.as_deref().and_then(Store::shared)
         {
             let (shared, id) = (Arc::clone(shared), self.id());
-            tokio::spawn(async move { patiently(|| shared.cancel(id)).await });
+            tokio::spawn(async move { retry_until_available(|| shared.cancel(id)).await });
         }
         self.stop(Wish::Cancel);
     }
@@ -427,7 +427,7 @@ impl Job {
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
 /// Retries the store while it has no space, or its database cannot be reached.
-async fn patiently<T, F>(ask: impl Fn() -> F) -> Result<T, StoreError>
+async fn retry_until_available<T, F>(ask: impl Fn() -> F) -> Result<T, StoreError>
 where
     F: Future<Output = Result<T, StoreError>>,
 {
