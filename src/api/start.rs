@@ -17,7 +17,7 @@ use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::{JobRequest, Limits, ValidJob};
 use crate::model::scattered::{FootPoints, no_base};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::engine::foot;
 use piad_fit::geometry::Nurbs;
 

@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::failure::Failure;
 use crate::files;
 use piad_files::import::is_geojson;
-use piad_files::short::without_mark;
+use piad_files::text::without_mark;
 
 /// The kind of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,8 +25,8 @@ use thiserror::Error;
 use tokio::sync::oneshot;
 use tracing::error;
 
+use super::fair_queue::{PeerQueue, Turns};
 use super::peer::Peer;
-use super::turns::{PeerQueue, Turns};
 use crate::trim;
 use piad_fit::engine::interrupt::{self, Interrupted};
 

@@ -3,10 +3,10 @@
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::either::{object, whole};
 use super::errors::{OrErrors, SpecPart, ValidationError, ValidationErrors};
 use super::named::{Named, Rule, names, rules};
 use super::schema::{self, schema_of};
+use super::serde_helpers::{object, whole};
 use piad_fit::basis::{BasisChoice, Knots, MAX_DEGREE, Polynomial};
 use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::parameters::Parametrization;

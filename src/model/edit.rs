@@ -6,7 +6,6 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::either::object;
 use super::errors::{ChangePart, OrErrors, SpecPart, ValidationError, ValidationErrors};
 use super::iteration::IterationChoice;
 use super::job::{LONGEST_NAME, Limits, ValidJob, check_name};
@@ -16,6 +15,7 @@ use super::method::MethodInput;
 use super::numbers::{NewWeights, Point};
 use super::per_direction::PerDirection;
 use super::schema;
+use super::serde_helpers::object;
 use super::settings::Index;
 use super::stop::StopRules;
 use super::stream::StreamSpec;

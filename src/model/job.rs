@@ -5,11 +5,11 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::either::object;
 use super::errors::{OrErrors, SpecPart, ValidationError, ValidationErrors};
 use super::method::MethodInput;
 use super::scattered::{FootPoints, no_base, on_surface};
 use super::schema;
+use super::serde_helpers::object;
 use super::shape::CurveInput;
 use super::stop::StopRules;
 use super::stream::StreamSpec;

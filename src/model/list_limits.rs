@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 
-use super::either::below;
+use super::serde_helpers::below;
 use piad_files::json::ListLimits;
 use piad_fit::basis::MAX_DEGREE;
 

@@ -6,7 +6,7 @@
 //! - `stream`: options of the event streams of a job;
 //! - `errors`: all errors of a request, each at a part of the model; `validate_fit`: validation of the fitting
 //!   problem;
-//! - `either`: readers of values with several forms; `per_direction`: one value for both directions of a surface, or
+//! - `serde_helpers`: readers of values with several forms; `per_direction`: one value for both directions of a surface, or
 //!   one for each; `lists`: numbers in lists, and `list_limits`: their lengths; `named`: enumerations whose values have
 //!   names; `files`: those of choices about files;
 //! - `schema`, `numbers`: schemas that are not derived.
@@ -14,7 +14,6 @@
 pub(crate) mod basis;
 pub(crate) mod corners;
 pub(crate) mod edit;
-pub(crate) mod either;
 pub(crate) mod ends;
 pub(crate) mod errors;
 mod files;
@@ -30,6 +29,7 @@ pub(crate) mod per_direction;
 pub(crate) mod points;
 pub mod scattered;
 pub(crate) mod schema;
+pub(crate) mod serde_helpers;
 pub(crate) mod settings;
 pub(crate) mod shape;
 pub(crate) mod stop;

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::basis::{Basis, ParametersInput};
 use super::corners::CornersInput;
-use super::either::{object, whole};
 use super::ends::{CurveEnds, EndsInput};
 use super::errors::{ValidationError, ValidationErrors};
 use super::lists::PointNumbers;
@@ -16,6 +15,7 @@ use super::numbers::CurveWeights;
 use super::per_direction::PerDirection;
 use super::points::PointList;
 use super::schema;
+use super::serde_helpers::{object, whole};
 use super::weights::{self, Rational, Resolved, check_unused};
 use piad_fit::basis::MAX_DEGREE;
 use piad_fit::data::{Grid, Points};

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::either::{object, whole};
 use super::errors::{SpecPart, ValidationError, ValidationErrors};
 use super::schema;
+use super::serde_helpers::{object, whole};
 use piad_fit::engine::{Request, Tolerance};
 use piad_fit::invalid as fit;
 

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::basis::{Basis, Degree, ParametersInput};
 use super::corners::Creases;
-use super::either::{Whole, object};
 use super::ends::{DirectionEnds, EndsInput, SurfaceEnds};
 use super::errors::{ValidationError, ValidationErrors};
 use super::heights::Placement;
@@ -17,6 +16,7 @@ use super::per_direction::PerDirection;
 use super::points::{PointGrid, PointList, SectionList};
 use super::scattered::{FootPoints, SurfaceParameters};
 use super::schema;
+use super::serde_helpers::{Whole, object};
 use super::shape::{DirectionInput, check_degree, problem, resolved};
 use super::trim::TrimInput;
 use super::weights::{self, Rational};

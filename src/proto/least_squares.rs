@@ -2,13 +2,13 @@
 
 use super::messages::{method as m, method::constraint as c};
 use super::values::{MethodTarget, check_count, chosen, count, some, value};
-use crate::model::either::{AtMost, Whole};
 use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::method::counts::ControlPointCount;
 use crate::model::method::{
     ConstraintInput, EndPointsInput, FairnessInput, LeastSquaresInput, VariantKind,
 };
 use crate::model::per_direction::PerDirection;
+use crate::model::serde_helpers::{AtMost, Whole};
 use piad_fit::data::Points;
 use piad_fit::invalid::{Axis, Place, Side};
 use piad_fit::method::{

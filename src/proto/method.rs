@@ -3,13 +3,13 @@
 use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{MethodTarget, check_count, chosen, some, value};
-use crate::model::either::AtMost;
 use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::method::{
     AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, MethodInput, StartInput,
     SweepsInput, WeightedInput,
 };
 use crate::model::per_direction::PerDirection;
+use crate::model::serde_helpers::AtMost;
 use crate::model::settings::{self, Matrix, Thresholds};
 use piad_fit::engine::Forecast;
 use piad_fit::invalid::{Axis, Place, Setting};

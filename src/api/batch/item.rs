@@ -7,7 +7,7 @@ use super::pieces::BodyForm;
 use super::settings::Settings;
 use crate::api::json::request;
 use crate::api::json::request::places::Places;
-use crate::api::language::Language;
+use crate::api::media_type::Language;
 use crate::api::problem::{Kind, Location, Locator, Problem};
 use crate::api::proto;
 use crate::api::proto::fields::MessageLayout;

@@ -9,8 +9,8 @@ use prost::Message;
 use super::defaults::Defaults;
 use super::pieces::BodyForm;
 use crate::api::app::App;
-use crate::api::language::{Framing, Language};
-use crate::api::order;
+use crate::api::create_job;
+use crate::api::media_type::{Framing, Language};
 use crate::api::problem::{Problem, ProblemBody};
 use crate::api::proto::{self, fields};
 use crate::model::job::Limits;
@@ -132,7 +132,7 @@ impl Settings {
                 BodyForm::Messages => Language::Protobuf,
             },
             framing,
-            limits: order::limits(app),
+            limits: create_job::limits(app),
             forms,
             common: OnceLock::new(),
             notices: OnceLock::new(),

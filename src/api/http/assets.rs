@@ -13,7 +13,7 @@ use flate2::read::GzDecoder;
 
 use super::coding::{self, Coding};
 use crate::api::problem::{Kind, Problem};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// A file, as `build.rs` lists it.
 pub(crate) struct Asset {

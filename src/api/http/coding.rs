@@ -7,7 +7,7 @@
 use axum::http::{HeaderMap, header};
 
 use crate::api::problem::{Kind, Problem};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// A coding of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,13 +13,13 @@ use super::negotiate;
 use super::path::InPath;
 use crate::api::app::App;
 use crate::api::json::view::job::{JobPage, JobView};
-use crate::api::language::{Language, PROTOBUF};
+use crate::api::media_type::{Language, PROTOBUF};
+use crate::api::parse_uint::plain_number;
 use crate::api::problem::Problem;
-use crate::api::whole::plain_number;
 use crate::api::{jobs, proto};
 use crate::job::Job;
 use crate::job::state::State as JobState;
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

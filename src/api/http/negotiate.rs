@@ -9,9 +9,9 @@ use headers_accept::Accept;
 use mediatype::MediaType;
 use serde::de::DeserializeOwned;
 
-use crate::api::language::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
+use crate::api::media_type::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
 use crate::api::problem::{Kind, Problem};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// The longest time of `Prefer: wait`, in seconds.
 pub(crate) const LONGEST_WAIT: u64 = 300;

@@ -20,21 +20,21 @@ use super::answer::whole;
 use super::body_limits::ReceivedBody;
 use super::{body, negotiate};
 use crate::api::app::App;
+use crate::api::create_job::{self, ReadJob};
 use crate::api::json::request::file::{
     self, COLUMNS, FileHints, FileLocator, ORDER, PART, PIECE, SECTIONS, SIZE,
 };
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
 use crate::api::json::view::to_bytes;
-use crate::api::language::JSON;
-use crate::api::order::{self, ReadJob};
+use crate::api::media_type::JSON;
 use crate::api::problem::Problem;
 use crate::api::stream::sending::ENOUGH;
 use crate::config::Config;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
 use piad_files::import::{self, Hints, Imported};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::parameters::Scattered;
 
 /// The JSON of points takes at most this many times the memory of their file, also while it grows: 1e15 has sixteen
@@ -104,7 +104,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
         drop(body);
         Ok(json)
     };
-    let json = order::read(&app, length, work).await?;
+    let json = create_job::read(&app, length, work).await?;
     if json.len() <= ENOUGH {
         return Ok(whole(json, JSON));
     }
@@ -245,7 +245,7 @@ impl PartJobs {
                 notices,
             })
         };
-        order::read(app, 0, work).await
+        create_job::read(app, 0, work).await
     }
 
     /// Takes the notices about each part.

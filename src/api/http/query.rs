@@ -3,14 +3,14 @@
 use serde::Deserialize;
 
 use super::negotiate;
+use crate::api::parse_uint::plain_number;
 use crate::api::problem::Problem;
-use crate::api::whole::plain_number;
 use crate::model::named::Named;
 use crate::model::stream::choices::ChoiceError;
 use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec, not_samples};
 use piad_files::export::{ExportError, Format, Options, Origin, check_options};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// The parameters of a single iteration or a result.
 pub(super) const OF_RESULTS: [&str; 11] = [

@@ -8,10 +8,10 @@ use serde::Deserialize;
 use super::negotiate;
 use crate::api::app::App;
 use crate::api::json::view::rates::RatesView;
+use crate::api::parse_uint::plain_number;
 use crate::api::problem::Problem;
 use crate::api::rates::{RatesRequest, WrongPart, rates};
-use crate::api::whole::plain_number;
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::engine::rates::MOST_POINTS;
 
 #[derive(Deserialize)]

@@ -16,7 +16,7 @@ use crate::model::errors::{self as model, ValidationErrors};
 use field_error::LONGEST_DETAIL;
 pub(super) use field_error::{FieldError, Location};
 pub(super) use kind::Kind;
-use piad_files::short;
+use piad_files::text;
 
 /// Locations of the parts of a request in an encoding.
 pub trait Locator {
@@ -68,7 +68,7 @@ impl Problem {
         let detail = detail.into();
         Self {
             kind,
-            detail: short::cut(&detail, LONGEST_DETAIL).into_owned(),
+            detail: text::cut(&detail, LONGEST_DETAIL).into_owned(),
             errors: Vec::new(),
             retry_after: None,
         }
@@ -96,7 +96,7 @@ impl Problem {
             all.errors.extend(problem.errors);
             details.push(problem.detail);
         }
-        all.detail = short::cut(&details.join("; "), LONGEST_DETAIL).into_owned();
+        all.detail = text::cut(&details.join("; "), LONGEST_DETAIL).into_owned();
         Some(all)
     }
 
@@ -173,7 +173,7 @@ impl Problem {
     fn told(&self) -> String {
         let told = self.errors.iter().map(FieldError::told);
         let told = told.collect::<Vec<_>>().join("; ");
-        short::cut(&told, LONGEST_DETAIL).into_owned()
+        text::cut(&told, LONGEST_DETAIL).into_owned()
     }
 
     /// The kind.
@@ -205,7 +205,7 @@ impl Problem {
     pub fn unknown_job(id: &str) -> Self {
         Self::new(
             Kind::UnknownJob,
-            format!("there is no job {}", short::quoted(id)),
+            format!("there is no job {}", text::quoted(id)),
         )
     }
 

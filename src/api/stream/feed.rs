@@ -16,7 +16,7 @@ use super::chain::Chain;
 use super::encode;
 use super::milestones::Milestones;
 use crate::api::app::App;
-use crate::api::resuming::{EventId, Start};
+use crate::api::resume::{EventId, Start};
 use crate::job::content::Content;
 use crate::job::counters::Open;
 use crate::job::cursor::{Cursor, Next};

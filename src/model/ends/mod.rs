@@ -5,10 +5,10 @@ mod schema;
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::either::{Object, read_object, some};
 use super::errors::{SpecPart, ValidationError};
 use super::lists::Vectors;
 use super::named::{Named, names};
+use super::serde_helpers::{Object, read_object, some};
 use piad_fit::basis::{End, Ends, MAX_DEGREE};
 use piad_fit::invalid::{Axis, Place, Side};
 

@@ -18,10 +18,10 @@ use serde::de::value::{MapAccessDeserializer, MapDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::either::Kept;
 use super::errors::OrErrors;
 use super::named::{Named, names};
 use super::per_direction::PerDirection;
+use super::serde_helpers::Kept;
 use piad_fit::data::Grid;
 use piad_fit::engine::Request;
 use piad_fit::method::Method;

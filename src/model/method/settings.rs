@@ -6,12 +6,12 @@ use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::choice::MethodChoice;
-use crate::model::either::AtMost;
 use crate::model::errors::{OrErrors, SpecPart, ValidationError};
 use crate::model::list_limits::for_points;
 use crate::model::named::{Named, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
+use crate::model::serde_helpers::AtMost;
 use crate::model::settings::{Index, Matrix, Omega, Thresholds};
 use piad_fit::data::Grid;
 use piad_fit::engine::Request;

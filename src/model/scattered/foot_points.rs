@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::model::either::object;
 use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::iteration::IterationChoice;
+use crate::model::serde_helpers::object;
 use piad_fit::data::Points;
 use piad_fit::geometry::{Nurbs, foot_points};
 use piad_fit::parameters::Scattered;

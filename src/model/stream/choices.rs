@@ -4,7 +4,7 @@
 use super::{Choice, StreamSpec};
 use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::named::Named;
-use piad_files::short::plain;
+use piad_files::text::plain;
 
 /// The source of a choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use super::{
     self as chosen, Choice, Describe, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec,
 };
 use crate::model::errors::ValidationError;
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::engine::Problem;
 
 /// The options of a stream.

@@ -16,7 +16,7 @@ use super::part::{NO_POINTS, Part};
 use super::sample::Below;
 use super::table::{self, Table};
 use super::text_column::text_column;
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::Points;
 
 /// Files of more points get room for all of them at once.

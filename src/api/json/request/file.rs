@@ -20,7 +20,7 @@ use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::{MeshUnfoldingInput, SurfaceParameters};
 use crate::model::stream::Samples;
 use piad_files::import::{Columns, Hints, Imported, Kind as FileKind, PartChoice};
-use piad_files::short;
+use piad_files::text;
 use piad_fit::data::Grid;
 use piad_fit::parameters::{Mesh, MeshUnfolding, Scattered};
 
@@ -72,7 +72,7 @@ impl FileHints {
         match name {
             SIZE => self.size = Some(size(text)?),
             SECTIONS => {
-                let wrong = |_| format!("{} is neither true nor false", short::quoted(text));
+                let wrong = |_| format!("{} is neither true nor false", text::quoted(text));
                 self.sections = Some(text.parse::<bool>().map_err(wrong)?);
             }
             PART => self.part = Some(PartChoice::of_text(text)),
@@ -80,7 +80,7 @@ impl FileHints {
                 let piece = text.parse().map_err(|_| {
                     format!(
                         "{} is no number of a piece, such as 1 for the largest",
-                        short::quoted(text)
+                        text::quoted(text)
                     )
                 })?;
                 self.piece = Some(piece);
@@ -91,7 +91,7 @@ impl FileHints {
                 let [given, nearest] = ORDERS;
                 return Err(format!(
                     "unknown order {}; expected {given} or {nearest}",
-                    short::quoted(text)
+                    text::quoted(text)
                 ));
             }
             _ => return Ok(false),
@@ -108,7 +108,7 @@ fn size(text: &str) -> Result<Grid, String> {
         }
         _ => Err(format!(
             "{} is no number of rows and columns, such as 40x60",
-            short::quoted(text)
+            text::quoted(text)
         )),
     }
 }
@@ -274,7 +274,7 @@ fn parts_of_job(
         }
     }
     if let Some(name) = file.name {
-        let name = short::cut(&name, LONGEST_NAME - 1).into_owned();
+        let name = text::cut(&name, LONGEST_NAME - 1).into_owned();
         fields.entry("name").or_insert(Value::from(name));
     }
     Ok((fields, data, lines))

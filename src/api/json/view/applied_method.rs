@@ -4,10 +4,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::job::outline::Outline;
-use crate::model::either::Whole;
 use crate::model::method::counts::{ControlPointCount, ControlPoints, MostControlPoints};
 use crate::model::method::{LeastSquaresInput, MethodKind, StartInput, SweepsInput, VariantKind};
 use crate::model::per_direction::PerDirection;
+use crate::model::serde_helpers::Whole;
 use piad_fit::engine::Forecast;
 use piad_fit::method::{Adaptive, Convex, Local, Method, Threshold, Weighted};
 

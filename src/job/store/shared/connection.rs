@@ -15,7 +15,7 @@ use sqlx::{Connection, PgConnection, Postgres};
 use tokio::time::{sleep, timeout};
 use tracing::{info, warn};
 
-use super::pieces::Value;
+use super::chunked_value::Value;
 use crate::job::counters::Counters;
 use crate::job::store::StoreError;
 

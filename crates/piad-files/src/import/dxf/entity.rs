@@ -3,7 +3,7 @@
 use super::pairs::Pair;
 use crate::import::curves::Point;
 use crate::import::error::FileError;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// An entity, from its name up to the next one.
 #[derive(Debug)]

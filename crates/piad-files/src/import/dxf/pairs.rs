@@ -2,7 +2,7 @@
 
 use crate::import::error::FileError;
 use crate::import::line::line_end;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// A value and what it means.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use super::super::byte_lines::text as shown;
 use super::super::error::FileError;
 use super::tokens::{Tokens, number};
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::Grid;
 
 /// The value of missing heights, unless the file gives another one.

@@ -1,6 +1,6 @@
 //! The words of a line of G-code: letters with numbers.
 
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// A letter with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use super::super::cloud::too_many;
 use super::super::error::FileError;
 use super::super::part::{Order, Part};
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::Points;
 
 /// The polylines that were read so far.

@@ -3,7 +3,7 @@
 use super::super::binary::Scalar;
 use super::super::byte_lines::{ByteLines, text, words};
 use super::super::error::FileError;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The keywords of a head.
 const KEYWORDS: [&[u8]; 10] = [

@@ -3,7 +3,7 @@
 use super::super::binary::{Endian, Scalar};
 use super::super::byte_lines::{ByteLines, text, words};
 use super::super::error::FileError;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The name of the vertices.
 pub(super) const VERTEX: &str = "vertex";

@@ -5,7 +5,7 @@ use super::super::error::{FileError, FileErrors};
 use super::super::imported::Hints;
 use super::super::part::Part;
 use super::Corners;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The keywords of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -93,7 +93,7 @@ pub(crate) fn read_object<'de, T: Object<'de>, D: Deserializer<'de>>(
 /// `kind` they are also read from the value of this field, as an object with nothing else.
 macro_rules! object {
     ($type:ty, $expected:literal $(, $kind:literal)?) => {
-        impl<'de> $crate::model::either::Object<'de> for $type {
+        impl<'de> $crate::model::serde_helpers::Object<'de> for $type {
             const EXPECTED: &'static str = $expected;
 
             fn of_fields<D: serde::Deserializer<'de>>(fields: D) -> Result<Self, D::Error> {
@@ -108,7 +108,7 @@ macro_rules! object {
 
         impl<'de> serde::Deserialize<'de> for $type {
             fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-                $crate::model::either::read_object(d)
+                $crate::model::serde_helpers::read_object(d)
             }
         }
 
@@ -276,7 +276,7 @@ macro_rules! number_or_word {
 
         impl<'de> serde::Deserialize<'de> for $type {
             fn deserialize<D: serde::Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
-                $crate::model::either::read_number_or_word(d, $word, $expected).map(Self)
+                $crate::model::serde_helpers::read_number_or_word(d, $word, $expected).map(Self)
             }
         }
 

@@ -6,7 +6,7 @@ use bytes::Bytes;
 use sha2::{Digest, Sha256};
 
 use crate::api::app::App;
-use crate::api::language::Framing;
+use crate::api::media_type::Framing;
 use crate::api::problem::{Kind, Locator, Problem};
 use crate::api::start::{Base, start};
 use crate::config::Config;

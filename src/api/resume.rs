@@ -6,10 +6,10 @@
 
 use std::fmt;
 
-use super::whole::plain_number;
+use super::parse_uint::plain_number;
 use crate::job::Job;
 use crate::job::state::{Failure, State};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::engine::KERNEL;
 
 /// The id of the last event.

@@ -17,8 +17,8 @@ use std::time::{Duration, Instant};
 use parking_lot::Mutex;
 use tokio::sync::oneshot;
 
+use super::fair_queue::Turns;
 use super::peer::Peer;
-use super::turns::Turns;
 
 /// The unit in which memory is handed out.
 const PAGE: usize = 4096;

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use tokio::time::{Duration, sleep};
 
 use super::app::App;
+use super::create_job;
 use super::json::view;
-use super::language::Language;
-use super::order;
+use super::media_type::Language;
 use super::problem::{Kind, Problem};
 use super::proto;
 use super::stream::encode::{self, Cost};
@@ -57,7 +57,7 @@ pub(super) async fn frame(
     let next = tokio::select! {
         next = cursor.next() => next?,
         () = passed(wait) => return Err(not_yet(&job.status(), k)),
-        () = app.stopped() => return Err(order::stopping()),
+        () = app.stopped() => return Err(create_job::stopping()),
     };
     match next {
         Next::Frame(frame) => Ok(frame),
