@@ -46,7 +46,7 @@ database: tools postgres
 
 # The API with tokens: all clients send one, and no server reveals it. Without the tests that send raw bytes, those
 # about client addresses, which tenants replace, and those with their own tokens.
-WITHOUT_TOKENS := access[a-z_]*|attacks|base_path|bodies|crowd|doors|floods|heads|made_up|peers|proxies|readme|secure
+WITHOUT_TOKENS := access[a-z_]*|attacks|base_path|bodies|floods|generated|headers|many_readers|peers|proxies|readme|secure|timeouts
 tokens: tools postgres
 	PIAD_TOKEN=piad_$$(printf 'A%.0s' $$(seq 43)) tests/postgres cargo nextest run --locked --test api -E 'not test(/^($(WITHOUT_TOKENS))::/)'
 

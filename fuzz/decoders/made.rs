@@ -1,7 +1,7 @@
 //! Jobs and edits that are made up of bytes: each byte chooses something. Most of them are fits that can
 //! be computed, which bytes read as JSON rarely are.
 
-mod obeying;
+mod constrained;
 
 use arbitrary::{Arbitrary, Unstructured};
 use serde_json::{Map, Value, json};

@@ -13,10 +13,10 @@ use tokio::time::{sleep, timeout};
 
 use crate::cluster::Cluster;
 use crate::data;
+use crate::fault_proxy::{FaultProxy, Target};
 use crate::load::{all_jobs, random, undisturbed, work};
 use crate::program::Program;
 use crate::support::{PATIENCE, Story, client, events, eventually};
-use crate::wires::{Target, Wire};
 
 /// How many times something happens; `PIAD_TEST_ROUNDS` sets another number.
 fn rounds() -> usize {
@@ -29,7 +29,7 @@ fn rounds() -> usize {
 /// A replica with its own way to the database.
 pub struct Replica {
     pub program: Program,
-    wire: Wire,
+    wire: FaultProxy,
 }
 
 /// Some replicas behind a proxy.
@@ -37,11 +37,11 @@ pub struct Replicas {
     pub cluster: Cluster,
     pub replicas: Vec<Replica>,
     addresses: watch::Sender<Vec<String>>,
-    front: Wire,
+    front: FaultProxy,
     client: reqwest::Client,
 }
 
-fn launch(wire: &Wire) -> Program {
+fn launch(wire: &FaultProxy) -> Program {
     let url = format!("postgres://piad@{}/postgres?sslmode=disable", wire.address);
     Program::with(Path::new(&url), &["--retain-jobs", "1000000"])
 }
@@ -51,13 +51,13 @@ impl Replicas {
         let cluster = Cluster::start();
         let mut replicas = Vec::new();
         for _ in 0..count {
-            let wire = Wire::to(Target::Socket(cluster.socket())).await;
+            let wire = FaultProxy::to(Target::Socket(cluster.socket())).await;
             let program = launch(&wire);
             replicas.push(Replica { program, wire });
         }
         let all = replicas.iter().map(|it| it.program.address.clone());
         let (addresses, servers) = watch::channel(all.collect());
-        let front = Wire::to(Target::Servers(servers)).await;
+        let front = FaultProxy::to(Target::Servers(servers)).await;
         let client = client().pool_max_idle_per_host(0).build().unwrap();
         Self {
             cluster,

@@ -2,8 +2,8 @@
 
 mod batch;
 mod ends;
+mod errors;
 mod jobs;
-mod mistakes;
 
 use serde_json::{Value, json};
 use tonic::metadata::AsciiMetadataValue;

@@ -9,11 +9,10 @@
 )]
 
 mod broken;
-mod door;
+mod cli_metadata;
 mod image;
 mod inputs;
 mod interrupted;
-mod kin;
 mod odd_files;
 mod outputs;
 mod parts;
@@ -22,3 +21,4 @@ mod remote;
 mod secure;
 mod support;
 mod terminal;
+mod tls_proxy;

@@ -19,8 +19,8 @@ use crate::job::tenant::Tenant;
 use piad_fit::data::Points;
 use piad_fit::engine::{Bases, Problem};
 
+mod constrained;
 mod kinds;
-mod obeying;
 mod quotas;
 mod replicas;
 

@@ -41,7 +41,7 @@ pub(super) fn problems() -> Vec<Problem> {
     let mut turn = 0;
     for surface in [false, true] {
         let methods = methods(surface);
-        for method in super::obeying::methods(surface) {
+        for method in super::constrained::methods(surface) {
             // With polynomials of all degrees in both directions, without weights.
             let mut request = request(surface, 4, 0, 7);
             request.method = method;

@@ -26,7 +26,7 @@ enum Mode {
 }
 
 /// A proxy.
-pub struct Wire {
+pub struct FaultProxy {
     pub address: String,
     mode: watch::Sender<Mode>,
     /// Connections made before the last cut are closed.
@@ -38,7 +38,7 @@ pub struct Wire {
 /// More bytes than statements have without data.
 const MUCH: usize = 4000;
 
-impl Wire {
+impl FaultProxy {
     pub async fn to(target: Target) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         let address = listener.local_addr().unwrap().to_string();

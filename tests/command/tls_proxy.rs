@@ -1,4 +1,4 @@
-//! A door in front of a server: with TLS if there is a certificate, and with connections that break.
+//! A proxy in front of a server: with TLS if there is a certificate, and with connections that break.
 
 use std::collections::VecDeque;
 use std::net::TcpListener;
@@ -17,14 +17,14 @@ use tokio_rustls::rustls::pki_types::PrivateKeyDer;
 /// Says how many of the bytes that a connection has answered are passed on, if it breaks there.
 pub type Break = fn(&[u8]) -> Option<usize>;
 
-/// What has gone through a door.
+/// What has gone through a proxy.
 #[derive(Default)]
 pub struct Seen {
     pub asked: Vec<u8>,
     pub answered: Vec<u8>,
 }
 
-pub struct Door {
+pub struct TlsProxy {
     /// Its address.
     pub url: String,
     /// The authority that has signed its certificate, as PEM.
@@ -32,29 +32,29 @@ pub struct Door {
     seen: Arc<Mutex<Seen>>,
 }
 
-impl Door {
-    /// A door with TLS, whose certificate is for this name, to the server at a URL.
+impl TlsProxy {
+    /// A proxy with TLS, whose certificate is for this name, to the server at a URL.
     pub fn with_certificate_for(name: &str, server: &str) -> Self {
         let (authority, config) = certificate_for(name);
-        let mut door = Self::open(Some(config), server, &[]);
-        door.authority = authority;
-        door
+        let mut proxy = Self::open(Some(config), server, &[]);
+        proxy.authority = authority;
+        proxy
     }
 
     /// One whose certificate is that of the authority itself.
     pub fn with_authority(server: &str) -> Self {
         let issuer = authority_of("127.0.0.1");
-        let mut door = Self::open(Some(serving(issuer.as_ref(), issuer.key())), server, &[]);
-        door.authority = issuer.pem();
-        door
+        let mut proxy = Self::open(Some(serving(issuer.as_ref(), issuer.key())), server, &[]);
+        proxy.authority = issuer.pem();
+        proxy
     }
 
     /// One with TLS whose connections break so, one after the other.
     pub fn that_breaks(server: &str, breaks: &[Break]) -> Self {
         let (authority, config) = certificate_for("127.0.0.1");
-        let mut door = Self::open(Some(config), server, breaks);
-        door.authority = authority;
-        door
+        let mut proxy = Self::open(Some(config), server, breaks);
+        proxy.authority = authority;
+        proxy
     }
 
     /// One without TLS.
