@@ -24,7 +24,7 @@ use super::peer::Peer;
 const PAGE: usize = 4096;
 
 /// How long a piece waits before room is made for it.
-const LONG: Duration = Duration::from_secs(10);
+const ROOM_WAIT: Duration = Duration::from_secs(10);
 
 /// A peer with at most this part of the share has next to nothing.
 const LITTLE: u32 = 32;
@@ -269,7 +269,7 @@ impl ShareState {
         let first = self.waiting.iter().filter_map(|(_, queue)| {
             let first = queue.iter().find(|it| !it.granted.is_closed())?;
             let waited = now.saturating_duration_since(first.since);
-            (waited > LONG && self.usage.is_due(first.piece)).then_some(first)
+            (waited > ROOM_WAIT && self.usage.is_due(first.piece)).then_some(first)
         });
         let Waiter { piece, .. } = first.min_by_key(|it| it.since)?;
         let pages = self.usage.pages;
@@ -461,7 +461,7 @@ mod tests {
         let now = Instant::now();
         let state = || share.state.lock();
         assert!(state().overdue(now).is_none());
-        let overdue = state().overdue(now + 2 * LONG);
+        let overdue = state().overdue(now + 2 * ROOM_WAIT);
         let piece = |last, pages| share.piece(peer(last), pages * PAGE);
         let passes = |last, pages| state().usage.admits(piece(last, pages), overdue);
         assert!(passes(3, 2) && !passes(3, 3) && !passes(1, 1));
@@ -470,6 +470,6 @@ mod tests {
         drop(large);
         let mut own = Box::pin(share.take(peer(1), 10 * PAGE));
         assert!(own.as_mut().now_or_never().is_none());
-        assert!(state().overdue(now + 2 * LONG).is_none());
+        assert!(state().overdue(now + 2 * ROOM_WAIT).is_none());
     }
 }

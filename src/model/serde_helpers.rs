@@ -333,17 +333,17 @@ pub(crate) fn read_number_or_word<'de, T: Deserialize<'de>, D: Deserializer<'de>
     deserializer.deserialize_any(NumberVisitor(word, expected, PhantomData))
 }
 
-/// A list of at most `MOST` elements, which no valid request exceeds.
+/// A list of at most `MAX` elements, which no valid request exceeds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
-pub(crate) struct AtMost<T, const MOST: usize>(pub Vec<T>);
+pub(crate) struct AtMost<T, const MAX: usize>(pub Vec<T>);
 
-impl<'de, T: Deserialize<'de>, const MOST: usize> Deserialize<'de> for AtMost<T, MOST> {
+impl<'de, T: Deserialize<'de>, const MAX: usize> Deserialize<'de> for AtMost<T, MAX> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ListVisitor<T, const MOST: usize>(PhantomData<T>);
+        struct ListVisitor<T, const MAX: usize>(PhantomData<T>);
 
-        impl<'de, T: Deserialize<'de>, const MOST: usize> Visitor<'de> for ListVisitor<T, MOST> {
-            type Value = AtMost<T, MOST>;
+        impl<'de, T: Deserialize<'de>, const MAX: usize> Visitor<'de> for ListVisitor<T, MAX> {
+            type Value = AtMost<T, MAX>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a list")
@@ -352,9 +352,9 @@ impl<'de, T: Deserialize<'de>, const MOST: usize> Deserialize<'de> for AtMost<T,
             fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
                 let mut elements = Vec::new();
                 while let Some(element) = list.next_element()? {
-                    if elements.len() == MOST {
-                        let detail = format!("at most {MOST} of them can be given here");
-                        return Err(below(&format!("/{MOST}"), detail));
+                    if elements.len() == MAX {
+                        let detail = format!("at most {MAX} of them can be given here");
+                        return Err(below(&format!("/{MAX}"), detail));
                     }
                     elements.push(element);
                 }

@@ -27,7 +27,7 @@ const END_STREAM: u8 = 1;
 const END_HEADERS: u8 = 4;
 
 /// So many bytes are sent at most, in rounds of so many frames.
-const MOST: usize = 50_000_000;
+const MAX_BYTES: usize = 50_000_000;
 const FRAMES: u32 = 200;
 
 /// A server that takes nothing for so long holds back.
@@ -154,7 +154,7 @@ async fn send<T: AsyncRead + AsyncWrite + Send + 'static>(stream: T, flood: &Flo
             Ok(Ok(())) => {}
         }
         sent += bytes.len();
-        if sent > MOST {
+        if sent > MAX_BYTES {
             break Outcome::Taken;
         }
         bytes = (flood.round)(round);

@@ -20,7 +20,7 @@ from offsets import peaks
 from over_http import fetch, server
 
 # Distances and angles of the seam caused by rounding.
-MOST = 1e-9
+TOLERANCE = 1e-9
 
 
 def patch(low: float, high: float, rows: int, columns: int) -> list:
@@ -90,14 +90,14 @@ def main() -> int:
                     path = f"{resource['links']['self']}/iterations/{k}/step"
                     distance, angle = seam(first, surface(base, path, folder))
                     seams += 1
-                    if max(distance, angle) > MOST:
+                    if max(distance, angle) > TOLERANCE:
                         wrong.append(f"{degree}, {variant}, iteration {k}: {distance:.1e} apart, angle {angle:.1e}")
             # The test is effective: without constraints there is a gap.
             resource = fit(base, job(patch(0, 3, 37, 53), degree, [], "direct"))
             distance, angle = seam(first, surface(base, f"{resource['links']['result']}/step", folder))
             if min(distance, angle) < 1e-4:
                 wrong.append(f"{degree}: patches join by themselves, {distance:.1e} apart, angle {angle:.1e}")
-    print("\n".join(wrong) or f"ok: {seams} seams are smooth to {MOST} in OpenCASCADE")
+    print("\n".join(wrong) or f"ok: {seams} seams are smooth to {TOLERANCE} in OpenCASCADE")
     return 1 if wrong else 0
 
 

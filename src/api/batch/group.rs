@@ -31,7 +31,7 @@ use crate::proto::messages as pb;
 pub(super) const SMALL_FIT: usize = 1024 * 1024;
 
 /// The lines of a group are sent when they have this many bytes.
-const ENOUGH: usize = 128 * 1024;
+const GROUP_BYTES: usize = 128 * 1024;
 
 /// Some items, and their results.
 pub(super) struct Group {
@@ -318,7 +318,7 @@ impl Group {
             .batch_items
             .inc();
         let is_last = self.items.as_slice().is_empty();
-        if !is_last && (self.lines.len() >= ENOUGH || self.lines.has_large()) {
+        if !is_last && (self.lines.len() >= GROUP_BYTES || self.lines.has_large()) {
             self.want = Some(Want::Send);
         }
     }

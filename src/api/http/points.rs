@@ -29,7 +29,7 @@ use crate::api::json::view::points::PointsView;
 use crate::api::json::view::to_bytes;
 use crate::api::media_type::JSON;
 use crate::api::problem::Problem;
-use crate::api::stream::sending::ENOUGH;
+use crate::api::stream::sending::SENT_BYTES;
 use crate::config::Config;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
@@ -105,7 +105,7 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
         Ok(json)
     };
     let json = create_job::read(&app, length, work).await?;
-    if json.len() <= ENOUGH {
+    if json.len() <= SENT_BYTES {
         return Ok(whole(json, JSON));
     }
     let room = app
@@ -139,7 +139,7 @@ fn job_fields(curve: Option<&str>, surface: Option<&str>) -> Result<Map<String, 
 /// A long body, which holds memory until its last part is sent.
 fn in_parts(bytes: Bytes, room: Option<Permit>) -> Body {
     let parts = stream::unfold((bytes, room), |(mut bytes, room)| async move {
-        let part = bytes.split_to(bytes.len().min(ENOUGH));
+        let part = bytes.split_to(bytes.len().min(SENT_BYTES));
         (!part.is_empty()).then_some((Ok::<_, Infallible>(part), (bytes, room)))
     });
     Body::from_stream(parts.fuse())

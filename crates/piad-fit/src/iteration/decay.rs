@@ -14,7 +14,7 @@
 //! follows from the integral of g.
 
 /// The most errors that are remembered: of long fits every second, fourth … one.
-const MOST: usize = 256;
+const MAX_ERRORS: usize = 256;
 
 /// The least number of levels that allow an estimate.
 const LEAST: usize = 4;
@@ -46,7 +46,7 @@ impl Decay {
         if !level.is_multiple_of(self.stride) {
             return;
         }
-        if self.logs.len() == MOST {
+        if self.logs.len() == MAX_ERRORS {
             let mut index = 0;
             self.logs.retain(|_| {
                 index += 1;
@@ -221,7 +221,7 @@ mod tests {
     fn little_is_remembered_of_long_fits() {
         let mut decay = Decay::default();
         (0..100_000).for_each(|k| decay.record(k, (-1e-3 * k as f64).exp()));
-        assert!(decay.logs.len() <= MOST);
+        assert!(decay.logs.len() <= MAX_ERRORS);
         let (level, log) = decay.before(70_000).unwrap();
         assert!((70_000.0 - level) < decay.stride as f64 && (log + 1e-3 * level).abs() < 1e-9);
     }

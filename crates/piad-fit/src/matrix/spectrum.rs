@@ -10,7 +10,7 @@
 
 use nalgebra::DVector;
 
-use super::collocation::{Collocation, LONG};
+use super::collocation::{Collocation, ROUGH_EIGENVALUE_COLUMNS};
 use super::tensor::Tensor;
 use crate::basis::direction::Direction;
 use crate::interrupt;
@@ -29,7 +29,11 @@ const BLOCK_ACCURACY: f64 = 1e-9;
 /// for long curves.
 fn effort(matrix: &Collocation) -> (f64, usize) {
     let n = matrix.columns();
-    let accuracy = if n <= LONG { 1e-13 } else { 1e-9 };
+    let accuracy = if n <= ROUGH_EIGENVALUE_COLUMNS {
+        1e-13
+    } else {
+        1e-9
+    };
     (accuracy, most_steps(matrix.entries()))
 }
 
@@ -74,7 +78,7 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 /// in 100.
 fn patience(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
-        n if n <= LONG => (1e-13, 100),
+        n if n <= ROUGH_EIGENVALUE_COLUMNS => (1e-13, 100),
         ..=20_000 => (1e-6, 20),
         _ => (3e-2, 8),
     }
@@ -82,7 +86,7 @@ fn patience(matrix: &Collocation) -> (f64, usize) {
 
 /// After a relative step larger than this the shift is far enough from the eigenvalue for
 /// elimination without pivots.
-const NEAR: f64 = 1e-3;
+const PIVOTED_STEP: f64 = 1e-3;
 
 /// A relative step less than this is one of the last two: the next one is below rounding.
 const NEARLY: f64 = 1e-7;
@@ -114,7 +118,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
     for _ in 0..shifts {
         interrupt::check();
         matrix.apply_to_lines(&z, &mut w);
-        let exact = step < NEAR;
+        let exact = step < PIVOTED_STEP;
         matrix.shifted_inverse(upper, exact)?.apply(&mut w);
         let (least, largest) = extremes(&z, &w);
         if !(least > 0.0 && largest.is_finite()) {

@@ -67,7 +67,7 @@ impl Shared {
             }
         }
         let open = Connections::new(options.clone(), settings.connections, counters.clone());
-        let (told, hints) = mpsc::channel(telling::MOST);
+        let (told, hints) = mpsc::channel(telling::MAX_HINTS);
         let store = Arc::new(Self {
             told,
             connections: open.map_err(OpenError::Database)?,

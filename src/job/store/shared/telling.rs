@@ -15,7 +15,7 @@ use super::Shared;
 use super::hints::Hint;
 
 /// The most hints that have not been sent or read yet; further ones are dropped.
-pub(super) const MOST: usize = 4096;
+pub(super) const MAX_HINTS: usize = 4096;
 
 /// After this long without a hint the connection is remade, as a dead one is silent.
 const SILENCE: Duration = Duration::from_secs(60);
@@ -29,7 +29,7 @@ SELECT set_config('synchronous_commit', 'off', true), pg_notify('piad', hint) FR
 /// Sends hints until their senders are gone.
 pub(super) async fn go_on_telling(store: Weak<Shared>, mut hints: mpsc::Receiver<Hint>) {
     let mut some = Vec::new();
-    while hints.recv_many(&mut some, MOST).await > 0 {
+    while hints.recv_many(&mut some, MAX_HINTS).await > 0 {
         let Some(store) = store.upgrade() else { return };
         let payloads: Vec<String> = some.drain(..).map(|hint| hint.to_string()).collect();
         let notify = || sqlx::query(NOTIFY).bind(&payloads);
@@ -47,7 +47,7 @@ impl Shared {
 
     /// The hints from now on, until the receiver is dropped.
     pub(crate) fn hints(&self) -> mpsc::Receiver<Hint> {
-        let (sender, hints) = mpsc::channel(MOST);
+        let (sender, hints) = mpsc::channel(MAX_HINTS);
         let pool = PgPoolOptions::new().max_connections(1).min_connections(0);
         let options = self.options.clone();
         tokio::spawn(async move {

@@ -217,7 +217,7 @@ impl Algorithm for LeastSquares {
         }
         let direct = self.variant == Variant::Direct;
         let whole = solver::is_whole(setup, self.is_separable());
-        if direct && whole && solver::cost(setup, self) > solver::MOST {
+        if direct && whole && solver::cost(setup, self) > solver::MAX_SURFACE_MULTIPLICATIONS {
             return Err(Invalid::at(
                 Place::Method,
                 "direct has to factorize the normal equations of the whole surface here, and there are too many control points for that: use cg",
