@@ -86,7 +86,7 @@ fn seeds_are_edits_of_a_parent() {
 
 /// Bytes by chance make jobs of which a good part can be computed, and so can edits of them.
 #[test]
-fn what_is_made_up_is_often_accepted() {
+fn many_generated_requests_are_accepted() {
     let (mut jobs, mut edits) = (0, 0);
     for seed in 0..300_u64 {
         let bytes = by_chance(seed);

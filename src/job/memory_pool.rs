@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn what_is_taken_is_given_back() {
+    async fn memory_is_returned() {
         let share = share();
         let most = take(&share, 1, 60).unwrap();
         assert!(take(&share, 1, 1).is_none() && take(&share, 2, 5).is_none());
@@ -430,7 +430,7 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn those_who_wait_take_turns() {
+    async fn waiting_tasks_take_turns() {
         let share = share();
         let first = take(&share, 1, 30).unwrap();
         let mut own = Box::pin(share.take(peer(1), 30 * PAGE));

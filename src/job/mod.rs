@@ -270,7 +270,7 @@ impl Job {
     }
 
     /// Returns true if the run of this replica was stopped and does not decide how the job continues or has ended.
-    pub(crate) fn goes_on_without_its_run(&self) -> bool {
+    pub(crate) fn continues_without_its_run(&self) -> bool {
         self.is_elsewhere() || self.status().state.is_final()
     }
 
@@ -418,7 +418,7 @@ impl Job {
             !shared.is_some_and(|(from, shared)| shared.checkpoints.shorten(from, next))
         };
         let mut quickest = live.iter().filter(is_quickest);
-        let goes_on = self.goes_on_without_its_run();
+        let goes_on = self.continues_without_its_run();
         quickest.find_map(|run| run.attach(next, peer, goes_on))
     }
 }

@@ -105,7 +105,7 @@ fn needed(operation: &Value) -> Option<String> {
 
 /// Every route with every kind of token.
 #[tokio::test]
-async fn every_route_asks_for_its_token() {
+async fn every_route_requires_its_token() {
     let file = TokensFile::new();
     let cases = cases(&file);
     let scopes = ["jobs:read", "jobs:write", "metrics"];
@@ -198,7 +198,7 @@ async fn every_route_asks_for_its_token() {
 
 /// Every call with every kind of token, as bytes: what is denied is denied before a message is read.
 #[tokio::test]
-async fn every_call_asks_for_its_token() {
+async fn every_call_requires_its_token() {
     let file = TokensFile::new();
     let cases = cases(&file);
     let reader = file.token("a", "jobs:read");
@@ -588,7 +588,7 @@ async fn a_token_of_the_variable_is_good_for_everything() {
 }
 
 #[test]
-fn tokens_are_told_once_and_kept_as_hashes() {
+fn tokens_are_printed_once_and_stored_as_hashes() {
     let file = TokensFile::new();
     let output = file.run(
         "create",

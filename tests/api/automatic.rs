@@ -119,7 +119,7 @@ async fn every_event_is_the_curve_that_it_says_it_is() {
 /// The knots of the event that a client sees next are always those of its curve: whichever events it
 /// leaves out, and wherever its stream goes on.
 #[tokio::test]
-async fn whoever_leaves_out_events_or_resumes_has_the_knots() {
+async fn streams_that_skip_or_resume_have_the_knots() {
     let server = Server::start().await;
     let curve = json!({"points": points(300)});
     let job = server.fit(&automatic(curve, 1e-4, json!({}))).await;
@@ -346,7 +346,7 @@ async fn few_points_are_fitted() {
 
 /// An edit goes on from the knots and the control points of its parent.
 #[tokio::test]
-async fn edits_go_on_from_the_knots_of_their_parent() {
+async fn edits_start_from_the_knots_of_their_parent() {
     let server = Server::start().await;
     let job = server
         .fit(&automatic(json!({"points": points(300)}), 1e-4, json!({})))
@@ -379,7 +379,7 @@ async fn edits_go_on_from_the_knots_of_their_parent() {
 
 /// The same for surfaces, of a grid and of scattered points.
 #[tokio::test]
-async fn edits_of_surfaces_go_on_from_their_knots() {
+async fn edits_of_surfaces_start_from_their_knots() {
     let server = Server::start().await;
     let golden: Value = serde_json::from_str(include_str!("../golden/scattered.json")).unwrap();
     let scattered = json!({"scattered": golden["points"], "parameters": {"project": "xy"}});

@@ -574,7 +574,7 @@ async fn edits(server: &Server) -> String {
 
 /// Of what cannot be read the first is told, wherever it stands.
 #[tokio::test]
-async fn the_first_value_that_cannot_be_read_is_told() {
+async fn the_first_unreadable_value_is_reported() {
     let server = Server::start().await;
     let job = json!({
         "curve": {"points": [[0, 0], [1, "1"], [2, 0], [null, 0], [4, 4]], "parametrs": "uniform"},
@@ -596,7 +596,7 @@ async fn the_first_value_that_cannot_be_read_is_told() {
 
 /// What can be read, but is no fit, in several ways.
 #[tokio::test]
-async fn several_mistakes_of_the_mathematics_are_told_at_once() {
+async fn several_errors_of_the_fit_are_reported_together() {
     let server = Server::start().await;
     let curve = json!({
         "curve": {
@@ -659,7 +659,7 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
 
 /// All neighbours that are equal, and all else that is wrong, in one answer.
 #[tokio::test]
-async fn all_equal_neighbours_are_told_at_once() {
+async fn all_equal_neighbours_are_reported_together() {
     let server = Server::start().await;
     let job = json!({
         "curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [3, 0], [3, 0], [3, 0], [4, 1]]},

@@ -241,7 +241,7 @@ async fn items_have_the_defaults_that_they_do_not_change() {
 
 /// What is no batch is answered as usual, before anything is computed.
 #[tokio::test]
-async fn what_is_no_batch_is_refused() {
+async fn invalid_batches_are_rejected() {
     let server = Server::start().await;
     for (body, status, detail) in [
         ("", 400, "the body is empty"),
@@ -353,7 +353,7 @@ async fn a_broken_body_ends_the_batch() {
 }
 
 #[tokio::test]
-async fn answers_have_the_form_that_is_asked_for() {
+async fn answers_have_the_requested_form() {
     let server = Server::start().await;
     let batch = json!({"items": [curve(1), {"surface": {"points": data::peaks(5)}}, {}]});
     let request = server

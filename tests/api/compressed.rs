@@ -193,7 +193,7 @@ async fn damaged_bodies_are_refused() {
 
 /// The limit is for what is in a body, to the byte.
 #[tokio::test]
-async fn bodies_are_as_large_as_what_is_in_them() {
+async fn bodies_are_limited_by_their_unpacked_size() {
     let text = long_job(3000).to_string().into_bytes();
     for (limit, status) in [(text.len(), 201), (text.len() - 1, 413)] {
         let server =
@@ -249,7 +249,7 @@ async fn bombs_do_not_go_off() {
 }
 
 #[tokio::test]
-async fn answers_are_compressed_for_those_who_take_it() {
+async fn answers_are_compressed_for_clients_that_accept_it() {
     let server = Server::start().await;
     let job = server.fit(&long_job(20_000)).await;
     let job = base(&job);

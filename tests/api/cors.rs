@@ -61,7 +61,7 @@ async fn pages_of_given_origins_are_let_in() {
 }
 
 #[tokio::test]
-async fn browsers_are_told_beforehand_what_pages_may_send() {
+async fn preflights_list_what_pages_may_send() {
     let server = start(&[PAGE]).await;
     let url = format!("{}/v1/jobs", server.url);
     let preflight = server.client.request(Method::OPTIONS, &url);

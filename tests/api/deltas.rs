@@ -304,7 +304,7 @@ async fn knots_come_with_complete_events() {
 }
 
 #[tokio::test]
-async fn whoever_comes_back_gets_a_complete_event_first() {
+async fn resumed_streams_start_with_a_complete_event() {
     let server = Server::start().await;
     let story = server.stream(&data::small_job()).await;
     let path = format!("{}/events?encoding=", base(&story.job));
@@ -353,7 +353,7 @@ async fn streams_may_leave_out_iterations() {
 
 /// Readers that go together and readers that lag behind are told the same.
 #[tokio::test]
-async fn readers_at_any_pace_are_told_the_same() {
+async fn readers_at_any_pace_get_the_same() {
     let server = Server::start().await;
     let mut job = data::endless_job();
     job["stream"] = json!({"encoding": "delta"});

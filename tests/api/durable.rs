@@ -123,7 +123,7 @@ fn long_job(iterations: usize) -> Value {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_stream_goes_on_after_a_restart_where_it_was() {
+async fn a_stream_resumes_after_a_restart() {
     let undisturbed = Server::start().await.stream(&long_job(60)).await;
     for signal in ["-TERM", "-KILL"] {
         let data = tempfile::tempdir().unwrap();

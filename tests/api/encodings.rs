@@ -146,7 +146,7 @@ async fn base64_holds_the_numbers_of_json() {
 }
 
 #[tokio::test]
-async fn the_job_event_tells_the_shape_beforehand() {
+async fn the_job_event_describes_the_shape() {
     let server = Server::start().await;
     for job in shapes() {
         let story = server.stream(&job).await;

@@ -251,7 +251,7 @@ async fn a_server_that_stops_ends_them() {
 }
 
 #[tokio::test]
-async fn what_is_not_streamed_is_refused() {
+async fn ephemeral_edits_must_be_streamed() {
     let server = Server::start().await;
     let job = server.fit(&parent()).await;
     let path = format!("{}/edits", base(&job));

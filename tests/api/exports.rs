@@ -95,7 +95,7 @@ async fn files_have_the_numbers_of_the_iteration() {
 }
 
 #[tokio::test]
-async fn samples_are_as_many_as_asked_for() {
+async fn samples_have_the_requested_number() {
     let server = Server::start().await;
     let curve = server
         .fit(&json!({"curve": {"points": data::helix()}}))
@@ -137,7 +137,7 @@ async fn samples_are_as_many_as_asked_for() {
 
 /// A drawing goes through the samples: pieces of a curve between them, faces of a surface.
 #[tokio::test]
-async fn drawings_have_as_many_samples_as_asked_for() {
+async fn drawings_have_the_requested_samples() {
     let server = Server::start().await;
     let curve = server
         .fit(&json!({"curve": {"points": data::helix()}}))
@@ -276,7 +276,7 @@ async fn drawings_show_how_far_the_data_are() {
 
 /// Triangles and vertices of meshes are as many as the samples give, down to the least there can be.
 #[tokio::test]
-async fn meshes_have_as_many_samples_as_asked_for() {
+async fn meshes_have_the_requested_samples() {
     let server = Server::start().await;
     let peaks = server
         .fit(&json!({"surface": {"points": data::peaks(9)}}))
@@ -519,7 +519,7 @@ async fn downloads_are_named_after_the_job() {
 }
 
 #[tokio::test]
-async fn files_are_as_they_are_asked_for() {
+async fn files_follow_the_options() {
     let server = Server::start().await;
     let curve = server
         .fit(&json!({"curve": {"points": data::helix()}}))

@@ -129,7 +129,7 @@ async fn outlines_that_come_back_are_closed() {
 }
 
 #[tokio::test]
-async fn mistakes_are_told_at_their_lines() {
+async fn errors_name_their_lines() {
     let server = Server::start().await;
     for path in ["/v1/points", "/v1/jobs"] {
         let response = send(&server, path, "text/csv", "x,y\n1,2\n\n3,oops\n4,5,6\n").await;
@@ -279,7 +279,7 @@ async fn files_are_fitted_like_json() {
 
 /// What is wrong is told where it was written: in a line, or in the query.
 #[tokio::test]
-async fn mistakes_of_jobs_are_told_where_they_stand() {
+async fn errors_of_jobs_have_locations() {
     let server = Server::start().await;
     let near = "# too near for chord lengths\n0,0\n1e17,1\n# another\n1e17,2\n2e17,0\n3e17,1\n";
     let response = send(&server, "/v1/jobs", "text/csv", near).await;
@@ -350,7 +350,7 @@ async fn keys_know_the_query() {
 
 /// Browsers send plain texts for any page without asking; such a page makes no jobs.
 #[tokio::test]
-async fn pages_of_other_origins_make_no_jobs_unasked() {
+async fn pages_of_other_origins_create_no_jobs_without_permission() {
     let server = Server::start().await;
     for (origin, media_type, status) in [
         ("https://evil.example", "text/plain", 415),
@@ -464,7 +464,7 @@ async fn the_parts_of_a_file_are_a_batch() {
 }
 
 #[tokio::test]
-async fn a_batch_is_one_file_if_that_is_asked_for() {
+async fn a_batch_is_one_file_on_request() {
     let server = Server::start().await;
     let ask = async |query: &str, format: &str, body: &str| {
         let request = server.post(&format!("/v1/batch{query}"));

@@ -42,7 +42,7 @@ async fn the_answer_is_the_result_of_a_job() {
 
 /// Files, messages and encodings, by the Accept header and the query.
 #[tokio::test]
-async fn the_answer_has_the_form_that_is_asked_for() {
+async fn the_answer_has_the_requested_form() {
     let server = Server::start().await;
     let job = json!({"name": "a wave", "curve": {"points": data::wave(40)}});
     let step = answer(&server, "model/step", &job).await;
@@ -68,7 +68,7 @@ async fn the_answer_has_the_form_that_is_asked_for() {
 
 /// What does not come within its tolerance is no answer, and says how near it came.
 #[tokio::test]
-async fn what_does_not_converge_is_told() {
+async fn fits_that_do_not_converge_are_reported() {
     let server = Server::start().await;
     let short = json!({"curve": {"points": data::helix()}, "stop": {"tolerance": 1e-9, "max_iterations": 3}});
     let (status, told) = problem(answer(&server, "*/*", &short).await).await;

@@ -337,7 +337,7 @@ async fn forecasts_do_not_wait_for_the_end_of_the_spectrum() {
 /// A fit that is too long to be tried: nothing is said at the start but what its block says, and soon
 /// it is known.
 #[tokio::test]
-async fn long_fits_are_foretold_while_they_run() {
+async fn long_fits_are_predicted_while_they_run() {
     let server = Server::start().await;
     let (points, basis) = (curve(120_000, true), Basis::UniformSpline(3));
     let mut global = job(&points, basis, &of_kind("global"), 1e-9);

@@ -65,7 +65,7 @@ async fn ask(server: &Server, request: &str) -> Answer {
 }
 
 #[tokio::test]
-async fn requests_say_once_for_whom_they_are() {
+async fn requests_have_one_host() {
     let server = Server::start().await;
     for (head, status) in [
         ("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", 200),
@@ -201,7 +201,7 @@ async fn ids_of_requests_are_short_words() {
 /// A connection on which nothing is asked for five seconds is laid aside: the next request is answered all the
 /// same, however it comes.
 #[tokio::test]
-async fn connections_go_on_after_a_pause() {
+async fn connections_continue_after_a_pause() {
     let server = Server::start().await;
     let request = "GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n";
     let (mut used, mut left) = (connect(&server).await, connect(&server).await);
@@ -259,7 +259,7 @@ async fn answers_say_that_the_connection_ends() {
 
 /// A client that sends everything before it reads anything reads the answer, too.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn who_is_still_sending_gets_the_answer() {
+async fn clients_that_are_still_sending_get_the_answer() {
     let server = Server::with(|config| config.max_body = bytesize::ByteSize::kib(1)).await;
     for _ in 0..10 {
         let mut stream = connect(&server).await;

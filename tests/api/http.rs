@@ -90,7 +90,7 @@ async fn a_client_may_name_its_request() {
 }
 
 #[tokio::test]
-async fn a_wrong_method_is_told_the_right_ones() {
+async fn a_wrong_method_gets_the_allowed_ones() {
     let server = Server::start().await;
     for (path, allowed) in [
         ("/v1/jobs", "GET, HEAD, POST"),
@@ -218,7 +218,7 @@ async fn iterations_are_waited_for_as_long_as_the_client_wants() {
 
 /// An iteration far behind is not computed from the start each time, and is the same to the last bit.
 #[tokio::test]
-async fn iterations_far_back_go_on_from_checkpoints() {
+async fn early_iterations_are_recomputed_from_checkpoints() {
     let server = Server::with(|config| config.ring = "1B".parse().unwrap()).await;
     let points = data::wave(300);
     let selected: Vec<usize> = (0..300).step_by(2).collect();

@@ -46,7 +46,7 @@ async fn direct_is_at_the_minimum_at_once() {
 
 /// `minimum` is said where the gradient says so, however unlike the columns of A are.
 #[tokio::test]
-async fn slow_variants_go_on_to_the_minimum() {
+async fn slow_variants_reach_the_minimum() {
     let server = Server::start().await;
     let points = uneven();
     let least = server.fit(&job(&points, 120, "direct")).await;

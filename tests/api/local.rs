@@ -21,7 +21,7 @@ fn distance(a: &Value, b: &Value) -> f64 {
 }
 
 #[tokio::test]
-async fn fixed_points_do_not_move_by_a_bit_and_end_where_the_theorem_says() {
+async fn fixed_points_do_not_move_and_limits_follow_the_theorem() {
     let server = Server::start().await;
     let points = data::helix();
     let adjusted = [3, 4, 5, 17, 22];

@@ -51,7 +51,7 @@ fn events_of(received: Vec<u8>) -> impl Stream<Item = Event> + Unpin {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_client_that_reads_a_kilobyte_now_and_then_costs_nobody_anything() {
+async fn a_client_that_reads_slowly_does_not_affect_others() {
     let data = tempfile::tempdir().unwrap();
     let program = Program::with(data.path(), &["--ring", "16MiB", "--recent", "0B"]);
     let points: Vec<_> = (0..100_000)

@@ -143,7 +143,7 @@ fn is_ok(answer: &(String, String)) -> bool {
 }
 
 #[tokio::test]
-async fn idle_connections_lock_nobody_out() {
+async fn idle_connections_do_not_block_others() {
     // 192 connections in all, 96 of an address.
     let mut program = Program::in_shell(
         r#"ulimit -n 256; exec "$@" --header-timeout 3600"#,

@@ -54,7 +54,7 @@ fn niceness(process: u32, name: &str) -> Vec<i32> {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn each_lane_and_the_loops_have_so_many_threads() {
+async fn each_lane_and_the_loops_have_their_threads() {
     let program = Program::with(Path::new(":memory:"), &["--workers", "3"]);
     let lanes = [
         ("quick", 0),
@@ -158,7 +158,7 @@ fn a_port_in_use_is_an_error() {
 }
 
 #[test]
-fn the_version_is_told() {
+fn the_version_is_printed() {
     let version = Command::new(PROGRAM).arg("--version").output().unwrap();
     let version = String::from_utf8(version.stdout).unwrap();
     // With the commit, if the build knew it.

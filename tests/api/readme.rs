@@ -61,7 +61,7 @@ fn problems(printed: &str) -> Vec<&str> {
 }
 
 #[test]
-fn each_command_works_and_shows_what_it_says() {
+fn each_command_works_and_prints_its_output() {
     let folder = clone();
     let (printed, told) = run_all(README, folder.path());
     // Only the points that are equal are refused, as it says there.

@@ -408,7 +408,7 @@ async fn a_key_makes_one_job_among_replicas() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn without_its_database_a_server_says_so_and_goes_on() {
+async fn without_its_database_a_server_reports_it_and_continues() {
     let all = Replicas::start(1).await;
     let program = &all.replicas[0].program;
     let endless = program

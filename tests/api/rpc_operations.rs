@@ -70,7 +70,7 @@ async fn reflection_lists_the_service() {
 }
 
 #[tokio::test]
-async fn health_is_told_and_ends_with_the_server() {
+async fn health_is_reported_until_the_server_ends() {
     // Who waits for the grace period waits for ever.
     let server = Server::with(|config| config.grace = NEVER).await;
     let mut client = HealthClient::new(channel(&server).await);
@@ -173,7 +173,7 @@ async fn calls_that_fail_at_once_end_with_their_head() {
 }
 
 #[tokio::test]
-async fn messages_that_cannot_be_read_are_a_mistake_of_the_client() {
+async fn unreadable_messages_are_client_errors() {
     let server = Server::start().await;
     let compressed = [1, 0, 0, 0, 1, 0];
     let unknown_flag = [9, 0, 0, 0, 1, 0];

@@ -293,7 +293,7 @@ async fn clients_need_a_certificate_of_the_authority_that_is_named() {
 }
 
 #[tokio::test]
-async fn what_is_no_tls_is_told_so_or_closed() {
+async fn plain_connections_get_an_error_or_are_closed() {
     let secure = Secure::start(&Authority::new().sign(), &["--header-timeout", "0.5"]);
     let said = async |bytes: &[u8]| {
         let mut stream = TcpStream::connect(&secure.server.address).await.unwrap();

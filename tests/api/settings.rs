@@ -185,7 +185,7 @@ fn lines_of_the_file_are_not_shown() {
 }
 
 #[test]
-fn mistakes_in_the_file_name_it_and_the_setting() {
+fn errors_in_the_file_name_it_and_the_setting() {
     for (file, told) in [
         (
             "max-jobs = 'many'",

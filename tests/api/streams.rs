@@ -13,7 +13,7 @@ fn id(job: &Value) -> &str {
 }
 
 #[tokio::test]
-async fn headers_are_those_of_a_stream_that_nobody_should_hold_back() {
+async fn headers_forbid_buffering_of_streams() {
     let server = Server::start().await;
     let job = server.fit(&data::small_job()).await;
     let path = format!("/v1/jobs/{}/events", id(&job));
@@ -249,7 +249,7 @@ async fn a_client_that_goes_away_does_not_end_its_job() {
 }
 
 #[tokio::test]
-async fn a_client_that_does_not_read_holds_up_nobody() {
+async fn a_client_that_does_not_read_delays_no_other() {
     let server = Server::start().await;
     let job = server.create(&data::endless_job()).await;
     let path = format!("/v1/jobs/{}/events", id(&job));

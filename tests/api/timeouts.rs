@@ -174,7 +174,7 @@ async fn what_takes_long_is_not_idle() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn answers_that_nobody_takes_are_given_up() {
+async fn answers_that_are_not_read_are_abandoned() {
     let server = Server::with(|config| {
         config.write_timeout = LIMIT;
     })

@@ -83,7 +83,7 @@ async fn it_is_the_length_of_the_next_step() {
 
 /// Single iterations, jobs, messages and the job as it was asked for.
 #[tokio::test]
-async fn it_is_told_wherever_errors_are() {
+async fn it_is_reported_with_all_errors() {
     let server = Server::start().await;
     let [curve, ..] = jobs(true);
     let job = server.fit(&curve).await;

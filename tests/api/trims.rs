@@ -64,7 +64,7 @@ async fn results_have_the_outline_of_a_ring() {
 }
 
 #[tokio::test]
-async fn files_leave_out_what_is_outside() {
+async fn files_omit_the_outside() {
     let server = Server::start().await;
     let done = server.fit(&job(&sheet(ring), &json!(true))).await;
     let result = format!("{}/result", base(&done));

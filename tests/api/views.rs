@@ -61,7 +61,7 @@ async fn streams_that_leave_out_iterations_share_the_run_of_the_job() {
 }
 
 #[tokio::test]
-async fn every_so_many_iterations_and_the_last() {
+async fn every_nth_iteration_and_the_last() {
     let server = Server::start().await;
     let story = server.stream(&data::small_job()).await;
     let last = story.iterations.len() as u64 - 1;
@@ -121,7 +121,7 @@ async fn the_latest_pace_of_every_tenth() {
 }
 
 #[tokio::test]
-async fn the_latest_pace_skips_what_is_old() {
+async fn the_latest_pace_skips_old_iterations() {
     let server = Server::start().await;
     let job = server.create(&data::endless_job()).await;
     let path = format!(

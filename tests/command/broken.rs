@@ -67,7 +67,7 @@ fn iterations(answered: &str) -> Vec<u64> {
 }
 
 #[test]
-fn a_stream_that_breaks_goes_on_after_its_last_iteration() {
+fn a_broken_stream_resumes_after_its_last_iteration() {
     for proxy in [TlsProxy::that_breaks, TlsProxy::plain_that_breaks] {
         let breaks: [Break; 4] = [
             after_an_iteration,

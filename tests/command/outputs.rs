@@ -232,7 +232,7 @@ fn formats_that_cannot_hold_the_points_are_refused_before_the_fit() {
 }
 
 #[test]
-fn progress_and_a_summary_are_told_unless_it_is_quiet() {
+fn progress_and_a_summary_are_printed_unless_quiet() {
     let folder = Folder::with_curve();
     let told = folder.fit(&["curve.csv", "-o", "out.step"]);
     for words in [
@@ -250,7 +250,7 @@ fn progress_and_a_summary_are_told_unless_it_is_quiet() {
 
 /// A least-squares minimum further away than was asked for is no success, and is written all the same.
 #[test]
-fn a_minimum_above_the_tolerance_is_told_by_the_exit_status() {
+fn a_minimum_above_the_tolerance_sets_the_exit_status() {
     let folder = Folder::new();
     let points = "[[0, 0], [1, 2], [2, -1], [3, 2], [4, 0], [5, 3], [6, 1]]";
     let method = r#"{"kind": "least_squares", "control_points": 4}"#;

@@ -69,7 +69,7 @@ fn a_part_that_fails_keeps_no_other_back() {
 }
 
 #[test]
-fn what_is_about_one_curve_is_refused_for_several() {
+fn options_of_one_curve_are_rejected_for_several() {
     let folder = Folder::new();
     folder.write("two.csv", TWO);
     folder.write("curve.csv", &curve(10));
@@ -142,7 +142,7 @@ fn the_items_of_a_batch_are_parts() {
 }
 
 #[test]
-fn what_is_wrong_with_a_batch_is_said_where_it_stands() {
+fn errors_of_a_batch_have_locations() {
     let folder = Folder::new();
     let with = |old: &str, new: &str| BATCH.replacen(old, new, 1);
     for (text, arguments, status, detail) in [

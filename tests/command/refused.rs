@@ -3,7 +3,7 @@
 use crate::support::Folder;
 
 #[test]
-fn mistakes_in_files_are_told_at_their_lines() {
+fn errors_in_files_name_their_lines() {
     let folder = Folder::new();
     folder.write("bad.csv", "x,y\n1,2\n\n3,oops\n4,5,6\n");
     folder.write("resting.csv", "x,y\n1,2\n1,2\n1,2\n");
@@ -36,7 +36,7 @@ fn mistakes_in_files_are_told_at_their_lines() {
 }
 
 #[test]
-fn mistakes_in_flags_are_told_with_them() {
+fn errors_in_flags_name_them() {
     let folder = Folder::with_curve();
     for (arguments, expected) in [
         (

@@ -36,7 +36,7 @@ fn a_server_with_tls_gives_the_same_bits() {
 }
 
 #[test]
-fn certificates_that_are_not_trusted_are_told_as_such() {
+fn untrusted_certificates_are_reported() {
     let folder = Folder::with_curve();
     let server = Server::start(&folder);
     let proxy = TlsProxy::with_certificate_for("127.0.0.1", &server.1);

@@ -143,7 +143,7 @@ fn meshes_are_single_precision() {
 }
 
 #[test]
-fn samples_are_as_many_as_asked_for() {
+fn samples_have_the_requested_number() {
     let fit = Fit::new(
         &cases::all()
             .into_iter()

@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_batch_is_refused_where_it_goes_wrong() {
+    fn invalid_batches_are_rejected_at_the_error() {
         for (body, reason) in [
             ("", "the body is empty"),
             ("[{}]", "expected an object with items"),

@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clients_say_which_codings_they_like() {
+    fn clients_choose_codings() {
         for (values, expected) in [
             (&[][..], false),
             (&[""], false),

@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_off_or_too_long_is_an_error() {
+    fn truncated_or_long_input_is_an_error() {
         let numbers: Vec<f64> = (0..600).map(f64::from).collect();
         let zeros = Lanes::of(&target(&[0.0; 600], 2)).unwrap();
         let change = zeros.clone().follow(&target(&numbers, 2), 1.0).unwrap();

@@ -120,7 +120,7 @@ async fn long_samples_let_shorter_work_of_others_run_in_between() {
 }
 
 #[tokio::test]
-async fn what_nobody_waits_for_is_given_up() {
+async fn abandoned_tasks_are_cancelled() {
     let scheduler = Scheduler::new(1).unwrap();
     let (start, started) = oneshot::channel();
     let endless = scheduler.compute(WorkLane::Quick, move || {

@@ -104,7 +104,7 @@ async fn stalled_readers_do_not_hold_runs() {
 
 /// Files that are asked for, and not taken.
 #[tokio::test]
-async fn files_that_nobody_takes_share_a_budget() {
+async fn files_that_are_not_read_share_a_budget() {
     let _alone = alone().await;
     let directory = tempfile::tempdir().unwrap();
     let arguments = ["--memory", "64MiB", "--write-timeout", "2"];

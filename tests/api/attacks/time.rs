@@ -50,7 +50,7 @@ async fn until_ended(program: &Program, job: &Value) {
 /// Set-ups take seconds each, in one piece: they have a lane of their own, and who cancels a job in
 /// its set-up, or one that waits for it, does not wait.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn set_ups_delay_nobody_and_are_cancelled_at_once() {
+async fn set_ups_do_not_delay_others_and_are_cancelled_at_once() {
     let _alone = alone().await;
     let directory = tempfile::tempdir().unwrap();
     let program = Program::start(directory.path());

@@ -55,7 +55,7 @@ async fn a_client_that_watches_cannot_end_the_job() {
 
 /// A client that does not read holds a bounded number of frames, and nobody else.
 #[tokio::test]
-async fn a_client_that_does_not_read_holds_up_nobody() {
+async fn a_client_that_does_not_read_delays_no_other() {
     let server = Server::start().await;
     let mut client = connect(&server).await;
     let job = create(&mut client, endless()).await;

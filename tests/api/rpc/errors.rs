@@ -21,7 +21,7 @@ fn assert_violation(status: &Status, field: &str, reason: &str) {
 }
 
 #[tokio::test]
-async fn several_mistakes_are_told_at_once() {
+async fn several_errors_are_reported_together() {
     let server = Server::start().await;
     let mut client = connect(&server).await;
     let bad_rule = pb::Parameters {

@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_samples_as_asked_for() {
+    fn requested_numbers_of_samples() {
         let options = Options {
             samples: Some(Grid {
                 rows: 3,

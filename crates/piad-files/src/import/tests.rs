@@ -111,7 +111,7 @@ fn clouds_have_more_than_coordinates() {
 }
 
 #[test]
-fn what_is_wrong_is_told_at_its_line() {
+fn errors_name_their_lines() {
     let wrong = errors("x,y\n1,2\n3,oops\n4\n5,6,7\n\n8,inf\n9,1e999\n");
     let lines: Vec<_> = wrong.iter().map(|it| it.0.unwrap()).collect();
     assert_eq!(lines, [3, 4, 5, 7, 8]);

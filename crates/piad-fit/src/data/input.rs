@@ -143,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_are_named() {
         let rows = [vec![1.0, 2.0], vec![1.0]];
         let told = rows.into_points().unwrap_err().to_string();
         assert_eq!(told, "point 1 has 1 coordinates, and the first one has 2");

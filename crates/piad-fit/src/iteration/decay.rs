@@ -207,7 +207,7 @@ mod tests {
 
     /// Neither are errors that are no numbers, nor ends at a tolerance of zero.
     #[test]
-    fn what_is_far_or_does_not_fall_is_not_foretold() {
+    fn far_or_constant_errors_are_not_predicted() {
         assert_eq!(forecast(|_| 1.0, 50, 1e-3, None), None);
         assert_eq!(forecast(|k| 0.999_f64.powf(k), 50, 1e-9, None), None);
         assert_eq!(forecast(|k| 0.5_f64.powf(k), 2, 1e-9, None), None);

@@ -395,7 +395,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_changed_anywhere_is_read_as_by_serde(
+        fn any_change_is_read_as_by_serde(
             body in usual(),
             at in any::<prop::sample::Index>(),
             length in 0..3_usize,
@@ -408,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_unusual_is_left_to_serde() {
+    fn unusual_bodies_are_read_by_serde() {
         for body in [
             // Other numbers than JSON has.
             r#"{"curve":{"points":[[01,2],[3,4]]}}"#,

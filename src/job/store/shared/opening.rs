@@ -78,7 +78,7 @@ impl Shared {
             order: Default::default(),
             counters,
         });
-        tokio::spawn(telling::go_on_telling(Arc::downgrade(&store), hints));
+        tokio::spawn(telling::send_hints(Arc::downgrade(&store), hints));
         Ok(store)
     }
 }

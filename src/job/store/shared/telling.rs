@@ -27,7 +27,7 @@ const NOTIFY: &str = "
 SELECT set_config('synchronous_commit', 'off', true), pg_notify('piad', hint) FROM unnest($1::text[]) AS hint";
 
 /// Sends hints until their senders are gone.
-pub(super) async fn go_on_telling(store: Weak<Shared>, mut hints: mpsc::Receiver<Hint>) {
+pub(super) async fn send_hints(store: Weak<Shared>, mut hints: mpsc::Receiver<Hint>) {
     let mut some = Vec::new();
     while hints.recv_many(&mut some, MAX_HINTS).await > 0 {
         let Some(store) = store.upgrade() else { return };

@@ -167,7 +167,7 @@ fn silent(_: Uuid) -> Option<Status> {
 }
 
 #[tokio::test]
-async fn how_far_a_job_has_come_is_told_with_its_lease() {
+async fn leases_report_progress() {
     let (_schema, one, other) = two().await;
     let (told, ended) = (running(&one).await, running(&one).await);
     let mut iteration = Iteration::start(System::new(problem().into()).into());
@@ -319,7 +319,7 @@ async fn replicas_hear_of_jobs_that_they_wait_for() {
 }
 
 #[tokio::test]
-async fn who_follows_a_job_reads_it_as_it_is() {
+async fn watchers_read_the_current_state() {
     let (_schema, one, other) = two().await;
     let id = running(&one).await;
     let follow = async || other.shared().unwrap().follow(id).await.unwrap();

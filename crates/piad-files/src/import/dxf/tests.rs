@@ -173,7 +173,7 @@ fn splines_are_their_fit_points_or_sampled() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     for (text, line, detail) in [
         (
             "0 LINE\n10 0\n20 0\n11 1\n",

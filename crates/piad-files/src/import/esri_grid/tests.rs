@@ -57,7 +57,7 @@ fn heights_are_rows_of_points() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     let good = format!("{HEAD}1 2 3\n4 -1 6.5\n");
     for (from, to, expected) in [
         (

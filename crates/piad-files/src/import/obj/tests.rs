@@ -88,7 +88,7 @@ fn polylines_are_curves() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     let good = format!("{VERTICES}l 1 2 3\n");
     for (from, to, expected) in [
         (

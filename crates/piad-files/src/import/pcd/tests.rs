@@ -78,7 +78,7 @@ fn points_are_read_however_they_are_stored() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn errors_name_the_reason() {
     let error = |bytes: &[u8]| surface(bytes).unwrap_err();
     let good = String::from_utf8(of("ascii", TEXT.as_bytes())).unwrap();
     for (from, to, expected) in [

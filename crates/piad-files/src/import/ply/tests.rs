@@ -116,7 +116,7 @@ fn elements_above_the_vertices_are_passed_over() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn errors_name_the_reason() {
     let good = String::from_utf8(of("ascii", b"200 1 0 2 3\n200 4 0 5 6\n200 7 0 8 8\n")).unwrap();
     for (from, to, expected) in [
         (

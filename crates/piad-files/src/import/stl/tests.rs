@@ -118,7 +118,7 @@ fn sizes_of_binary_files_match() {
 }
 
 #[test]
-fn what_is_wrong_in_text_is_said_at_its_line() {
+fn errors_in_text_name_their_lines() {
     let whole = text(&CORNERS);
     for (from, to, expected) in [
         (

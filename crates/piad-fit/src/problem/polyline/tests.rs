@@ -116,7 +116,7 @@ fn corners_of_polylines_are_kept() {
 
 /// Every kind of validation error at its location.
 #[test]
-fn what_is_no_polyline_is_named() {
+fn invalid_polylines_are_named() {
     let place = |points: &[[f64; 2]]| Fit::curve(points).polyline().prepare().unwrap_err().place;
     assert_eq!(place(&[[0.0, 0.0], [1.0, 0.0]]), Place::Points);
     assert_eq!(
