@@ -213,7 +213,7 @@ impl Client {
                 }
                 let answer = client.request(request).await;
                 answer
-                    .map_err(|reason| failed(told(&reason)))?
+                    .map_err(|reason| failed(message(&reason)))?
                     .map(Body::new)
             }
         };
@@ -232,7 +232,7 @@ async fn answer(response: Response<Body>) -> Result<Result<Body, Refusal>, Failu
 }
 
 /// Why a server was not reached.
-fn told(error: &legacy::Error) -> String {
+fn message(error: &legacy::Error) -> String {
     match refused_certificate(error) {
         Some(CertificateError::UnknownIssuer) => NOT_TRUSTED.to_owned(),
         // The kind of a malformed certificate is known by name only.

@@ -86,8 +86,8 @@ impl Input {
 pub(super) fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     let line = error.line().max(1);
     // The line and column also stand at the end.
-    let told = error.to_string();
-    let detail = told.split(" at line ").next().unwrap_or(&told);
+    let message = error.to_string();
+    let detail = message.split(" at line ").next().unwrap_or(&message);
     Failure::usage(format!("{name}:{line}: {detail}"))
 }
 

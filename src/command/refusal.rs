@@ -63,13 +63,13 @@ impl Refusal {
         if self.errors.is_empty() {
             return Failure::usage(format!("{}: {}", input.name, self.detail));
         }
-        let told = self.errors.iter().map(|it| it.told(input, options));
-        Failure::Usage(told.collect())
+        let message = self.errors.iter().map(|it| it.message(input, options));
+        Failure::Usage(message.collect())
     }
 }
 
 impl ValidationError {
-    fn told(&self, input: &Input, options: &JobOptions) -> String {
+    fn message(&self, input: &Input, options: &JobOptions) -> String {
         let (name, detail) = (&input.name, &self.detail);
         if let Some(line) = self.line {
             return format!("{name}:{line}: {detail}");

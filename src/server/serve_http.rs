@@ -150,7 +150,7 @@ impl Watch {
         let activity = Arc::clone(&self.activity);
         tokio::select! {
             ended = connection.as_mut() => {
-                told(ended);
+                log_end(ended);
                 return Served::ToItsEnd;
             }
             () = activity.quiet(QUIET) => return Served::UntilQuiet,
@@ -162,14 +162,14 @@ impl Watch {
         }
         connection.as_mut().graceful_shutdown();
         tokio::select! {
-            ended = connection => told(ended),
+            ended = connection => log_end(ended),
             () = activity.silence(LINGER) => {}
         }
         Served::ToItsEnd
     }
 }
 
-fn told(ended: Result<(), hyper::Error>) {
+fn log_end(ended: Result<(), hyper::Error>) {
     if let Err(reason) = ended {
         debug!("a connection has ended: {reason}");
     }

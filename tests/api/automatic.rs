@@ -88,14 +88,14 @@ async fn every_event_is_the_curve_that_it_says_it_is() {
         assert_eq!(story.state(), "converged");
         let mut knots = numbers(&story.job["knots"]);
         let t = numbers(&story.job["parameters"]);
-        let mut told = 0;
+        let mut reported = 0;
         let mut before = f64::INFINITY;
         for iteration in &story.iterations {
             let new = iteration.get("knots").map(numbers);
             if let Some(new) = new {
-                assert_ne!(new, knots, "knots are told where they change");
+                assert_ne!(new, knots, "knots are reported where they change");
                 knots = new;
-                told += 1;
+                reported += 1;
                 before = f64::INFINITY;
             }
             let said = iteration["error"]["max"].as_f64().unwrap();
@@ -110,7 +110,7 @@ async fn every_event_is_the_curve_that_it_says_it_is() {
         }
         let first = story.iterations[0]["control_points"].as_array().unwrap();
         assert_eq!(first.len(), if is_closed { 7 } else { 4 });
-        assert!(told > 5, "{told}");
+        assert!(reported > 5, "{reported}");
         let last = story.iterations.last().unwrap();
         assert!(last["error"]["max"].as_f64().unwrap() <= 1e-5);
     }

@@ -580,18 +580,18 @@ async fn the_first_unreadable_value_is_reported() {
         "curve": {"points": [[0, 0], [1, "1"], [2, 0], [null, 0], [4, 4]], "parametrs": "uniform"},
         "stop": {"tolerance": "small"},
     });
-    let told = refused(&server, "/v1/jobs", &job).await;
-    assert_eq!(told, ["/curve/points/1/1"]);
+    let reported = refused(&server, "/v1/jobs", &job).await;
+    assert_eq!(reported, ["/curve/points/1/1"]);
     // Before the kind of a method, too.
     let late = json!({"method": {"indices": [1, 2.5], "kind": "local"}});
-    let told = refused(&server, "/v1/jobs", &late).await;
-    assert_eq!(told, ["/method/indices/1"]);
+    let reported = refused(&server, "/v1/jobs", &late).await;
+    assert_eq!(reported, ["/method/indices/1"]);
     let edit = json!({
         "points": [{"index": 1, "point": [1, 2]}, {"point": {"x": 1, "y": 2}}],
         "method": {"kind": "weighted", "omega": "most"},
     });
-    let told = refused(&server, &edits(&server).await, &edit).await;
-    assert_eq!(told, ["/points/1/point"]);
+    let reported = refused(&server, &edits(&server).await, &edit).await;
+    assert_eq!(reported, ["/points/1/point"]);
 }
 
 /// What can be read, but is no fit, in several ways.
@@ -608,22 +608,22 @@ async fn several_errors_of_the_fit_are_reported_together() {
         "stop": {"tolerance": -1, "max_iterations": 2_000_000_000},
         "stream": {"every": 0},
     });
-    let told = refused(&server, "/v1/jobs", &curve).await;
+    let reported = refused(&server, "/v1/jobs", &curve).await;
     let expected = ["/stop/max_iterations", "/stream/every", "/method"];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     // Without those the numbers are looked at.
     let mut curve = curve;
     curve["method"] = json!({"kind": "weighted", "omega": 3});
     curve["stop"] = json!({"tolerance": -1});
     curve["stream"] = json!({});
-    let told = refused(&server, "/v1/jobs", &curve).await;
+    let reported = refused(&server, "/v1/jobs", &curve).await;
     let expected = [
         "/stop/tolerance",
         "/method/omega",
         "/curve/parameters/2",
         "/curve/weights/2",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     let surface = json!({
         "surface": {
             "points": data::peaks(4),
@@ -632,21 +632,21 @@ async fn several_errors_of_the_fit_are_reported_together() {
         },
         "stop": {"tolerance": 1, "relative_tolerance": 1},
     });
-    let told = refused(&server, "/v1/jobs", &surface).await;
+    let reported = refused(&server, "/v1/jobs", &surface).await;
     let expected = [
         "/surface/weights",
         "/surface/basis/u/degree",
         "/surface/basis/u/knots",
         "/stop/relative_tolerance",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
 
     let edit = json!({
         "points": [{"index": 1, "point": [1]}, {"index": 9999, "point": [1, 2]}, {"index": 2}],
         "method": {"kind": "adaptive"},
         "stop": {"tolerance": 1, "relative_tolerance": 1},
     });
-    let told = refused(&server, &edits(&server).await, &edit).await;
+    let reported = refused(&server, &edits(&server).await, &edit).await;
     let expected = [
         "/points/0/point",
         "/points/1/index",
@@ -654,7 +654,7 @@ async fn several_errors_of_the_fit_are_reported_together() {
         "/method",
         "/stop/relative_tolerance",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
 }
 
 /// All neighbours that are equal, and all else that is wrong, in one answer.
@@ -665,29 +665,29 @@ async fn all_equal_neighbours_are_reported_together() {
         "curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [3, 0], [3, 0], [3, 0], [4, 1]]},
         "method": {"kind": "weighted", "omega": 7},
     });
-    let told = refused(&server, "/v1/jobs", &job).await;
+    let reported = refused(&server, "/v1/jobs", &job).await;
     let expected = [
         "/method/omega",
         "/curve/points/2",
         "/curve/points/5",
         "/curve/points/6",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     let closed =
         json!({"curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [0, 0]], "closed": true}});
-    let told = refused(&server, "/v1/jobs", &closed).await;
-    assert_eq!(told, ["/curve/points/2", "/curve/points/4"]);
+    let reported = refused(&server, "/v1/jobs", &closed).await;
+    assert_eq!(reported, ["/curve/points/2", "/curve/points/4"]);
     // Lines of a surface, and what is wrong with the other direction.
     let row = |x: f64| -> Vec<[f64; 3]> { (0..4).map(|j| [x, f64::from(j), 0.0]).collect() };
     let rows: Vec<_> = [0.0, 0.0, 1.0, 2.0, 2.0].into_iter().map(row).collect();
     let job = json!({"surface": {"points": rows, "degree": {"u": 3, "v": 0}}});
-    let told = refused(&server, "/v1/jobs", &job).await;
+    let reported = refused(&server, "/v1/jobs", &job).await;
     let expected = [
         "/surface/points/1",
         "/surface/points/4",
         "/surface/degree/v",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     // However many points there are, and as many mistakes as are told.
     let points: Vec<[f64; 2]> = (0..40_000).map(|i| [f64::from(i / 2 * 2), 0.0]).collect();
     let response = server

@@ -135,15 +135,15 @@ async fn items_are_what_fits_of_their_own_are() {
             converged += 1;
             continue;
         }
-        let (_, told) = problem(response).await;
+        let (_, reported) = problem(response).await;
         let found = &item["problem"];
         for name in ["type", "title", "status"] {
-            assert_eq!(found[name], told[name], "{name} of item {index}");
+            assert_eq!(found[name], reported[name], "{name} of item {index}");
         }
         let prefix =
             |pointer: &Value| json!(format!("/items/{index}{}", pointer.as_str().unwrap()));
-        match told.get("errors") {
-            None => assert_eq!(found["detail"], told["detail"]),
+        match reported.get("errors") {
+            None => assert_eq!(found["detail"], reported["detail"]),
             Some(errors) => {
                 let errors = errors.as_array().unwrap();
                 assert_eq!(found["errors"].as_array().unwrap().len(), errors.len());
@@ -232,9 +232,9 @@ async fn items_have_the_defaults_that_they_do_not_change() {
     let errors = &negative.items[0]["problem"]["errors"];
     assert_eq!(errors[0]["pointer"], "/defaults/stop/tolerance");
     let unknown = json!({"defaults": {"tolerance": 1}, "items": [curve(1)]});
-    let (status, told) = problem(post(&server, &unknown).await).await;
+    let (status, reported) = problem(post(&server, &unknown).await).await;
     assert_eq!(
-        (status, &told["errors"][0]["pointer"]),
+        (status, &reported["errors"][0]["pointer"]),
         (422, &json!("/defaults/tolerance"))
     );
 }
@@ -268,11 +268,11 @@ async fn invalid_batches_are_rejected() {
         let request = request
             .header("content-type", "application/json")
             .body(body);
-        let (found, told) = problem(request.send().await.unwrap()).await;
-        assert_eq!(found, status, "{body}: {told:#}");
+        let (found, reported) = problem(request.send().await.unwrap()).await;
+        assert_eq!(found, status, "{body}: {reported:#}");
         assert!(
-            told["detail"].as_str().unwrap().contains(detail),
-            "{body}: {told:#}"
+            reported["detail"].as_str().unwrap().contains(detail),
+            "{body}: {reported:#}"
         );
     }
     let batch = json!({"items": [curve(1)]});
@@ -288,9 +288,9 @@ async fn invalid_batches_are_rejected() {
         ("dots=none", "dots"),
     ] {
         let request = server.post(&format!("/v1/batch?{query}")).json(&batch);
-        let (status, told) = problem(request.send().await.unwrap()).await;
+        let (status, reported) = problem(request.send().await.unwrap()).await;
         assert_eq!(
-            (status, &told["errors"][0]["parameter"]),
+            (status, &reported["errors"][0]["parameter"]),
             (400, &json!(parameter))
         );
     }
@@ -325,8 +325,8 @@ async fn a_broken_body_ends_the_batch() {
         let batch = Lines::of(request.send().await.unwrap()).await;
         assert_eq!(batch.items[0]["state"], "converged");
         assert_eq!(batch.last.get("totals"), None);
-        let told = batch.last["problem"]["detail"].as_str().unwrap();
-        assert!(told.contains(detail), "{rest}: {told}");
+        let reported = batch.last["problem"]["detail"].as_str().unwrap();
+        assert!(reported.contains(detail), "{rest}: {reported}");
         assert!(batch.last["problem"]["request_id"].is_string());
     }
     // A connection that is cut off, of which the client may see nothing more.
@@ -568,9 +568,9 @@ async fn limits_hold_for_each_item() {
     // A batch is one job of its client.
     let server = Server::with(|config| config.max_jobs = 1).await;
     let running = server.create(&data::endless_job()).await;
-    let (status, told) = problem(post(&server, &json!({"items": []})).await).await;
+    let (status, reported) = problem(post(&server, &json!({"items": []})).await).await;
     assert_eq!(
-        (status, &told["type"]),
+        (status, &reported["type"]),
         (503, &json!("/problems/queue-full"))
     );
     server

@@ -178,8 +178,8 @@ async fn damaged_bodies_are_refused() {
             let (status, answer) = problem(post_json(&server, coding, body).await).await;
             assert_eq!(status, 400, "{coding} {index}: {answer}");
             let detail = answer["detail"].as_str().unwrap();
-            let told = format!("the body cannot be unpacked as {coding}");
-            assert!(detail.starts_with(&told), "{detail}");
+            let reported = format!("the body cannot be unpacked as {coding}");
+            assert!(detail.starts_with(&reported), "{detail}");
         }
     }
     // Compressed twice is compressed still, and no JSON.
@@ -267,7 +267,7 @@ async fn answers_are_compressed_for_clients_that_accept_it() {
         assert_eq!(header(&plain, "content-encoding"), None);
         assert!(varies(&plain), "{path}");
         let names = ["content-type", "content-disposition", "cache-control"];
-        let told = names.map(|name| header(&plain, name).map(str::to_owned));
+        let reported = names.map(|name| header(&plain, name).map(str::to_owned));
         let plain = plain.bytes().await.unwrap();
         for coding in ["gzip", "zstd"] {
             let response = get(&server, Method::GET, &path, coding).await;
@@ -280,7 +280,7 @@ async fn answers_are_compressed_for_clients_that_accept_it() {
             assert!(varies(&response), "{path}");
             assert_eq!(
                 names.map(|name| header(&response, name).map(str::to_owned)),
-                told
+                reported
             );
             let bytes = response.bytes().await.unwrap();
             assert!(unpacked(coding, &bytes) == plain, "{path}");

@@ -363,23 +363,24 @@ async fn readers_at_any_pace_get_the_same() {
     for _ in 0..4 {
         readers.push(events(server.get(&path).send().await.unwrap()));
     }
-    let mut told: Vec<Vec<Value>> = vec![Vec::new(); readers.len()];
+    let mut reported: Vec<Vec<Value>> = vec![Vec::new(); readers.len()];
     for round in 0..60 {
         for (index, reader) in readers.iter_mut().enumerate() {
             // Some read several at once, and some later.
             let pace = index + 1;
             let count = if round % pace == index { pace } else { 0 };
             for _ in 0..count {
-                told[index].push(reader.next().await.unwrap().data);
+                reported[index].push(reader.next().await.unwrap().data);
             }
         }
     }
     assert!(
-        told.iter()
+        reported
+            .iter()
             .all(|it| encoding(it.last().unwrap()) == "delta")
     );
-    for other in &told[1..] {
-        assert_eq!(other, &told[0][..other.len()]);
+    for other in &reported[1..] {
+        assert_eq!(other, &reported[0][..other.len()]);
     }
     let cancel = server.post(&format!("{}/cancel", base(&created)));
     cancel.send().await.unwrap();

@@ -227,8 +227,8 @@ async fn an_edit_ends_with_its_connection() {
     // A newer edit of the session gets the memory of the one before, which its stream tells.
     let newer = send(&server, &job, "?pace=latest", &endless("a")).await;
     assert_eq!(newer.status(), 200);
-    let told = timeout(PATIENCE, running).await.unwrap().unwrap().unwrap();
-    assert!(String::from_utf8_lossy(&told).contains("\"state\":\"cancelled\""));
+    let reported = timeout(PATIENCE, running).await.unwrap().unwrap().unwrap();
+    assert!(String::from_utf8_lossy(&reported).contains("\"state\":\"cancelled\""));
     server.until("piad_jobs_running", 1.0).await;
     drop(newer);
     server.until("piad_jobs_running", 0.0).await;

@@ -564,12 +564,12 @@ async fn files_follow_the_options() {
             Some(query) => format!("{}/result?{query}", path(job)),
             None => format!("{}/result/{file}", path(job)),
         };
-        let (status, told) = problem(server.get(&address).send().await.unwrap()).await;
-        assert!(status == 400 || status == 409, "{file}: {told:#}");
+        let (status, reported) = problem(server.get(&address).send().await.unwrap()).await;
+        assert!(status == 400 || status == 409, "{file}: {reported:#}");
         if status == 400 {
             assert_eq!(
-                told["errors"][0]["parameter"], parameter,
-                "{file}: {told:#}"
+                reported["errors"][0]["parameter"], parameter,
+                "{file}: {reported:#}"
             );
         }
     }

@@ -493,10 +493,10 @@ async fn a_batch_is_one_file_on_request() {
         ("?style=path", "model/step", TWO, 400, "style"),
         ("", "image/png", TWO, 406, ""),
     ] {
-        let (found, told) = problem(ask(query, format, body).await).await;
-        assert_eq!(found, status, "{format}: {told:#}");
-        let told = told["detail"].as_str().unwrap();
-        assert!(told.contains(detail), "{told}");
+        let (found, reported) = problem(ask(query, format, body).await).await;
+        assert_eq!(found, status, "{format}: {reported:#}");
+        let reported = reported["detail"].as_str().unwrap();
+        assert!(reported.contains(detail), "{reported}");
     }
     // The items of a batch in JSON likewise.
     let curve = json!({"name": "wing", "curve": {"points": [[0, 0], [1, 2], [3, 3], [5, 2]]}});

@@ -110,10 +110,10 @@ async fn a_wrong_method_gets_the_allowed_ones() {
         let (status, answer) = problem(response).await;
         assert_eq!(status, 405);
         let detail = answer["detail"].as_str().unwrap();
-        let (_, told) = detail
+        let (_, reported) = detail
             .split_once(" does not support PATCH; allowed: ")
             .unwrap();
-        assert_eq!(sorted(told), allowed, "{path}");
+        assert_eq!(sorted(reported), allowed, "{path}");
     }
 }
 
@@ -159,9 +159,9 @@ async fn json_ends_with_a_newline() {
         );
         let head = server.client.head(format!("{}{path}", server.url));
         let head = head.send().await.unwrap();
-        let told = head.headers().get("content-length");
-        let told = told.map(|value| value.to_str().unwrap().parse::<u64>().unwrap());
-        assert_eq!(told, length, "{path}");
+        let reported = head.headers().get("content-length");
+        let reported = reported.map(|value| value.to_str().unwrap().parse::<u64>().unwrap());
+        assert_eq!(reported, length, "{path}");
     }
     // Lines of streams have theirs already; messages are no text.
     let request = server

@@ -375,7 +375,7 @@ async fn methods_have_the_settings_that_capabilities_tell() {
     let schema = description.component("schemas", "Method");
     let fields = schema["properties"].as_object().unwrap();
     let capabilities = server.json("/v1/capabilities").await;
-    let mut told = BTreeSet::from(["kind"]);
+    let mut reported = BTreeSet::from(["kind"]);
     let (mut owned, mut count) = (BTreeMap::new(), 0);
     for method in capabilities["methods"].as_array().unwrap() {
         let kind = method["kind"].as_str().unwrap();
@@ -387,7 +387,7 @@ async fn methods_have_the_settings_that_capabilities_tell() {
             let (_, owners) = setting.rsplit_once("Only with ").unwrap();
             assert!(owners.contains(&format!("`{kind}`")), "{setting}");
             owned.insert(name, owners);
-            told.insert(name);
+            reported.insert(name);
             count += 1;
         }
     }
@@ -396,7 +396,7 @@ async fn methods_have_the_settings_that_capabilities_tell() {
         .values()
         .map(|owners| owners.matches(", ").count() + 1);
     assert_eq!(named.sum::<usize>(), count);
-    assert_eq!(told, fields.keys().map(String::as_str).collect());
+    assert_eq!(reported, fields.keys().map(String::as_str).collect());
 }
 
 /// The reference is built from this server alone, and says so to browsers.

@@ -190,10 +190,10 @@ async fn idle_connections_do_not_block_others() {
 
     // It is told once in a while, not each time.
     let log = program.log();
-    let told = log
+    let reported = log
         .lines()
         .filter(|line| line.contains("connections from one address are open"));
-    assert!((1..=12).contains(&told.count()), "{log}");
+    assert!((1..=12).contains(&reported.count()), "{log}");
     // That so much is asked for is no error of the server.
     assert!(!log.contains(r#""level":"ERROR""#), "{log}");
 

@@ -184,8 +184,8 @@ async fn names_are_resolved() {
         .unwrap();
     let log = BufReader::new(child.stderr.take().unwrap());
     // One line for each of the addresses, all of them on the same port.
-    let told = log.lines().map_while(Result::ok);
-    let address = told
+    let reported = log.lines().map_while(Result::ok);
+    let address = reported
         .filter_map(|line| Some(line.split_once("listening on http://")?.1.to_owned()))
         .next()
         .unwrap();

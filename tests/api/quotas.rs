@@ -73,8 +73,8 @@ async fn refused(answer: Response, detail: &str) {
         (status, &problem["type"]),
         (429, &json!("/problems/quota-exceeded"))
     );
-    let told = problem["detail"].as_str().unwrap();
-    assert!(told.contains(detail), "{told}");
+    let reported = problem["detail"].as_str().unwrap();
+    assert!(reported.contains(detail), "{reported}");
 }
 
 async fn delete(server: &Program, token: &str, job: &Value) {
@@ -247,7 +247,10 @@ async fn quotas_are_loaded_again() {
     assert!(list.contains("quota of limited: jobs = 1\n"), "{list}");
     // What is not valid changes nothing, and is told.
     tenants.append("[tenant.other]\njob = 3\n");
-    eventually("it is told", async || server.log().contains("stay in use")).await;
+    eventually("it is reported", async || {
+        server.log().contains("stay in use")
+    })
+    .await;
     assert!(
         server.log().contains("unknown field `job`"),
         "{}",

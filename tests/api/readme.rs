@@ -63,7 +63,7 @@ fn problems(printed: &str) -> Vec<&str> {
 #[test]
 fn each_command_works_and_prints_its_output() {
     let folder = clone();
-    let (printed, told) = run_all(README, folder.path());
+    let (printed, reported) = run_all(README, folder.path());
     // Only the points that are equal are refused, as it says there.
     assert_eq!(problems(&printed), ["invalid-fit"]);
     for file in ["wing", "airfoil", "peaks", "naca"] {
@@ -72,7 +72,7 @@ fn each_command_works_and_prints_its_output() {
     }
     assert!(folder.path().join("scan.iges").is_file());
     // "16 instead of 121", and "four times the noise" is the tolerance.
-    assert!(told.contains("121 points, 16 control points, method least_squares"));
+    assert!(reported.contains("121 points, 16 control points, method least_squares"));
 
     let shown = code(README, "");
     let summary = shown.iter().find(|block| block.contains("wrote")).unwrap();
@@ -84,7 +84,7 @@ fn each_command_works_and_prints_its_output() {
             None => (line, ""),
         };
         let is_told = |it: &str| it.starts_with(begin) && it.ends_with(end);
-        assert!(told.lines().any(is_told), "{line}\n{told}");
+        assert!(reported.lines().any(is_told), "{line}\n{reported}");
     }
     let stream = shown.iter().find(|block| block.contains("event:")).unwrap();
     for part in [

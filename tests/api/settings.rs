@@ -186,7 +186,7 @@ fn lines_of_the_file_are_not_shown() {
 
 #[test]
 fn errors_in_the_file_name_it_and_the_setting() {
-    for (file, told) in [
+    for (file, reported) in [
         (
             "max-jobs = 'many'",
             "/piad.toml: invalid value 'many' for '--max-jobs",
@@ -216,7 +216,7 @@ fn errors_in_the_file_name_it_and_the_setting() {
         ("max-jobs", "line 1"),
     ] {
         let error = settings(file, &[], &[]).unwrap_err();
-        assert!(error.contains(told), "{file}: {error}");
+        assert!(error.contains(reported), "{file}: {error}");
     }
     // Also where a flag comes before it.
     let error = settings("max-jobs = 'many'", &["--max-jobs", "5"], &[]).unwrap_err();

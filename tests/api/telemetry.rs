@@ -393,18 +393,21 @@ fn an_address_that_is_none_is_refused_at_the_start() {
         assert_eq!(output.status.code(), Some(2));
         String::from_utf8(output.stderr).unwrap()
     };
-    let told = refused(&["--otlp-endpoint", "localhost:4317"], "");
+    let reported = refused(&["--otlp-endpoint", "localhost:4317"], "");
     assert!(
-        told.starts_with("piad: --otlp-endpoint \"localhost:4317\": "),
-        "{told}"
+        reported.starts_with("piad: --otlp-endpoint \"localhost:4317\": "),
+        "{reported}"
     );
-    assert!(told.contains("such as http://localhost:4317"), "{told}");
-    let told = refused(&[], "http://localhost:4318/v1/traces");
     assert!(
-        told.starts_with("piad: OTEL_EXPORTER_OTLP_ENDPOINT "),
-        "{told}"
+        reported.contains("such as http://localhost:4317"),
+        "{reported}"
     );
-    assert!(told.contains("OTLP over HTTP"), "{told}");
+    let reported = refused(&[], "http://localhost:4318/v1/traces");
+    assert!(
+        reported.starts_with("piad: OTEL_EXPORTER_OTLP_ENDPOINT "),
+        "{reported}"
+    );
+    assert!(reported.contains("OTLP over HTTP"), "{reported}");
     for url in [
         "http://me:secret@localhost:4317",
         "http://secret@localhost:4317/v1/traces",
@@ -412,8 +415,11 @@ fn an_address_that_is_none_is_refused_at_the_start() {
         "http:/me:secret@localhost",
         "me:secret@localhost:4317",
     ] {
-        for told in [refused(&["--otlp-endpoint", url], ""), refused(&[], url)] {
-            assert!(told.contains("***") && !told.contains("secret"), "{told}");
+        for reported in [refused(&["--otlp-endpoint", url], ""), refused(&[], url)] {
+            assert!(
+                reported.contains("***") && !reported.contains("secret"),
+                "{reported}"
+            );
         }
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::remote::Server;
-use crate::support::{Folder, Told, curve};
+use crate::support::{Finished, Folder, curve};
 use crate::tls_proxy::{Break, TlsProxy};
 
 /// The end of the first whole event of an iteration, with a part of what follows it.
@@ -46,9 +46,9 @@ fn same_behind(proxy: impl Fn(&str, &[Break]) -> TlsProxy, breaks: &[Break]) -> 
     let mut command = folder.command(&["fit", "curve.csv", "--server", &proxy.url]);
     command.args(SLOW);
     command.env("SSL_CERT_FILE", folder.path("authorities.pem"));
-    let told = Told::of(command.output().unwrap());
-    assert_eq!(told.status, 0, "{}", told.err);
-    let there = told.json();
+    let finished = Finished::of(command.output().unwrap());
+    assert_eq!(finished.status, 0, "{}", finished.err);
+    let there = finished.json();
     for part in ["control_points", "error", "iteration"] {
         assert_eq!(here[part], there[part]);
     }
@@ -98,11 +98,11 @@ fn a_stream_that_breaks_before_the_job_is_known_is_a_failure() {
     let folder = Folder::with_curve();
     let server = Server::start(&folder);
     let proxy = TlsProxy::plain_that_breaks(&server.1, &[inside_of_the_job]);
-    let told = folder.fit(&["curve.csv", "--server", &proxy.url]);
-    assert_eq!(told.status, 1);
+    let finished = folder.fit(&["curve.csv", "--server", &proxy.url]);
+    assert_eq!(finished.status, 1);
     assert!(
-        told.err.contains("the event stream was interrupted"),
+        finished.err.contains("the event stream was interrupted"),
         "{}",
-        told.err
+        finished.err
     );
 }

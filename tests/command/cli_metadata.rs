@@ -1,10 +1,10 @@
 //! Completions, manual pages, the version.
 
-use crate::support::{Folder, Told};
+use crate::support::{Finished, Folder};
 
 fn run(arguments: &[&str]) -> (i32, String) {
-    let told = Told::of(Folder::new().command(arguments).output().unwrap());
-    (told.status, String::from_utf8(told.out).unwrap())
+    let finished = Finished::of(Folder::new().command(arguments).output().unwrap());
+    (finished.status, String::from_utf8(finished.out).unwrap())
 }
 
 #[test]

@@ -92,14 +92,14 @@ mod tests {
     fn pieces(form: BodyForm, body: &[u8], part: usize) -> Result<Vec<Piece>, String> {
         let mut splitter = Splitter::new(form, LIMIT);
         let mut pieces = Vec::new();
-        let told = |problem: Problem| problem.detail().to_owned();
+        let detail_of = |problem: Problem| problem.detail().to_owned();
         for part in body.chunks(part) {
             splitter.push(part);
-            while let Some(piece) = splitter.next().map_err(told)? {
+            while let Some(piece) = splitter.next().map_err(detail_of)? {
                 pieces.push(piece);
             }
         }
-        pieces.extend(splitter.finish().map_err(told)?);
+        pieces.extend(splitter.finish().map_err(detail_of)?);
         Ok(pieces)
     }
 

@@ -48,7 +48,7 @@ pub(crate) fn routes(app: &App) -> Router<App> {
     );
     let batch = Router::new().route(&path, post(batch::fit_batch));
     let services = fitting.merge(batch).merge(operations(app));
-    services.layer(MapResponseLayer::new(malformed::told))
+    services.layer(MapResponseLayer::new(malformed::explained))
 }
 
 /// Receives the one message of a call like a body of REST. A large message is decoded off the threads

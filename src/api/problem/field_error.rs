@@ -53,7 +53,7 @@ impl FieldError {
     }
 
     /// Location and reason.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn description(&self) -> String {
         let detail = &self.detail;
         match &self.place {
             Location::Pointer(pointer) if pointer.is_empty() => format!("/: {detail}"),

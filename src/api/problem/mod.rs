@@ -77,7 +77,7 @@ impl Problem {
     /// A problem at a location.
     fn at(kind: Kind, place: Location, detail: &str) -> Self {
         let error = FieldError::new(place, detail);
-        let mut problem = Self::new(kind, error.told());
+        let mut problem = Self::new(kind, error.description());
         problem.errors.push(error);
         problem
     }
@@ -153,7 +153,7 @@ impl Problem {
             }
         }
         if named {
-            self.detail = self.told();
+            self.detail = self.description();
         }
         self
     }
@@ -164,16 +164,16 @@ impl Problem {
             error.place = place(error.place.clone());
         }
         if !self.errors.is_empty() {
-            self.detail = self.told();
+            self.detail = self.description();
         }
         self
     }
 
     /// All errors, with their locations.
-    fn told(&self) -> String {
-        let told = self.errors.iter().map(FieldError::told);
-        let told = told.collect::<Vec<_>>().join("; ");
-        text::cut(&told, LONGEST_DETAIL).into_owned()
+    fn description(&self) -> String {
+        let description = self.errors.iter().map(FieldError::description);
+        let description = description.collect::<Vec<_>>().join("; ");
+        text::cut(&description, LONGEST_DETAIL).into_owned()
     }
 
     /// The kind.

@@ -126,7 +126,7 @@ async fn over_http2(sender: &mut Option<SendRequest<Bytes>>, address: &str, made
         let answer = answer.await.ok()?;
         let (head, mut content) = answer.into_parts();
         let status = head.status.as_u16();
-        let mut told = head.headers.get(GRPC_STATUS).cloned();
+        let mut reported = head.headers.get(GRPC_STATUS).cloned();
         let mut left = READ;
         while let Some(Ok(bytes)) = content.data().await {
             let _ = content.flow_control().release_capacity(bytes.len());
@@ -136,10 +136,10 @@ async fn over_http2(sender: &mut Option<SendRequest<Bytes>>, address: &str, made
             }
         }
         if let Ok(Some(trailers)) = content.trailers().await {
-            told = trailers.get(GRPC_STATUS).cloned();
+            reported = trailers.get(GRPC_STATUS).cloned();
         }
-        let told = told.and_then(|told| told.to_str().ok()?.parse::<u16>().ok());
-        Some((told.map_or(status, |told| CALLS + told), ready))
+        let reported = reported.and_then(|reported| reported.to_str().ok()?.parse::<u16>().ok());
+        Some((reported.map_or(status, |reported| CALLS + reported), ready))
     };
     match timeout(PATIENCE, exchange).await {
         Ok(Some((status, ready))) => {

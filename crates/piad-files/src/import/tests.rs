@@ -263,8 +263,8 @@ fn remarks_below_points_are_no_points() {
     ] {
         let read = read(&text, &HINTS).unwrap();
         assert_eq!(read.points.len(), 3, "{text}");
-        let told = format!("from line {line} on, ");
-        assert!(read.notices[0].contains(&told), "{:?}", read.notices);
+        let expected = format!("from line {line} on, ");
+        assert!(read.notices[0].contains(&expected), "{:?}", read.notices);
     }
     // Points below them, damaged points, tables with names of columns, and no blank line or title.
     for (text, line) in [

@@ -235,7 +235,7 @@ pub(super) async fn execute(
 pub(super) fn of_database(error: sqlx::Error) -> StoreError {
     let text = error.to_string();
     match &error {
-        sqlx::Error::Database(told) => match told.code().as_deref() {
+        sqlx::Error::Database(reason) => match reason.code().as_deref() {
             // disk_full
             Some("53100") => StoreError::Full(text),
             // Connections, resources, a shutdown, a lock or statement that took too long, a deadlock, and a read-only

@@ -59,7 +59,7 @@ pub(crate) struct Shared {
     claims: Mutex<HashMap<Uuid, Claim>>,
     order: Arc<Order>,
     /// The hints to send to the other replicas.
-    told: mpsc::Sender<Hint>,
+    hint_sender: mpsc::Sender<Hint>,
     counters: Counters,
 }
 

@@ -67,9 +67,9 @@ impl Shared {
             }
         }
         let open = Connections::new(options.clone(), settings.connections, counters.clone());
-        let (told, hints) = mpsc::channel(telling::MAX_HINTS);
+        let (hint_sender, hints) = mpsc::channel(telling::MAX_HINTS);
         let store = Arc::new(Self {
-            told,
+            hint_sender,
             connections: open.map_err(OpenError::Database)?,
             options,
             lease: settings.lease,

@@ -42,7 +42,7 @@ pub(super) async fn send_hints(store: Weak<Shared>, mut hints: mpsc::Receiver<Hi
 impl Shared {
     /// Notifies the other replicas, and this one, in a moment.
     pub(super) fn tell(&self, hint: Hint) {
-        let _ = self.told.try_send(hint);
+        let _ = self.hint_sender.try_send(hint);
     }
 
     /// The hints from now on, until the receiver is dropped.
@@ -57,8 +57,8 @@ impl Shared {
                 let lost = async {
                     let mut listener = PgListener::connect_with(&pool).await?;
                     listener.listen("piad").await?;
-                    while let Ok(told) = timeout(SILENCE, listener.recv()).await {
-                        if let Some(hint) = Hint::of(told?.payload()) {
+                    while let Ok(notification) = timeout(SILENCE, listener.recv()).await {
+                        if let Some(hint) = Hint::of(notification?.payload()) {
                             let _ = sender.try_send(hint);
                         }
                     }

@@ -169,7 +169,7 @@ fn silent(_: Uuid) -> Option<Status> {
 #[tokio::test]
 async fn leases_report_progress() {
     let (_schema, one, other) = two().await;
-    let (told, ended) = (running(&one).await, running(&one).await);
+    let (reported, ended) = (running(&one).await, running(&one).await);
     let mut iteration = Iteration::start(System::new(problem().into()).into());
     let first = iteration.level();
     iteration.steps(7, &mut |_| {});
@@ -187,11 +187,11 @@ async fn leases_report_progress() {
     assert!(one.finish(ended, converged(0), None).await.unwrap());
     one.shared().unwrap().renew(status).await.unwrap();
     let levels_of = async |id| other.get(id).await.unwrap().unwrap().status.levels;
-    assert_eq!(levels_of(told).await, Some(levels));
+    assert_eq!(levels_of(reported).await, Some(levels));
     assert_eq!(levels_of(ended).await, None);
     // Without news the last ones stay.
     one.shared().unwrap().renew(silent).await.unwrap();
-    assert_eq!(levels_of(told).await, Some(levels));
+    assert_eq!(levels_of(reported).await, Some(levels));
 }
 
 #[tokio::test]
