@@ -82,7 +82,7 @@ pub(crate) fn last_event(job: &Job, id: Option<&str>) -> Result<Option<LastEvent
             let id = EventId::parse(text).ok_or_else(|| {
                 let id = quoted(text);
                 format!(
-                    "{id} is no event id: ids are iteration numbers, such as 7 or 7@2, and \"end\""
+                    "{id} is not an event id; expected an iteration number, such as 7 or 7@2, or \"end\""
                 )
             })?;
             Ok(Some(LastEvent::Iteration(after(job, id)?)))

@@ -98,7 +98,7 @@ impl Client {
         let wrong = |detail: &str| Failure::usage(format!("--server {shown}: {detail}"));
         let uri: Uri = url.parse().map_err(|_| wrong("it is no URL"))?;
         if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none() {
-            return Err(wrong("it is no URL such as https://fits.example.org"));
+            return Err(wrong("expected a URL such as https://fits.example.org"));
         }
         let token = token.map(|token| HeaderValue::try_from(format!("Bearer {token}")));
         let token = token.transpose();

@@ -260,7 +260,7 @@ impl JobOptions {
 
     fn take_set(&mut self, text: &str) -> Result<(), Failure> {
         let Some((path, value)) = text.split_once('=') else {
-            let detail = "it is no field with its value, such as curve.degree=3";
+            let detail = "not a field with a value; expected one such as curve.degree=3";
             return Err(Failure::usage(format!("--set {text}: {detail}")));
         };
         let flag = format!("--set {path}");

@@ -299,7 +299,7 @@ impl Batch {
         self.totals.failed += lines.failed;
         let fatal = lines.fatal.take();
         for content in lines.into_contents() {
-            let gone = |_| Problem::new(Kind::Internal, "the client has gone");
+            let gone = |_| Problem::new(Kind::Internal, "the client has disconnected");
             output.send(Output::Lines(content)).await.map_err(gone)?;
         }
         fatal.map_or(Ok(()), Err)

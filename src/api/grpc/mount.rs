@@ -83,7 +83,7 @@ async fn take_in(State(app): State<App>, request: Request, next: Next) -> Respon
             tokio::select! {
                 answer = answer => answer,
                 // The request is abandoned, and so is its computation.
-                _ = gone => Status::cancelled("the client has gone").into_http(),
+                _ = gone => Status::cancelled("the client has disconnected").into_http(),
             }
         })
     });

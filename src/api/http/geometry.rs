@@ -266,7 +266,7 @@ async fn job_and_file(
     uri: &Uri,
 ) -> Result<(Arc<Job>, Wanted), Problem> {
     let format: Format = format.parse().map_err(|_: UnknownFormat| {
-        let detail = format!("there are no files of the format {}", quoted(format));
+        let detail = format!("unknown format {}", quoted(format));
         Problem::new(Kind::NotFound, detail)
     })?;
     let query: IterationQuery = negotiate::query(uri)?;
@@ -282,7 +282,7 @@ fn level(text: &str) -> Result<Option<usize>, Problem> {
     }
     plain_number(text).map(Some).ok_or_else(|| {
         let detail = format!(
-            "{} is no iteration: they are numbered from 0; there is also \"last\"",
+            "{} is not an iteration; expected a number from 0, or \"last\"",
             quoted(text)
         );
         Problem::new(Kind::NoSuchIteration, detail)

@@ -180,7 +180,7 @@ pub(crate) async fn problem(InPath(slug): InPath<String>) -> Result<Json<Problem
     let mut kinds = Kind::ALL.into_iter();
     let known = kinds.find(|kind| kind.entry().slug == slug);
     known.map(|kind| Json(kind.into())).ok_or_else(|| {
-        let detail = format!("no problem is called {}", quoted(&slug));
+        let detail = format!("unknown problem type {}", quoted(&slug));
         Problem::new(Kind::NotFound, detail)
     })
 }

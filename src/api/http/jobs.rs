@@ -41,7 +41,7 @@ pub(super) async fn list(
         None => Ok(jobs::DEFAULT_PAGE),
         Some(text) => {
             let limit = plain_number(text);
-            let limit = limit.ok_or_else(|| format!("{} is no whole number", quoted(text)));
+            let limit = limit.ok_or_else(|| format!("{} is not a whole number", quoted(text)));
             limit.and_then(|limit| jobs::check_limit(limit).map(|()| limit))
         }
     };

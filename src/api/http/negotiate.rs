@@ -97,7 +97,7 @@ pub(super) fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> R
     let accept = Accept::from_str(wanted).map_err(|_| {
         Problem::at_header(
             "Accept",
-            format!("{} is no list of media types", quoted(wanted)),
+            format!("{} is not a list of media types", quoted(wanted)),
         )
     })?;
     let types: Vec<MediaType> = available

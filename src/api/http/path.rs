@@ -18,7 +18,7 @@ impl<T: DeserializeOwned + Send, S: Send + Sync> FromRequestParts<S> for InPath<
         let path = Path::from_request_parts(parts, state).await;
         path.map(|Path(names)| Self(names)).map_err(|_| {
             let path = text::plain(parts.uri.path());
-            Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
+            Problem::new(Kind::NotFound, format!("no resource at {path}"))
         })
     }
 }

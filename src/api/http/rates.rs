@@ -59,7 +59,7 @@ fn parameters(text: Option<&str>) -> Result<Option<Vec<f64>>, Problem> {
 }
 
 fn whole(name: &str, text: &str) -> Result<usize, Problem> {
-    let wrong = || Problem::at_parameter(name, format!("{} is no whole number", quoted(text)));
+    let wrong = || Problem::at_parameter(name, format!("{} is not a whole number", quoted(text)));
     plain_number(text).ok_or_else(wrong)
 }
 

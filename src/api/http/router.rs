@@ -134,7 +134,7 @@ pub(in crate::api) fn resources() -> Resources {
 
 async fn not_found(request: Request) -> Problem {
     let path = text::plain(request.uri().path());
-    Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
+    Problem::new(Kind::NotFound, format!("no resource at {path}"))
 }
 
 /// The problem of a method that the resource does not support; it names the supported ones.

@@ -56,7 +56,7 @@ impl From<FileErrors> for Problem {
                 (None, Some(hint)) => Self::of_hint(hint, &error.detail),
                 (None, None) => Self::new(Kind::InvalidFit, error.detail),
             });
-        let unsaid = || Self::new(Kind::InvalidFit, "the file is not understood");
+        let unsaid = || Self::new(Kind::InvalidFit, "the file could not be parsed");
         Self::of_all(problems).unwrap_or_else(unsaid)
     }
 }

@@ -158,7 +158,7 @@ impl Jobs {
         if let Some(shared) = self.store.shared()
             && let Err(error) = self.refresh(shared, vec![Arc::clone(job)]).await
         {
-            debug!(job = %job.id(), %error, "what another replica has made of a job is not known yet");
+            debug!(job = %job.id(), %error, "the state of a job at another replica is not known yet");
         }
     }
 

@@ -79,7 +79,7 @@ impl FileHints {
             PIECE => {
                 let piece = text.parse().map_err(|_| {
                     format!(
-                        "{} is no number of a piece, such as 1 for the largest",
+                        "{} is not the number of a piece; expected a number such as 1 for the largest",
                         text::quoted(text)
                     )
                 })?;
@@ -107,7 +107,7 @@ fn size(text: &str) -> Result<Grid, String> {
             Ok(Grid { rows, columns })
         }
         _ => Err(format!(
-            "{} is no number of rows and columns, such as 40x60",
+            "{} is not a size; expected rows and columns such as 40x60",
             text::quoted(text)
         )),
     }

@@ -71,7 +71,7 @@ pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError>
                 return Ok((entries, heights));
             }
             let detail = format!(
-                "{} is no line of the header of a grid (ESRI)",
+                "{} is not a header line of a grid (ESRI)",
                 quoted(&shown(word))
             );
             return Err(FileError::at(tokens.line, detail));

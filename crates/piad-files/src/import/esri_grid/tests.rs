@@ -108,7 +108,7 @@ fn errors_name_their_lines() {
         (
             "xllcorner 100",
             "left 100",
-            "line 3: \"left\" is no line of the header of a grid (ESRI)",
+            "line 3: \"left\" is not a header line of a grid (ESRI)",
         ),
         ("4 -1 6.5", "4 oops 6.5", "line 8: \"oops\" is no height"),
         (

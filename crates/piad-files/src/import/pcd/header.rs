@@ -151,7 +151,7 @@ impl<'a> Header<'a> {
             }
             let data = data(line);
             if data.is_none() && lines.take(line).is_none() {
-                let detail = format!("{} is no line of a PCD header", quoted(&text(line)));
+                let detail = format!("{} is not a line of a PCD header", quoted(&text(line)));
                 return Err(FileError::at(body.number, detail));
             }
             if let Some(data) = data {

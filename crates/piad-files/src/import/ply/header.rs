@@ -74,7 +74,7 @@ impl<'a> Header<'a> {
                 _ => None,
             };
             done.ok_or_else(|| {
-                let detail = format!("{} is no line of a PLY header", quoted(&text(line)));
+                let detail = format!("{} is not a line of a PLY header", quoted(&text(line)));
                 FileError::at(lines.number, detail)
             })?;
         }

@@ -132,7 +132,7 @@ fn errors_name_the_reason() {
         (
             "vertex 3",
             "vertex 1000000000000000000000",
-            "line 4: \"element vertex 1000000000000000000000\" is no line of a PLY header",
+            "line 4: \"element vertex 1000000000000000000000\" is not a line of a PLY header",
         ),
         (
             "vertex 3",
@@ -147,17 +147,17 @@ fn errors_name_the_reason() {
         (
             "float x",
             "quad x",
-            "line 6: \"property quad x\" is no line of a PLY header",
+            "line 6: \"property quad x\" is not a line of a PLY header",
         ),
         (
             "element vertex 3\n",
             "",
-            "line 4: \"property uchar red\" is no line of a PLY header",
+            "line 4: \"property uchar red\" is not a line of a PLY header",
         ),
         (
             "ascii",
             "ebcdic",
-            "line 2: \"format ebcdic 1.0\" is no line of a PLY header",
+            "line 2: \"format ebcdic 1.0\" is not a line of a PLY header",
         ),
         (
             "format ascii 1.0\n",
@@ -167,7 +167,7 @@ fn errors_name_the_reason() {
         (
             "end_header\n",
             "",
-            "line 12: \"200 1 0 2 3\" is no line of a PLY header",
+            "line 12: \"200 1 0 2 3\" is not a line of a PLY header",
         ),
         (
             "200 4 0 5 6",

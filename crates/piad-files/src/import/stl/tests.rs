@@ -139,7 +139,7 @@ fn errors_in_text_name_their_lines() {
         (
             "vertex 1e0 0",
             "vertices 0 0",
-            "line 5: \"vertices 0 0 0.25\" is no line of an STL file",
+            "line 5: \"vertices 0 0 0.25\" is not a line of an STL file",
         ),
         (
             "      vertex 1e0 0 0.25\n",
