@@ -81,7 +81,7 @@ contract: $(VENV)/installed
 	$(PYTHON) tests/python/description.py target/debug/piad
 	$(PYTHON) tests/python/contract.py target/debug/piad
 
-# The files of deploy/, checked by their programs; and a server behind the proxies of docs/OPERATIONS.md.
+# The files of deploy/, checked by their programs; and a server behind the proxies of docs/how-to/operate.md.
 deploy: $(VENV)/installed postgres operators
 	tests/postgres $(PYTHON) tests/python/deploy.py target/debug/piad
 	$(PYTHON) tests/python/proxies.py target/debug/piad

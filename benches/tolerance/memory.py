@@ -23,7 +23,7 @@ import orjson
 import shapes
 
 MIB = 1 << 20
-# The memory of an idle server (docs/RELIABILITY.md).
+# The memory of an idle server (docs/evidence/reliability.md).
 OWN = 110 * MIB
 
 

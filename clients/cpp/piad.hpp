@@ -1,7 +1,7 @@
 // A client of piad, the service that fits curves and surfaces to data points and streams every iteration.
 //
 // One header for C++17 on libcurl (7.66 or later) and nlohmann-json (3.9 or later). README.md describes its use,
-// docs/JOBS.md and docs/STREAMS.md of the project describe requests and streams.
+// docs/reference/job.md and docs/reference/events.md of the project describe requests and streams.
 //
 //     piad::Client client("http://127.0.0.1:8080");
 //     piad::Result result = client.fit({{"curve", {{"points", {{0, 0}, {1, 2}, {3, 1}, {4, 3}}}}}});
@@ -392,7 +392,7 @@ struct CreateOptions {
     StopToken stop;
 };
 
-// Stream settings: see docs/STREAMS.md. Omitted ones are those of the job.
+// Stream settings: see docs/reference/events.md. Omitted ones are those of the job.
 struct WatchOptions {
     std::string view;                    // "control_points", "samples" or "errors"
     std::string samples;                 // "200", or "40x40" of a surface
@@ -574,7 +574,7 @@ inline std::vector<double> numbers(const Json& value, bool single = false) {
     return out;
 }
 
-// Adds `step` times packed integers to points: see docs/STREAMS.md. `packed` is a reused buffer.
+// Adds `step` times packed integers to points: see docs/reference/events.md. `packed` is a reused buffer.
 inline void move_numbers(const Json& value, double step, std::size_t dimension, std::vector<std::uint8_t>& packed, std::vector<double>& out) {
     packed.clear();
     Base64::bytes(value.get_ref<const std::string&>(), [&](std::uint32_t byte) { packed.push_back(static_cast<std::uint8_t>(byte)); });
@@ -1856,7 +1856,7 @@ public:
     // The request that created the job. Sent again, it creates the same job.
     Json input(const StopToken& stop = {}) const { return connection_->json(get("/input", {}, stop)); }
 
-    // Exports the result, or an iteration, as a file: "step" or another format of docs/FILES.md.
+    // Exports the result, or an iteration, as a file: "step" or another format of docs/reference/files.md.
     File file(const std::string& format, const FileOptions& options = {}) const {
         const auto part = options.iteration ? "/iterations/" + std::to_string(*options.iteration) : std::string("/result");
         auto call = get(part + "/" + detail::escaped(format), {}, options.stop);
@@ -1940,7 +1940,7 @@ public:
     explicit Client(const std::string& url = "http://127.0.0.1:8080", ClientOptions options = {})
         : connection_(std::make_shared<detail::Connection>(url, std::move(options))) {}
 
-    // Creates a job, which starts immediately. Requests are the JSON of docs/JOBS.md.
+    // Creates a job, which starts immediately. Requests are the JSON of docs/reference/job.md.
     Job create(const Json& request, const CreateOptions& options = {}) const { return Job::create(connection_, "/v1/jobs", request, options); }
 
     // Creates a job and waits for its result. A fit that has not reached its tolerance also has a result, whose `state`

@@ -342,7 +342,7 @@ namespace Piad
             return GetAsync("/input", cancellation);
         }
 
-        /// <summary>Exports the result, or an iteration, as a file: step or another format of docs/FILES.md. `samples`
+        /// <summary>Exports the result, or an iteration, as a file: step or another format of docs/reference/files.md. `samples`
         /// is the number of points in gltf, stl, ply, dxf, svg, geojson, gpx and csv, `units` the unit that step and
         /// iges declare: mm, m or in.</summary>
         public async Task<FitFile> FileAsync(
@@ -410,7 +410,7 @@ namespace Piad
 
     // ---------------------------------------------------------------------------------------------- requests
 
-    /// <summary>A job request: a CurveRequest, a SurfaceRequest, or a JObject as in docs/JOBS.md, which is converted
+    /// <summary>A job request: a CurveRequest, a SurfaceRequest, or a JObject as in docs/reference/job.md, which is converted
     /// implicitly. Properties that are null get the server's defaults.</summary>
     public abstract class FitRequest
     {
@@ -448,7 +448,7 @@ namespace Piad
         /// <summary>The maximum number of iterations.</summary>
         public long? MaxIterations { get; set; }
 
-        /// <summary>Stream settings of the job: see docs/STREAMS.md.</summary>
+        /// <summary>Stream settings of the job: see docs/reference/events.md.</summary>
         public JObject Stream { get; set; }
 
         /// <summary>The request as JSON, to which fields without a property can be added.</summary>
@@ -672,7 +672,7 @@ namespace Piad
         }
     }
 
-    /// <summary>Stream settings: see docs/STREAMS.md. Those that are null are those of the job. Numbers are sent as
+    /// <summary>Stream settings: see docs/reference/events.md. Those that are null are those of the job. Numbers are sent as
     /// base64, unless the job has a `stream` setting or another option excludes it.</summary>
     public sealed class WatchOptions
     {
@@ -1359,7 +1359,7 @@ namespace Piad.Internal
             return list.Select(read).ToArray();
         }
 
-        // Adds `step` times packed integers to points: see docs/STREAMS.md.
+        // Adds `step` times packed integers to points: see docs/reference/events.md.
         internal static double[][] Moved(double[][] before, double? step, JToken value)
         {
             if (step == null || !Json.IsText(value)) throw new ProtocolException("the server sent a change without its steps");

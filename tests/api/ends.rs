@@ -81,7 +81,7 @@ fn from_helix(point: &[f64]) -> f64 {
     squared(low).sqrt()
 }
 
-/// How far limits are from what was sampled: the table of docs/METHODS.md.
+/// How far limits are from what was sampled: the table of docs/explanation/methods.md.
 #[tokio::test]
 async fn regular_ends_are_near_to_what_was_sampled() {
     let server = Server::start().await;

@@ -285,7 +285,7 @@ fn cell(factors: Vec<f64>) -> String {
     }
 }
 
-/// Prints the table of docs/VALIDATION.md.
+/// Prints the table of docs/evidence/validation.md.
 #[allow(clippy::print_stdout, reason = "the table is for people")]
 #[tokio::test]
 async fn forecasts_are_within_a_factor_of_three() {

@@ -7,9 +7,20 @@ use std::process::{Command, Output};
 use crate::program::{PROGRAM, Program};
 
 const README: &str = include_str!("../../README.md");
-const CALLS: &str = include_str!("../../docs/CALLS.md");
-const CLIENTS: &str = include_str!("../../docs/CLIENTS.md");
-const JOBS: &str = include_str!("../../docs/JOBS.md");
+const CALLS: &str = include_str!("../../docs/tutorials/http-api.md");
+const CLIENTS: &str = include_str!("../../docs/reference/clients.md");
+const JOBS: &str = include_str!("../../docs/reference/job.md");
+
+/// The folders of documents.
+const DOCS: [&str; 7] = [
+    "docs",
+    "docs/evidence",
+    "docs/explanation",
+    "docs/explanation/methods",
+    "docs/how-to",
+    "docs/reference",
+    "docs/tutorials",
+];
 
 /// The blocks of code in a language.
 fn code(text: &str, language: &str) -> Vec<String> {
@@ -114,7 +125,8 @@ fn anchor(heading: &str) -> String {
 #[test]
 fn links_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let docs = std::fs::read_dir(root.join("docs")).unwrap();
+    let docs = DOCS.map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
+    let docs = docs.into_iter().flatten();
     let docs = docs.map(|entry| entry.unwrap().path());
     let pages = docs.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
     for page in pages.chain([root.join("README.md")]) {

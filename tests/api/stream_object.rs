@@ -356,9 +356,12 @@ async fn capabilities_name_what_streams_can_do() {
             );
         }
     }
-    let documented = include_str!("../../docs/STREAMS.md");
+    let documented = include_str!("../../docs/reference/events.md");
     for parameter in capabilities["stream"].as_array().unwrap() {
         let name = format!("`{}`", parameter.as_str().unwrap());
-        assert!(documented.contains(&name), "{name} is not in STREAMS.md");
+        assert!(
+            documented.contains(&name),
+            "{name} is not in docs/reference/events.md"
+        );
     }
 }

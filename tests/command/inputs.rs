@@ -35,7 +35,7 @@ fn points_of_curves_come_in_many_kinds() {
     );
 }
 
-/// Files as people have them, and what is finished of them: docs/COMMAND.md has the same table.
+/// Files as people have them, and what is finished of them: docs/reference/command-line.md has the same table.
 const ODD: [(&[u8], i32, &str); 23] = [
     (b"x;y\r\n0;0\r\n1,5;2\r\n3;1\r\n4,5;3\r\n", 0, "4 points"),
     (b"\xef\xbb\xbfx,y\r\n0,0\r\n1,2\r\n3,1\r\n", 0, "3 points"),

@@ -1,4 +1,4 @@
-"""Decodes differences of numbers bit by bit, as specified in docs/STREAMS.md."""
+"""Decodes differences of numbers bit by bit, as specified in docs/reference/events.md."""
 
 BLOCK = 256
 

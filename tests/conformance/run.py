@@ -4,7 +4,7 @@
 
 A client is a program, `CLIENT SCENARIO URL TOKEN`: it reads a request from standard input, runs the
 scenario of README.md through its library, and prints the result as JSON. The expected output is
-requested here over plain HTTP. The resulting table is in docs/CLIENTS.md.
+requested here over plain HTTP. The resulting table is in docs/reference/clients.md.
 """
 
 import base64

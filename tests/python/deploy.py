@@ -85,16 +85,16 @@ def prometheus(content: dict) -> None:
         check(f"{len(alerts())} rules found" in output, f"prometheus.yml does not load all rules:\n{output}")
     run("promtool", "test", "rules", DEPLOY / "alerts" / "tests.yml")
     tests = (DEPLOY / "alerts" / "tests.yml").read_text()
-    operations = (ROOT / "docs" / "OPERATIONS.md").read_text()
+    operations = (ROOT / "docs/how-to/operate.md").read_text()
     for alert in alerts():
         name, about = alert["alert"], alert["annotations"]
         check(f'alertname="{name}"' in tests, f"no test in which {name} fires")
-        check(f"| `{name}` |" in operations, f"docs/OPERATIONS.md does not describe {name}")
-        section = re.search(r'See "(.+)" in docs/OPERATIONS\.md\.$', about["description"])
-        check(section and f"\n## {section[1]}\n" in operations, f"{name} names no section of docs/OPERATIONS.md")
+        check(f"| `{name}` |" in operations, f"docs/how-to/operate.md does not describe {name}")
+        section = re.search(r'See "(.+)" in docs/how-to/operate\.md\.$', about["description"])
+        check(section and f"\n## {section[1]}\n" in operations, f"{name} names no section of docs/how-to/operate.md")
         check(about["summary"] and alert["labels"]["severity"] in ("critical", "warning"), f"{name} lacks a summary or severity")
     for name in re.findall(r"\| `(Piad\w+)` \|", operations):
-        check(name in [alert["alert"] for alert in alerts()], f"docs/OPERATIONS.md describes the unknown alert {name}")
+        check(name in [alert["alert"] for alert in alerts()], f"docs/how-to/operate.md describes the unknown alert {name}")
 
 
 def alerts() -> list[dict]:

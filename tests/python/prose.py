@@ -14,7 +14,7 @@ from pathlib import Path
 from subprocess import run
 
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = ("*.md", "docs/*.md", "clients/*/README.md", "crates/*/README.md", "tests/*/README.md", "viewer/README.md")
+DOCUMENTS = ("*.md", "docs/**/*.md", "clients/*/README.md", "crates/*/README.md", "tests/*/README.md", "viewer/README.md")
 SOURCES = "benches clients deploy examples proto tests/conformance tests/golden tests/python Makefile Dockerfile build.rs"
 LIMITS = {"sentence": 35, "cell": 20, "paragraph": 90}  # words
 QUESTION = r"(how(?!-)|what|why|when|where|which|who|whom|whose|whether)\b|.*\?$"

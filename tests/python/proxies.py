@@ -1,4 +1,4 @@
-"""Tests piad behind the proxies of docs/OPERATIONS.md, as configured there: nginx, Caddy, Envoy.
+"""Tests piad behind the proxies of docs/how-to/operate.md, as configured there: nginx, Caddy, Envoy.
 
     proxies.py PROGRAM            # the server to start, such as target/debug/piad
 
@@ -25,7 +25,7 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from over_http import server
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-OPERATIONS = ROOT / "docs" / "OPERATIONS.md"
+OPERATIONS = ROOT / "docs/how-to/operate.md"
 CADDYFILE = ROOT / "deploy" / "Caddyfile.tls"
 
 # It runs until it is cancelled.

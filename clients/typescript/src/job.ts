@@ -94,7 +94,7 @@ export class Job {
   }
 
   /**
-   * Exports the result, or an iteration, as a file such as STEP for CAD systems; docs/FILES.md lists the formats.
+   * Exports the result, or an iteration, as a file such as STEP for CAD systems; docs/reference/files.md lists the formats.
    * `samples` is for gltf, stl, ply, dxf, svg, geojson, gpx and csv, `dots` for svg, `units` for step and iges.
    */
   async file(

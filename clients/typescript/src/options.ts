@@ -27,7 +27,7 @@ export interface Creation extends Repeatable {
 /** The query parameters, with `samples` also as a number. */
 type Plain<Query> = { readonly [Name in keyof Query]?: (Name extends "samples" ? api.Samples : Query[Name]) | undefined };
 
-/** Stream settings: see docs/STREAMS.md. Omitted ones are those of the job. */
+/** Stream settings: see docs/reference/events.md. Omitted ones are those of the job. */
 export interface Showing<View extends api.View = api.View>
   extends Omit<Plain<api.Query<"watchJob">>, "on_disconnect" | "view">, Cancellable {
   readonly view?: View | undefined;

@@ -20,7 +20,7 @@ interface Example {
   readonly file: string;
 }
 
-const guide = readFileSync(join(ROOT, "docs/CLIENTS.md"), "utf8");
+const guide = readFileSync(join(ROOT, "docs/reference/clients.md"), "utf8");
 const examples = [
   ...examplesIn(readFileSync(join(PACKAGE, "README.md"), "utf8"), "readme"),
   ...examplesIn(guide.slice(guide.indexOf("## Written clients"), guide.indexOf("## Python without a package")), "clients"),

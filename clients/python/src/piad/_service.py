@@ -86,7 +86,7 @@ class Service:
         data: True, or `{"distance": 0.5}` in their unit. With `polyline` the edges are data, too: the fit has the
         fewest control points that meet the tolerance. With `order="nearest"` unordered points are first sorted along
         their curve; with `repeated_points="merge"` consecutive equal points are merged. Arguments that are not given
-        get the server's defaults; docs/JOBS.md describes each.
+        get the server's defaults; docs/reference/job.md describes each.
 
         Requests have an `Idempotency-Key`, so a retry after a broken connection creates no second job; programs that
         may themselves restart can set `idempotency_key`.

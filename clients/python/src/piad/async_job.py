@@ -336,7 +336,7 @@ class AsyncJob:
         dots: Optional[Dots] = None,
         units: Optional[Units] = None,
     ) -> Path:
-        """Writes the result (or an iteration) to a file, such as STEP for CAD systems; docs/FILES.md has the formats.
+        """Writes the result (or an iteration) to a file, such as STEP for CAD systems; docs/reference/files.md has the formats.
 
         `samples` is the number of points in gltf, stl, ply, dxf, svg, geojson, gpx and csv, `dots` shows data points
         in svg or hides them, `units` is the unit that step and iges declare. The file is written completely or not at
