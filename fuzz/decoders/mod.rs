@@ -37,13 +37,13 @@ const MOST_POINTS: usize = 50;
 /// Nor are those that take more multiplications before the first level.
 const MOST_WORK: usize = 1_000_000;
 
-/// Lists of points are read in parts of so many bytes.
+/// Lists of points are read in parts of this many bytes.
 const SHORT: usize = 50;
 
 /// The levels that are computed after the first.
 const LEVELS: usize = 3;
 
-/// The most bytes of an answer that says what is wrong with a request.
+/// The maximum size of an error response in bytes.
 const LONGEST_ANSWER: usize = 64 * 1024;
 
 /// The body of `POST /v1/jobs` in JSON.
@@ -142,7 +142,7 @@ fn valid(request: JobRequest, locator: &impl Locator) -> Result<ValidJob, Refusa
     valid.map_err(|errors| Refusal::of_errors(errors, locator))
 }
 
-/// What was accepted. A refusal says what is wrong, and not at any length.
+/// Returns the accepted value. A refusal must have errors of limited length.
 fn accepted<T>(outcome: Result<T, Refusal>) -> Option<T> {
     let refusal = match outcome {
         Ok(accepted) => return Some(accepted),

@@ -23,7 +23,7 @@ fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
         .collect()
 }
 
-/// Calls a target with a seed that was made here, and keeps it for the fuzzer where that is asked for.
+/// Calls a target with a generated seed, and stores it for the fuzzer on request.
 fn sow(target: &str, name: &str, bytes: &[u8]) {
     match target {
         "message" => message(bytes),

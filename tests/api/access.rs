@@ -177,7 +177,7 @@ async fn every_route_requires_its_token() {
         }
     }
     assert!(guarded >= 20, "{guarded}");
-    // Nowhere is any token told.
+    // No output contains a token.
     let metrics = ask(&server, Method::GET, "/metrics", Some(&right)).await;
     let reported = server.log() + &metrics.text().await.unwrap();
     for token in cases
@@ -366,7 +366,7 @@ async fn a_tenant_knows_of_its_own_jobs_alone() {
     }
     assert_eq!(seen.len(), 5);
     assert!(!seen.contains(mine["id"].as_str().unwrap()));
-    // A cursor that is the id of a job of another tenant is a place in time, and tells nothing of it.
+    // A cursor that is the id of a job of another tenant is a point in time, and reveals nothing about it.
     let path = format!("/v1/jobs?cursor={}", mine["id"].as_str().unwrap());
     let page: Value = ask(&server, Method::GET, &path, Some(&b))
         .await
@@ -534,7 +534,7 @@ async fn a_server_for_the_network_needs_tokens() {
     let short = start(&[], Some("too short"));
     assert!(short.contains("at least 32 characters"), "{short}");
     assert!(start(&["--insecure-no-auth"], None).contains("listening on"));
-    let long = "a-token-that-nobody-guesses-as-it-is-long";
+    let long = "a-token-that-cannot-be-guessed-as-it-is-long";
     let said = start(&[], Some(long));
     assert!(
         said.contains("listening on") && said.contains("tokens are sent over the network"),
@@ -565,7 +565,7 @@ async fn a_server_for_the_network_needs_tokens() {
 #[tokio::test]
 async fn a_token_of_the_variable_is_good_for_everything() {
     let folder = tempfile::tempdir().unwrap();
-    let token = "a-token-that-nobody-guesses-as-it-is-long";
+    let token = "a-token-that-cannot-be-guessed-as-it-is-long";
     let script = format!("export PIAD_TOKEN={token}; exec \"$@\"");
     let server = Program::in_shell(&script, folder.path());
     for path in ["/v1/jobs", "/metrics", "/v1/capabilities"] {

@@ -116,8 +116,8 @@ async fn every_event_is_the_curve_that_it_says_it_is() {
     }
 }
 
-/// The knots of the event that a client sees next are always those of its curve: whichever events it
-/// leaves out, and wherever its stream goes on.
+/// The knots of the next event of a client are always those of its curve, also after skipped events and resumed
+/// streams.
 #[tokio::test]
 async fn streams_that_skip_or_resume_have_the_knots() {
     let server = Server::start().await;
@@ -344,7 +344,7 @@ async fn few_points_are_fitted() {
     assert_eq!(last["control_points"].as_array().unwrap().len(), 4);
 }
 
-/// An edit goes on from the knots and the control points of its parent.
+/// An edit starts from the knots and the control points of its parent.
 #[tokio::test]
 async fn edits_start_from_the_knots_of_their_parent() {
     let server = Server::start().await;

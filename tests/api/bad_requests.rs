@@ -539,17 +539,17 @@ async fn bodies() {
         }
     }
     assert!(surprises.is_empty(), "{}", surprises.join("\n\n"));
-    // None of them left anything behind, and the server goes on.
+    // None of them left anything behind, and the server continues.
     assert_eq!(server.json("/v1/jobs").await["jobs"], json!([]));
     let job = server.fit(&data::small_job()).await;
     assert_eq!(job["state"], "converged");
 }
 
-/// The most mistakes that are told of one body.
+/// The maximum number of reported errors of a body.
 const MOST_TOLD: usize = 16;
 
-/// Posts what must be refused; gives the places that the answer tells. Its text, which ends somewhere
-/// if there are too many, has each of them, too.
+/// Posts an invalid request and returns the locations of its errors. The detail, which is cut if there are too many,
+/// names each of them, too.
 async fn refused(server: &Server, path: &str, body: &Value) -> Vec<String> {
     let response = server.post(path).json(body).send().await.unwrap();
     let (status, problem) = problem(response).await;
@@ -572,7 +572,7 @@ async fn edits(server: &Server) -> String {
     format!("{}/edits", base(&parent))
 }
 
-/// Of what cannot be read the first is told, wherever it stands.
+/// The first unreadable value is reported, at any location.
 #[tokio::test]
 async fn the_first_unreadable_value_is_reported() {
     let server = Server::start().await;
@@ -677,7 +677,7 @@ async fn all_equal_neighbours_are_reported_together() {
         json!({"curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [0, 0]], "closed": true}});
     let reported = refused(&server, "/v1/jobs", &closed).await;
     assert_eq!(reported, ["/curve/points/2", "/curve/points/4"]);
-    // Lines of a surface, and what is wrong with the other direction.
+    // Lines of a surface, and the error of the other direction.
     let row = |x: f64| -> Vec<[f64; 3]> { (0..4).map(|j| [x, f64::from(j), 0.0]).collect() };
     let rows: Vec<_> = [0.0, 0.0, 1.0, 2.0, 2.0].into_iter().map(row).collect();
     let job = json!({"surface": {"points": rows, "degree": {"u": 3, "v": 0}}});
@@ -688,7 +688,7 @@ async fn all_equal_neighbours_are_reported_together() {
         "/surface/degree/v",
     ];
     assert_eq!(reported, expected);
-    // However many points there are, and as many mistakes as are told.
+    // With any number of points, and up to the limit of errors.
     let points: Vec<[f64; 2]> = (0..40_000).map(|i| [f64::from(i / 2 * 2), 0.0]).collect();
     let response = server
         .post("/v1/jobs")
@@ -701,7 +701,7 @@ async fn all_equal_neighbours_are_reported_together() {
     assert!(last.ends_with("there are more of them"), "{last}");
 }
 
-/// What is wrong with a setting says what there is, and what to write instead.
+/// Errors of a setting list the known ones and a correction.
 #[tokio::test]
 async fn refusals_say_what_to_write_instead() {
     let server = Server::start().await;

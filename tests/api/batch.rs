@@ -159,7 +159,7 @@ async fn items_are_what_fits_of_their_own_are() {
     assert_eq!(batch.items[5]["name"], "long");
     let states = batch.states();
     assert_eq!(states[3], "exhausted");
-    // How near a fit has come is told, and shown.
+    // The achieved distance and the geometry are returned.
     assert_eq!(batch.items[3]["iteration"], 3);
     assert!(batch.items[3]["curve"]["control_points"].is_array());
     assert_eq!(&states[9..], ["failed"; 4]);
@@ -226,7 +226,7 @@ async fn items_have_the_defaults_that_they_do_not_change() {
     let in_lines = in_lines(&[&first[..], &items].concat());
     let in_lines = Lines::of(post_lines(&server, in_lines).await).await;
     assert_eq!(in_lines.without_requests(), batch.without_requests());
-    // What is wrong with them is said of them.
+    // Their errors name them.
     let negative = json!({"defaults": {"stop": {"tolerance": -1}}, "items": [curve(1)]});
     let negative = lines(&server, &negative).await;
     let errors = &negative.items[0]["problem"]["errors"];
@@ -296,7 +296,7 @@ async fn invalid_batches_are_rejected() {
     }
 }
 
-/// A body that breaks off or is no JSON ends the batch where it does.
+/// A truncated or invalid body ends the batch at that point.
 #[tokio::test]
 async fn a_broken_body_ends_the_batch() {
     let server = Server::start().await;

@@ -80,7 +80,7 @@ fn varies(response: &Response) -> bool {
     names.any(|name| name.trim().eq_ignore_ascii_case("accept-encoding"))
 }
 
-/// A curve through so many points, as a job.
+/// A job of a curve through this number of points.
 fn long_job(count: usize) -> Value {
     let point = |i: usize| {
         let t = i as f64 * 0.01;
@@ -215,7 +215,7 @@ async fn bodies_are_limited_by_their_unpacked_size() {
     assert_eq!(problem(response).await.0, 413);
 }
 
-/// A gigabyte of zeros in some kilobytes is refused, and nobody pays for it.
+/// A gigabyte of zeros in some kilobytes is refused without using memory.
 #[tokio::test]
 async fn bombs_do_not_go_off() {
     let directory = tempfile::tempdir().unwrap();

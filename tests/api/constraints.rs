@@ -457,7 +457,7 @@ async fn constraints_apply_without_data() {
     }
 }
 
-/// What is asked for comes back as it was asked for, as JSON and as a message, and is kept by edits.
+/// The request is returned unchanged, as JSON and as a message, and is kept by edits.
 #[tokio::test]
 async fn the_input_has_the_settings() {
     let server = Server::start().await;

@@ -157,7 +157,7 @@ async fn a_threshold_says_how_near_bisection_goes() {
     assert_eq!(default.job["method"], given.job["method"]);
 }
 
-/// As it was asked for; edits take it, too.
+/// The request is returned unchanged; edits accept it, too.
 #[tokio::test]
 async fn a_threshold_is_kept() {
     let server = Server::start().await;

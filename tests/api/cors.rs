@@ -1,4 +1,4 @@
-//! What browsers are told about pages of other origins. `tests/python/cors_check.py` asks a browser.
+//! CORS headers for pages of other origins. `tests/python/cors_check.py` tests a browser.
 
 use reqwest::{Method, RequestBuilder, Response};
 use serde_json::json;

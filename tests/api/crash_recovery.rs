@@ -8,7 +8,7 @@ use crate::data;
 use crate::program::Program;
 use crate::support::eventually;
 
-/// They go on four a second.
+/// Jobs with four iterations per second.
 const JOBS: usize = 24;
 
 fn start(data: &std::path::Path) -> Program {

@@ -351,7 +351,7 @@ async fn streams_may_leave_out_iterations() {
     }
 }
 
-/// Readers that go together and readers that lag behind are told the same.
+/// Readers in step and readers that lag behind get the same content.
 #[tokio::test]
 async fn readers_at_any_pace_get_the_same() {
     let server = Server::start().await;

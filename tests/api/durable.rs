@@ -215,7 +215,7 @@ async fn a_commit_that_is_cut_off_has_not_happened() {
         let before = written(&program);
         let request = program.post("/v1/jobs").json(&large).send();
         let posted = tokio::spawn(request);
-        // The input of the job is 10 MB: the commit has begun, and goes on.
+        // The input of the job is 10 MB: the commit has begun, and continues.
         while written(&program) < before + 100_000 && !posted.is_finished() {
             std::thread::yield_now();
         }

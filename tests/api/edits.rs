@@ -97,7 +97,7 @@ async fn moved_points_are_interpolated_with_the_parameters_of_the_parent() {
     }
 }
 
-/// Classical PIA has no memory: it goes on as if it had not been interrupted, bit for bit.
+/// Classical PIA has no memory: it continues as if it had not been interrupted, bit for bit.
 #[tokio::test]
 async fn an_edit_starts_at_any_iteration_of_its_parent() {
     let server = Server::start().await;

@@ -327,7 +327,7 @@ async fn meshes_have_the_requested_samples() {
     );
 }
 
-/// Files declare the unit that is asked for; their coordinates are the same in any.
+/// Files declare the requested unit; their coordinates are the same in each.
 #[tokio::test]
 async fn units_are_declared() {
     let server = Server::start().await;

@@ -114,7 +114,7 @@ async fn outlines_that_come_back_are_closed() {
         let asked = job["curve"].get("closed").filter(|it| **it == true);
         assert_eq!(asked.is_some(), closed == true, "{query}: {job:#}");
     }
-    // The same as a JSON array, in which the point comes again but for rounding.
+    // The same as a JSON array, in which the point recurs up to rounding.
     let array = "[[2,0],[3,1],[3,2],[2,3],[1,3],[0,2],[0,1],[1,0],[2,2.4e-16]]";
     let shown = read(&server, array).await;
     assert_eq!(shown["curve"]["closed"], true, "{shown:#}");
@@ -277,7 +277,7 @@ async fn files_are_fitted_like_json() {
     assert_eq!(story.state(), "converged");
 }
 
-/// What is wrong is told where it was written: in a line, or in the query.
+/// Errors are located where the value was written: in a line, or in the query.
 #[tokio::test]
 async fn errors_of_jobs_have_locations() {
     let server = Server::start().await;
@@ -443,7 +443,7 @@ async fn the_parts_of_a_file_are_a_batch() {
     for item in &items[..2] {
         assert!(item["notices"].to_string().contains(column), "{item}");
     }
-    // What is wrong with a part is told in its line.
+    // Errors of a part are reported in its line.
     let near = TWO.replace("2,1\n", "1e17,0\n1e17,1\n");
     let text = send(&server, "/v1/batch", "text/csv", &near).await;
     let text = text.text().await.unwrap();
@@ -452,7 +452,7 @@ async fn the_parts_of_a_file_are_a_batch() {
     let pointer = first["problem"]["errors"][0]["pointer"].as_str().unwrap();
     assert!(pointer.starts_with("/items/0/curve/points"), "{text}");
     assert!(text.contains("\"converged\":1"), "{text}");
-    // And what is wrong with the file instead of an answer.
+    // And errors of the file instead of a response.
     for (query, status) in [
         ("?part=3", 422),
         ("?curve.degree=x", 200),

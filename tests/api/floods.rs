@@ -1,4 +1,4 @@
-//! Floods of frames of HTTP/2, with TLS and without: they cost bounded memory, and nobody else is kept waiting.
+//! Floods of frames of HTTP/2, with TLS and without: they use bounded memory, and do not delay others.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,7 +26,7 @@ const CONTINUATION: u8 = 9;
 const END_STREAM: u8 = 1;
 const END_HEADERS: u8 = 4;
 
-/// So many bytes are sent at most, in rounds of so many frames.
+/// The maximum number of bytes, sent in rounds of this number of frames.
 const MAX_BYTES: usize = 50_000_000;
 const FRAMES: u32 = 200;
 

@@ -127,7 +127,7 @@ async fn other_names_do_not_reach_a_server_of_this_machine() {
                 .unwrap()
                 .contains("--allowed-host")
         );
-        // Whether it is alive is no secret.
+        // Liveness is public.
         assert_eq!(ask(&server, &with(host, "/livez")).await.status(), 200);
     }
 
@@ -198,8 +198,7 @@ async fn ids_of_requests_are_short_words() {
     }
 }
 
-/// A connection on which nothing is asked for five seconds is laid aside: the next request is answered all the
-/// same, however it comes.
+/// A connection without a request for five seconds is parked: the next request is still answered, in each form.
 #[tokio::test]
 async fn connections_continue_after_a_pause() {
     let server = Server::start().await;

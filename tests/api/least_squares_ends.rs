@@ -10,7 +10,7 @@ fn number(value: &Value) -> f64 {
         .unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// A noisy curve whose points crowd at one end: the columns of A differ by far.
+/// A noisy curve with dense points at one end: the columns of A differ by far.
 fn uneven() -> Vec<[f64; 2]> {
     (0..400)
         .map(|i| (f64::from(i) / 399.0).powi(4) * 12.0 + f64::from(i) * 1e-3)

@@ -82,7 +82,7 @@ async fn a_single_point_converges_with_its_own_rate() {
     }
 }
 
-/// Lin 2010, Fig. 5: `peaks(11)`, threshold 1e-2: 18 levels, and so many active points at each.
+/// Lin 2010, Fig. 5: `peaks(11)`, threshold 1e-2: 18 levels, with these numbers of active points.
 #[tokio::test]
 async fn adaptive_peaks_take_the_published_levels() {
     let active = [

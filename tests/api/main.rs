@@ -7,7 +7,7 @@
     clippy::print_stderr,
     missing_docs,
     unreachable_pub,
-    reason = "tests fail by panicking, and nobody links to them"
+    reason = "tests fail by panicking, and have no users"
 )]
 
 mod access;

@@ -73,14 +73,14 @@ const BODY: usize = 48 * MEGABYTE;
 /// The most points of jobs of the server that gets them.
 const MOST_POINTS: usize = 100_000;
 
-/// So many times the same, between something before and something after.
+/// Repetitions of a text between a prefix and a suffix.
 fn many(before: &str, element: &str, after: &str) -> String {
     let count = BODY / (element.len() + 1);
     let list = vec![element; count].join(",");
     format!("{before}{list}{after}")
 }
 
-/// Bodies with too much of everything, and what is wrong with them.
+/// Bodies with too much of everything, and their errors.
 fn too_much() -> Vec<(String, &'static str)> {
     let curve = r#"{"curve":{"points":[[0,0],[1,1],[2,0]]"#;
     let of_curve = |field: &str| format!(r#"{curve},"{field}":["#);

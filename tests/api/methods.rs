@@ -239,7 +239,7 @@ async fn try_all(server: &Server) -> Outcomes {
     outcomes
 }
 
-/// Whether the fit ends at the limit; if not, it must have been refused.
+/// True if the fit ends at the limit; otherwise it must have been refused.
 async fn converges(server: &Server, job: &Value, expected: &[f64]) -> bool {
     let request = server.post("/v1/jobs").header("prefer", "wait=100");
     let response = request.json(job).send().await.unwrap();

@@ -1,4 +1,4 @@
-//! What `/metrics` tells: facts that the test brings about, in the format of OpenMetrics.
+//! The content of `/metrics` after known events, in the format of OpenMetrics.
 
 use futures_util::StreamExt;
 use reqwest::Method;

@@ -124,7 +124,7 @@ async fn references_resolve_and_components_are_used() {
         }
         for name in components.as_object().unwrap().keys() {
             let reference = format!("#/components/{section}/{name}");
-            assert!(references.contains(&reference), "nobody uses {reference}");
+            assert!(references.contains(&reference), "{reference} is not used");
         }
     }
 }
@@ -334,7 +334,7 @@ async fn fields_and_names_are_those_that_are_read() {
     }
 }
 
-/// The names that an error tells, in whatever way.
+/// The names listed by an error.
 async fn known(server: &Server, path: &str, body: &Value) -> BTreeSet<String> {
     let response = server.post(path).json(body).send().await.unwrap();
     let (status, problem) = problem(response).await;
@@ -391,7 +391,7 @@ async fn methods_have_the_settings_that_capabilities_tell() {
             count += 1;
         }
     }
-    // And with no other: each name that is told is one of those above.
+    // And no other: each listed name is one of those above.
     let named = owned
         .values()
         .map(|owners| owners.matches(", ").count() + 1);

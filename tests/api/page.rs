@@ -1,4 +1,4 @@
-//! The page at `/`: who gets it, what browsers are told about it, and that it is small on the wire.
+//! The page at `/`: who gets it, its headers for browsers, and its size.
 
 use std::io::Read;
 

@@ -133,7 +133,7 @@ async fn a_trusted_proxy_names_the_client_of_a_connection() {
             assert!(answer.starts_with("HTTP/1.1 429 "), "{begin:?}: {answer}");
         }
     }
-    let cut_off = over_tcp(&server, b"PROXY TCP4 nobody\r\n").await;
+    let cut_off = over_tcp(&server, b"PROXY TCP4 unknown\r\n").await;
     assert_eq!(cut_off, "");
 }
 

@@ -97,7 +97,7 @@ impl Replicas {
         }
     }
 
-    /// What is there, asked for until there is an answer.
+    /// Requests a resource until there is a response.
     async fn json(&self, url: &str) -> Value {
         loop {
             if let Ok(response) = self.client.get(url).send().await
@@ -157,7 +157,7 @@ async fn whatever_happens_nothing_is_lost() {
     let kept = all_jobs(&all.client, &all.base()).await;
     let missing: Vec<_> = acknowledged.difference(&kept).collect();
     assert!(missing.is_empty(), "{missing:?}");
-    // One that was stored without an answer was asked for again with its key.
+    // A job that was stored without a response was requested again with its key.
     assert_eq!(kept, acknowledged, "none lost, none twice");
     eprintln!("{} rounds, {} jobs", rounds(), paths.len());
 }
@@ -203,9 +203,9 @@ async fn a_job_is_read_and_ended_at_any_replica() {
         }
     }
     assert_eq!(seen, ["8", "9", "10", "11", "12"]);
-    // How far it has come is told wherever it is asked for, as of the last renewal of its lease.
+    // Each replica reports its progress, as of the last renewal of its lease.
     eventually(
-        "a replica tells how far the job of another one is",
+        "a replica reports the progress of the job of another one",
         async || {
             let job = reader.program.json(path).await;
             job["state"] == "running" && job["iteration"].as_u64() > Some(0)
@@ -288,7 +288,7 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     );
     assert_eq!(paused.program.json(path).await, ended);
     assert_eq!(other.program.json(path).await, ended);
-    // It goes on where it was, though its replica has given up the job.
+    // It resumes, though its replica has given up the job.
     let story = timeout(PATIENCE, Story::read(stream))
         .await
         .expect("an end");
@@ -296,8 +296,8 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     assert_eq!(story.end["state"], "exhausted");
 }
 
-/// A job that is stored while the answer is lost: the client is told that it may not be, and asks again
-/// elsewhere. Who reads it where it was posted first comes to its end all the same.
+/// A job that is stored while the response is lost: the client gets an error and retries at another replica. Readers at
+/// the first replica also get its end.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_job_whose_acknowledgement_was_lost_has_an_end_for_its_readers() {
     let all = Replicas::start(2).await;
@@ -429,7 +429,7 @@ async fn without_its_database_a_server_reports_it_and_continues() {
     assert_eq!(problem["type"], "/problems/store-away", "{problem}");
     assert_eq!(program.get("/readyz").send().await.unwrap().status(), 503);
     assert_eq!(program.get("/livez").send().await.unwrap().status(), 200);
-    // Streams go on meanwhile.
+    // Streams continue meanwhile.
     for _ in 0..100 {
         timeout(PATIENCE, stream.next()).await.unwrap().unwrap();
     }

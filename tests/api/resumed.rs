@@ -1,4 +1,4 @@
-//! Readers that break off and resume while a job takes several steps at a time: each gets every iteration.
+//! Readers that disconnect and resume while a job takes several steps at a time: each gets every iteration.
 
 use std::time::{Duration, Instant};
 

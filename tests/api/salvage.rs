@@ -1,6 +1,6 @@
 //! `piad store check`, `repair` and `export`: files that are damaged in two hundred ways.
 //!
-//! Whatever is read of a damaged file is what was in it, or is told to be lost: no number is another one.
+//! Everything read from a damaged file is unchanged, or reported as lost: no number differs.
 
 use std::collections::BTreeMap;
 use std::fs;

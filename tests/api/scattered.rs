@@ -567,8 +567,8 @@ async fn every_plane_of_coordinates_serves() {
         .await;
 }
 
-/// Half of a pipe with noise over a plane on which its points crowd together at both sides: where their parameters follow
-/// the surface, fewer control points do, and errors are distances. The result is made again of its input.
+/// Half of a pipe with noise over a plane, on which its points are dense at both sides: if parameters follow the
+/// surface, fewer control points suffice, and errors are distances. The result is reproduced from its input.
 #[tokio::test]
 async fn parameters_follow_the_surface() {
     let server = Server::start().await;

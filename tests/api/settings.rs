@@ -1,4 +1,4 @@
-//! Settings: flags before variables before the file before the defaults, and mistakes in each.
+//! Settings: the precedence of flags, variables, the file and defaults, and errors in each.
 
 use std::fs;
 use std::path::Path;
@@ -169,7 +169,7 @@ fn passwords_are_not_shown() {
     }
 }
 
-/// What is wrong with a file is told by its line, which may hold a password and is not shown.
+/// Errors of a file name its line, whose content may have a password and is not shown.
 #[test]
 fn lines_of_the_file_are_not_shown() {
     for file in [

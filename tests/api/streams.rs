@@ -183,7 +183,7 @@ async fn a_stream_resumes_after_the_last_event() {
     assert!(detail.contains(&format!("it ended at {last}")), "{detail}");
     let over = server.get(&path).header("last-event-id", "end");
     assert_eq!(over.send().await.unwrap().status(), 204);
-    // What is wrong is said, even where it makes no difference.
+    // Errors are reported even if they have no effect.
     let wrong = server
         .get(&format!("{path}?last_event_id=x"))
         .header("last-event-id", "5");
@@ -291,7 +291,7 @@ async fn quiet_streams_are_kept_open() {
 
 #[tokio::test]
 async fn streams_end_when_the_server_stops() {
-    // Who waits for the grace period waits for ever.
+    // Waiting for the grace period would take forever.
     let server = Server::with(|config| config.grace = NEVER).await;
     let job = server.create(&data::endless_job()).await;
     let path = format!("/v1/jobs/{}/events", id(&job));

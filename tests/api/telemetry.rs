@@ -1,4 +1,4 @@
-//! Traces: what a collector gets of requests and jobs, what clients are told, and collectors that do not answer.
+//! Traces: what a collector gets of requests and jobs, the headers for clients, and collectors that do not respond.
 
 use std::process::Command;
 
@@ -129,7 +129,7 @@ async fn an_endless_job_has_spans_of_its_first_slices() {
     collector.wait_for("slice", 32).await;
     let iteration = async || server.json(base(&job)).await["iteration"].as_u64();
     let before = iteration().await;
-    eventually("it goes on", async || iteration().await > before).await;
+    eventually("it continues", async || iteration().await > before).await;
     let cancel = server.post(&format!("{}/cancel", base(&job)));
     cancel.send().await.unwrap();
     let ended = collector.wait_for("job", 1).await.remove(0);
@@ -199,7 +199,7 @@ async fn the_parent_is_that_of_the_client() {
     let response = request.header("traceparent", &unsampled).send();
     assert_eq!(response.await.unwrap().status(), 201);
 
-    // What is not valid is nobody's.
+    // Invalid contexts have no parent.
     for parents in [
         &["00-0-0-01"][..],
         &[&sampled, &sampled],
@@ -469,7 +469,7 @@ async fn a_dead_collector_holds_nothing_up() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_hanging_collector_holds_nothing_up() {
-    // Connections are taken by the operating system, and nobody reads from them.
+    // The operating system accepts connections that are never read.
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     is_not_held_up_by(&format!("http://{}", listener.local_addr().unwrap())).await;
     // One that reads, and never answers.

@@ -22,7 +22,7 @@ async fn direct_always_takes_its_step() {
     assert!(story.error(0) < 1e-6, "{}", story.error(0));
     // What is left is rounding.
     assert!(story.error(1) < 1e-13, "{}", story.error(1));
-    // Others have nothing to do, and nobody takes more steps than are allowed.
+    // Others have nothing to do, and none takes more steps than allowed.
     let global = server.fit(&job(json!("global"))).await;
     assert_eq!(
         (&global["state"], &global["iteration"]),
@@ -37,7 +37,7 @@ async fn direct_always_takes_its_step() {
     );
 }
 
-/// Whether a number is missing where there should be one.
+/// True if a required number is missing.
 fn has_null(value: &Value) -> bool {
     match value {
         Value::Null => true,

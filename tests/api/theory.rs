@@ -1,4 +1,4 @@
-//! What the mathematics says about rates, eigenvalues and exactness, and what the job event tells of it.
+//! Theorems about rates, eigenvalues and exactness, and their values in the `job` event.
 
 use serde_json::{Value, json};
 

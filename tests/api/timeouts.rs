@@ -188,7 +188,7 @@ async fn answers_that_are_not_read_are_abandoned() {
     let slow = tokio::spawn(async move {
         let mut room = vec![0; 1 << 20];
         loop {
-            assert!(slow.read(&mut room).await.unwrap() > 0, "it goes on");
+            assert!(slow.read(&mut room).await.unwrap() > 0, "it continues");
             sleep(Duration::from_millis(20)).await;
         }
     });

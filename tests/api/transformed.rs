@@ -81,7 +81,7 @@ async fn it_is_the_length_of_the_next_step() {
     }
 }
 
-/// Single iterations, jobs, messages and the job as it was asked for.
+/// Single iterations, jobs, messages and the request of the job.
 #[tokio::test]
 async fn it_is_reported_with_all_errors() {
     let server = Server::start().await;

@@ -1,4 +1,4 @@
-//! Streams of events that break off.
+//! Event streams that disconnect.
 
 use serde_json::Value;
 
@@ -37,7 +37,7 @@ const SLOW: [&str; 8] = [
 /// What a fit behind a proxy whose connections break so gives, beside a fit in the process.
 fn same_behind(proxy: impl Fn(&str, &[Break]) -> TlsProxy, breaks: &[Break]) -> (String, String) {
     let folder = Folder::new();
-    // Large enough that it goes on while connections break.
+    // Large enough that it runs while connections break.
     folder.write("curve.csv", &curve(300));
     let server = Server::start(&folder);
     let proxy = proxy(&server.1, breaks);

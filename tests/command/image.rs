@@ -25,7 +25,7 @@ fn copied() -> Vec<PathBuf> {
     sources.map(PathBuf::from).collect()
 }
 
-/// Whether a file comes into the image's build.
+/// True if a file is part of the build of the image.
 fn is_there(file: &Path) -> bool {
     let ignored = text_of(".dockerignore");
     assert!(!ignored.contains(['*', '!', '?']), "the test knows paths");

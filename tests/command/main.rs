@@ -5,7 +5,7 @@
     clippy::expect_used,
     clippy::panic,
     unreachable_pub,
-    reason = "tests fail by panicking, and nobody links to them"
+    reason = "tests fail by panicking, and have no users"
 )]
 
 mod broken;

@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::support::Folder;
 
-/// What a file is, its bytes, the status of the program, and what it tells.
+/// The name of a file, its bytes, the status of the program, and its message.
 type Case = (&'static str, Vec<u8>, i32, &'static str);
 
 fn text(name: &'static str, text: &str, status: i32, finished: &'static str) -> Case {

@@ -253,7 +253,7 @@ fn progress_and_a_summary_are_printed_unless_quiet() {
     assert_eq!((finished.err.as_str(), finished.out.len()), ("", 0));
 }
 
-/// A least-squares minimum further away than was asked for is no success, and is written all the same.
+/// A least-squares minimum above the requested tolerance is no success, but is written.
 #[test]
 fn a_minimum_above_the_tolerance_sets_the_exit_status() {
     let folder = Folder::new();

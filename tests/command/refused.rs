@@ -1,4 +1,4 @@
-//! What is wrong, at its line or flag, before anything is written.
+//! Errors are reported at their line or flag before anything is written.
 
 use crate::support::Folder;
 

@@ -6,7 +6,7 @@ use std::process::{Child, Stdio};
 
 use crate::support::{Finished, Folder, field};
 
-/// A span of whoever starts the program.
+/// The span of the caller of the program.
 const PARENT: &str = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
 
 /// A server, and its address.

@@ -1,4 +1,4 @@
-//! What is finished on a standard error that cannot be written, inputs without an end, and names that would control the
+//! Output on a standard error that cannot be written, inputs without an end, and names that would control the
 //! terminal.
 
 use std::fs::File;
@@ -49,7 +49,7 @@ fn a_full_standard_error_changes_no_exit_status() {
     assert!(folder.read("out.step").starts_with(b"ISO-10303-21;"));
 }
 
-/// A token that nobody has seen is no success.
+/// A token that was not printed is no success.
 #[test]
 fn a_full_standard_output_is_a_failure() {
     let folder = Folder::new();

@@ -10,7 +10,7 @@
     clippy::panic,
     missing_docs,
     unreachable_pub,
-    reason = "tests fail by panicking, and nobody links to them"
+    reason = "tests fail by panicking, and have no users"
 )]
 
 mod cases;

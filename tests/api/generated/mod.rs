@@ -1,7 +1,7 @@
-//! Requests that nobody would send, made by changing such that are right at random: over HTTP/1.1, HTTP/2 and gRPC,
-//! with a token, without one, and to a server that asks for none.
+//! Random changes of valid requests: over HTTP/1.1, HTTP/2 and gRPC,
+//! with a token, without one, and to a server that requires none.
 //!
-//! `PIAD_TEST_REQUESTS=1000000 cargo test --release --test api made_up -- --nocapture` sends a million.
+//! `PIAD_TEST_REQUESTS=1000000 cargo test --release --test api generated -- --nocapture` sends a million.
 
 mod requests;
 
@@ -24,10 +24,10 @@ use crate::support::eventually;
 use crate::tokens_file::TokensFile;
 use requests::{Made, Seeds, change};
 
-/// So many are sent to each server, unless the variable says how many in all.
+/// The number sent to each server, unless the variable sets the total number.
 const REQUESTS: usize = 10_000;
 
-/// So many clients send them, each over one protocol.
+/// The number of clients, each with one protocol.
 const CLIENTS: usize = 12;
 
 /// An answer that has not come by then is given up, as a client that goes away does.
@@ -39,7 +39,7 @@ const READ: usize = 64 << 10;
 /// What may stay more of the memory of a server, in bytes: pools of threads and connections, caches of their bounded size.
 const GROWTH: usize = 150_000_000;
 
-/// Where a call of gRPC tells its status.
+/// The header with the status of a gRPC call.
 const GRPC_STATUS: &str = "grpc-status";
 
 /// The status of a call is counted as one of HTTP that is so much larger.
@@ -150,7 +150,7 @@ async fn over_http2(sender: &mut Option<SendRequest<Bytes>>, address: &str, made
     }
 }
 
-/// Sends so many requests, which are those of this seed.
+/// Sends this number of requests, generated from this seed.
 async fn client(
     address: String,
     protocol: Protocol,

@@ -1,4 +1,4 @@
-//! What is wrong with a call is told at the field that is wrong.
+//! Errors of a call are located at the invalid field.
 
 use serde_json::json;
 use tonic::{Code, Status};
@@ -339,7 +339,7 @@ async fn errors_name_the_fields_that_are_wrong() {
     let status = client.get_iteration(request).await.unwrap_err();
     assert_eq!(status.code(), Code::NotFound);
     let request = pb::GetJobRequest {
-        id: "nobody".to_owned(),
+        id: "unknown".to_owned(),
     };
     let status = client.get_job(request).await.unwrap_err();
     assert_eq!(
