@@ -7,7 +7,7 @@ use std::path::Path;
 const AVOIDED: &str = include_str!("../words.txt");
 
 /// Folders of Rust files besides the crates.
-const OTHERS: [&str; 3] = ["benches", "fuzz", "tests"];
+const OTHERS: [&str; 4] = ["benches", "fuzz/decoders", "fuzz/fuzz_targets", "tests"];
 
 /// The words of the comments and string literals of each line.
 fn words(text: &str) -> Vec<String> {
