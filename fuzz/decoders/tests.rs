@@ -105,7 +105,7 @@ fn many_generated_requests_are_accepted() {
 
 /// Fits that choose their knots, whatever they obey and weigh, end, and with finite numbers.
 #[test]
-fn automatic_fits_that_are_made_up_end() {
+fn generated_automatic_fits_end() {
     let mut count = 0;
     for seed in 0..60_000_u64 {
         let asked = Choices::of(&by_chance(seed)).job();
