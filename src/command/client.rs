@@ -265,9 +265,9 @@ fn causes(error: &dyn Error) -> String {
 
 /// A connector without trusted certificates, for plain HTTP.
 fn plain_connector() -> HttpsConnector<HttpConnector> {
-    let nobody = rustls::RootCertStore::empty();
+    let no_roots = rustls::RootCertStore::empty();
     let config = rustls::ClientConfig::builder()
-        .with_root_certificates(nobody)
+        .with_root_certificates(no_roots)
         .with_no_client_auth();
     HttpsConnectorBuilder::new()
         .with_tls_config(config)

@@ -210,7 +210,7 @@ impl CurveInput {
 
     /// The curve of a problem in the form of a request.
     pub(super) fn of(request: &Request) -> Self {
-        let weights = match weights::asked(request) {
+        let weights = match weights::requested(request) {
             Some(PerDirection::Both(weights)) => Some(weights),
             // Only a surface has a list for each direction.
             Some(PerDirection::Each { .. }) | None => None,

@@ -314,7 +314,7 @@ impl SurfaceInput {
             )),
             degree: None,
             parameters: Some(parameters),
-            weights: weights::asked(request),
+            weights: weights::requested(request),
             closed: is_decided.then(|| PerDirection::of(u.closed, Some(v.closed))),
             creases: Creases::of(u, v),
             spacing: None,

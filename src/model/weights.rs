@@ -116,7 +116,7 @@ impl Resolved {
 }
 
 /// The weights of a problem in the form of a request.
-pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
+pub(super) fn requested(request: &Request) -> Option<PerDirection<PointNumbers>> {
     let rows = |values: &Vec<f64>| match request.v {
         None => PointNumbers::Line(values.clone()),
         Some(_) => PointNumbers::Grid {

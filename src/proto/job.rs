@@ -318,7 +318,11 @@ pub(crate) fn message(
             Some(v) => Geometry::Surface(surface_message(request, v)),
         }),
         rational: rational_message(request).into(),
-        method: Some(method::asked(&request.method, request.v.is_some(), indices)),
+        method: Some(method::requested(
+            &request.method,
+            request.v.is_some(),
+            indices,
+        )),
         stop: Some(pb::StopRules {
             rule: request.tolerance.map(|tolerance| match tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),

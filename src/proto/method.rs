@@ -216,7 +216,7 @@ pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
 }
 
 /// The method as requested, with its lists and the indices of the points that it selects.
-pub(crate) fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
+pub(crate) fn requested(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     let mut message = message(method, surface, None);
     match (&mut message.kind, method) {
         (Some(Kind::Local(local)), _) => local.indices = indices,

@@ -107,7 +107,7 @@ impl ServerContext {
         match admission {
             Admission::Within(_slot) => self.serve_connection(incoming, caller, self.times).await,
             Admission::Beyond(exceeded, ended) => {
-                if let Some(times) = self.crowds.lock().record(Instant::now()) {
+                if let Some(times) = self.overloads.lock().record(Instant::now()) {
                     let peer = caller.peer;
                     warn!(%peer, times, "{exceeded}: only /livez, /readyz and /metrics are answered");
                 }
@@ -154,7 +154,7 @@ impl ServerContext {
 }
 
 /// Log lines about connections beyond the limits.
-pub(super) fn crowds() -> Mutex<LogThrottle> {
+pub(super) fn overloads() -> Mutex<LogThrottle> {
     Mutex::new(LogThrottle::new(TELLING))
 }
 

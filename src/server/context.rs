@@ -28,5 +28,5 @@ pub(super) struct ServerContext {
     /// Becomes true when no more connections are accepted.
     pub(super) stopping: watch::Receiver<bool>,
     /// Connections beyond the limits.
-    pub(super) crowds: Mutex<LogThrottle>,
+    pub(super) overloads: Mutex<LogThrottle>,
 }

@@ -123,7 +123,7 @@ pub async fn serve(
         tls,
         counters,
         stopping,
-        crowds: accept::crowds(),
+        overloads: accept::overloads(),
     };
     tokio::select! {
         () = context.serve(listeners) => {}

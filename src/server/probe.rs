@@ -22,9 +22,9 @@ use super::listener::Stream;
 use crate::config::listen::Listen;
 
 /// Asks the server at this address, perhaps behind TLS, whether it is ready; the error says why not.
-pub async fn probe(listen: &Listen, is_secure: bool, patience: Duration) -> Result<(), String> {
-    match timeout(patience, ask(listen, is_secure)).await {
-        Err(_) => Err(format!("no answer within {patience:?}")),
+pub async fn probe(listen: &Listen, is_secure: bool, limit: Duration) -> Result<(), String> {
+    match timeout(limit, ask(listen, is_secure)).await {
+        Err(_) => Err(format!("no answer within {limit:?}")),
         Ok(answer) => answer,
     }
 }

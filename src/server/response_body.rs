@@ -59,7 +59,7 @@ impl HttpBody for ResponseBody {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        stream_timeout::asked();
+        stream_timeout::requested();
         if self.rest.is_empty() {
             let peer = Some(self.request.peer);
             let body = Pin::new(&mut self.body);

@@ -36,13 +36,13 @@ impl Forms {
     /// The form of messages. Choices that suit neither curves nor surfaces are an error.
     pub(in crate::api) fn of_message(options: &pb::BatchOptions) -> Result<Self, Problem> {
         let (view, samples_u, samples_v) = (options.view, options.samples_u, options.samples_v);
-        let asked = pb::StreamOptions {
+        let stream_options = pb::StreamOptions {
             view,
             samples_u,
             samples_v,
             ..pb::StreamOptions::default()
         };
-        let spec = stream::spec(asked, "").map_err(fields::wrong)?;
+        let spec = stream::spec(stream_options, "").map_err(fields::wrong)?;
         let of = |surface| {
             let form = options::message_form(&spec, surface);
             let form = form.map_err(|error| fields::wrong_choice(error, ""))?;

@@ -118,17 +118,17 @@ impl<'a> Choices<'a> {
             other.name(),
             plain(&second.1)
         );
-        let (blamed, set) = match (first.0, second.0) {
+        let (named, set) = match (first.0, second.0) {
             (By::Job, By::Request) => (other, one),
             _ => (one, other),
         };
-        if self.is_default_for(set, blamed) {
+        if self.is_default_for(set, named) {
             let (name, usual) = (set.name(), usual(set));
             detail.push_str(&format!(
                 "; the job sets {name} for its streams, which {name}={usual} overrides"
             ));
         }
-        Err(self.error(blamed, detail))
+        Err(self.error(named, detail))
     }
 }
 

@@ -48,7 +48,8 @@ impl Iteration {
             return false;
         }
         let unfinished = || self.update().is_some_and(Update::is_unfinished);
-        largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
+        largest <= problem.tolerance()
+            && (largest <= problem.requested_tolerance() || !unfinished())
     }
 
     /// How the iteration ends, if the current level is its last one. A fit that leaves its data between neighbours has not

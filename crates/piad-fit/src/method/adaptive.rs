@@ -68,8 +68,8 @@ impl Algorithm for Adaptive {
 
     /// Points that are nearer than the threshold are left alone; no distance above the largest one
     /// is.
-    fn tolerance(&self, asked: f64) -> f64 {
-        asked.max(self.threshold.largest())
+    fn tolerance(&self, requested: f64) -> f64 {
+        requested.max(self.threshold.largest())
     }
 
     /// Checks of other methods, and of the thresholds of points.

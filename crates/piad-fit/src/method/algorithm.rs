@@ -124,8 +124,8 @@ pub(crate) trait Algorithm: Debug {
 
     /// The largest distance at which the fit may end, in data units, if this tolerance is
     /// requested.
-    fn tolerance(&self, asked: f64) -> f64 {
-        asked
+    fn tolerance(&self, requested: f64) -> f64 {
+        requested
     }
 
     /// Its memory.

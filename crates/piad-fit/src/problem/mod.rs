@@ -320,7 +320,7 @@ impl Problem {
     }
 
     /// The requested tolerance in data units: at most that of the fit.
-    pub(super) fn asked_tolerance(&self) -> f64 {
+    pub(super) fn requested_tolerance(&self) -> f64 {
         self.tolerance
     }
 
