@@ -12,9 +12,9 @@ use tokio::task::{JoinError, JoinSet};
 use tokio::time::{Duration, sleep, timeout};
 use tracing::{debug, error, warn};
 
-use super::activity::Times;
 use super::connection::Caller;
 use super::context::ServerContext;
+use super::idle_tracking::Times;
 use super::limits::Admission;
 use super::listener::{Incoming, Listener, Stream};
 use super::proxy;

@@ -8,8 +8,8 @@ use axum::http::{HeaderValue, Request, Version, header};
 use hyper::body::Incoming;
 use tower::Service;
 
-use super::activity::Activity;
 use super::context::ServerContext;
+use super::idle_tracking::Activity;
 use super::proxy;
 use super::request_body::RequestBody;
 use super::response_body::{ResponseBody, Served};

@@ -7,7 +7,7 @@ use ipnet::IpNet;
 use parking_lot::Mutex;
 use tokio::sync::watch;
 
-use super::activity::Times;
+use super::idle_tracking::Times;
 use super::limits::Connections;
 use super::tls::Tls;
 use crate::job::counters::Counters;

@@ -10,10 +10,10 @@
 //! - [`probe`]: asks a server whether it is ready;
 
 mod accept;
-mod activity;
 mod connection;
 mod context;
 mod gathered_writes;
+mod idle_tracking;
 pub(crate) mod limits;
 pub mod listen;
 pub mod listener;
@@ -50,8 +50,8 @@ use crate::job::service::{JobLimits, Jobs};
 use crate::job::slots::PerPeer;
 use crate::job::store::{OpenError, Retention, Store};
 use crate::reload::keep_current;
-use activity::Times;
 use context::ServerContext;
+use idle_tracking::Times;
 use limits::{ConnectionLimits, Connections};
 use listener::Listener;
 use tls::Tls;

@@ -7,7 +7,7 @@ use axum::body::Body;
 use bytes::Bytes;
 use http_body::{Body as HttpBody, Frame, SizeHint};
 
-use super::activity::OpenRequest;
+use super::idle_tracking::OpenRequest;
 use super::stream_timeout;
 use crate::job::peer::Peer;
 use crate::job::slots::Slot;

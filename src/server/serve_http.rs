@@ -19,10 +19,10 @@ use tokio::sync::watch;
 use tokio::time::{Duration, timeout};
 use tracing::debug;
 
-use super::activity::{Activity, Overdue, Times};
 use super::connection::{self, Caller};
 use super::context::ServerContext;
 use super::gathered_writes::GatheredWrites;
+use super::idle_tracking::{Activity, Overdue, Times};
 use super::listener::Stream;
 use super::stream_timeout::unless_stalled;
 use super::write_timeout::TimedStream;

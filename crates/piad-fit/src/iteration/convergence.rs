@@ -39,7 +39,7 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
         return exact.map(Prediction::End);
     }
     // Of the other exact methods there is no better prediction.
-    let exact = exact.map(|end| Prediction::About { end, seen: end });
+    let exact = exact.map(|end| Prediction::Estimate { end, seen: end });
     let steps = LOOK / problem.step_cost().max(1);
     // Errors do not fall to zero: fits without a tolerance run to the last allowed level.
     let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
@@ -58,5 +58,5 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
     }
     let seen = iteration.level().iteration;
     let end = iteration.end_of_decay();
-    exact.or(end.map(|end| Prediction::About { end, seen }))
+    exact.or(end.map(|end| Prediction::Estimate { end, seen }))
 }

@@ -423,7 +423,7 @@ impl Iteration {
         }
         match self.system.prediction() {
             Some(Prediction::End(level)) => Some(level).filter(|level| *level > iteration),
-            Some(Prediction::About { end, seen }) if iteration <= seen => Some(end),
+            Some(Prediction::Estimate { end, seen }) if iteration <= seen => Some(end),
             _ => self.end_of_decay().or_else(|| {
                 let forecast = self.system.forecast();
                 let left = forecast.iterations_of_block(error.max, problem.tolerance())?;

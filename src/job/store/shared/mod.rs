@@ -7,7 +7,7 @@
 //!   [`chunked_value`]: long values;
 //! - [`order`]: changes of one job, one after the other;
 //! - [`leases`]: which replica runs a job, and recovery of the jobs of a dead one;
-//! - [`hints`], [`telling`]: notifications between replicas.
+//! - [`hints`], [`notifications`]: notifications between replicas.
 //!
 //! A job that runs is claimed by a replica, with a number that grows with each claim, its epoch. Writes of a replica
 //! carry the epoch of its claim; once another replica has claimed the job, they change nothing. So it does no harm when
@@ -17,10 +17,10 @@ mod chunked_value;
 mod connection;
 pub(crate) mod hints;
 mod leases;
+mod notifications;
 mod opening;
 mod order;
 mod reads;
-mod telling;
 mod within;
 mod writes;
 
