@@ -3,7 +3,7 @@
 //! - `local`: the same without a port, for programs that send requests to themselves;
 //! - [`listen`]: the addresses and sockets of the server; [`listener`]: their connections; `tls`: their encryption;
 //! - `accept`: accepts connections; `connection`: serves one;
-//! - `activity`: the activity on a connection, and its timeouts; `write_timeout`: bytes that the client does not read;
+//! - `idle_tracking`: the activity on a connection, and its timeouts; `write_timeout`: bytes that the client does not read;
 //! - `limits`: limits of the number of connections; [`proxy`]: clients behind trusted proxies;
 //! - `request_body`: the bodies of requests; `response_body`: those of answers; `stream_timeout`: those of HTTP/2 that
 //!   the client does not read;

@@ -97,7 +97,7 @@ async fn serve_connection(
                 return;
             }
             Some(false) => {
-                // The time for heads is checked with the other timeouts: see `activity`.
+                // The time for heads is checked with the other timeouts: see `idle_tracking`.
                 let connection = http1::Builder::new()
                     .header_read_timeout(None)
                     .serve_connection(TokioIo::new(io), service.clone());
