@@ -27,7 +27,7 @@ const BLOCK_ACCURACY: f64 = 1e-9;
 
 /// When a power iteration ends: its relative accuracy, and the most steps. A few digits are enough
 /// for long curves.
-fn effort(matrix: &Collocation) -> (f64, usize) {
+fn precision(matrix: &Collocation) -> (f64, usize) {
     let n = matrix.columns();
     let accuracy = if n <= ROUGH_EIGENVALUE_COLUMNS {
         1e-13
@@ -76,7 +76,7 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 /// end each shift doubles the digits, unless eigenvalues nearly coincide, as they do for even
 /// degrees. A few digits are enough for long curves: the step after one of 3 in 100 is less than 1
 /// in 100.
-fn effort(matrix: &Collocation) -> (f64, usize) {
+fn precision(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
         n if n <= ROUGH_EIGENVALUE_COLUMNS => (1e-13, 100),
         ..=20_000 => (1e-6, 20),
@@ -107,7 +107,7 @@ const NEARLY: f64 = 1e-7;
 /// `None` if a matrix that is not totally positive spoils a sign.
 fn by_shifts(matrix: &Collocation) -> Option<f64> {
     let n = matrix.columns();
-    let (accuracy, shifts) = effort(matrix);
+    let (accuracy, shifts) = precision(matrix);
     let inverse = matrix.inverse();
     let mut z: Vec<f64> = (0..n).map(alternating).collect();
     let mut w = z.clone();
@@ -330,7 +330,7 @@ mod tests {
     /// 1/3.
     #[test]
     fn shifts_find_the_least_eigenvalue_of_long_curves() {
-        // As accurate as `effort` allows for this number of points.
+        // As accurate as `precision` allows for this number of points.
         for (count, accuracy) in [(20_000, 1e-5), (120_000, 1e-2)] {
             let knots = Knots::Usual;
             let cubic = BasisChoice::BSpline { degree: 3, knots };
