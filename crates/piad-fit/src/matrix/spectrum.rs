@@ -27,7 +27,7 @@ const BLOCK_ACCURACY: f64 = 1e-9;
 
 /// When a power iteration ends: its relative accuracy, and the most steps. A few digits are enough
 /// for long curves.
-fn precision(matrix: &Collocation) -> (f64, usize) {
+fn effort(matrix: &Collocation) -> (f64, usize) {
     let n = matrix.columns();
     let accuracy = if n <= ROUGH_EIGENVALUE_COLUMNS {
         1e-13
