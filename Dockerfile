@@ -1,10 +1,10 @@
-# A static binary in an image that has nothing else but the certificates of authorities.
+# A static binary in an image with only CA certificates.
 #
 #   docker build -t piad --build-arg PIAD_COMMIT="$(git rev-parse --short=12 HEAD)" .
 #   docker run --rm -p 127.0.0.1:8080:8080 -e PIAD_INSECURE_NO_AUTH=true -v piad-data:/data piad
 #   docker run --rm -u "$(id -u)" -v "$PWD:/work" -w /work piad fit wing.dat -o wing.step
 #
-# `make image` builds it with buildah and tries it.
+# `make image` builds it with buildah and tests it.
 
 ARG RUST=docker.io/library/rust:1-slim-bookworm
 
@@ -19,12 +19,12 @@ COPY crates ./crates
 COPY src ./src
 COPY benches ./benches
 COPY viewer/dist ./viewer/dist
-# What `piad --version` tells beside the version: there is no repository in here.
+# The commit for `piad --version`: there is no repository in here.
 ARG PIAD_COMMIT=""
-# A static binary cannot look getrandom up by name: it calls the kernel rather than open /dev/urandom.
-# Relative relocations in their short form make it half a megabyte smaller.
+# A static binary cannot look up getrandom by name: it calls the kernel instead of opening
+# /dev/urandom. Relative relocations in their short form make it half a megabyte smaller.
 ENV RUSTFLAGS="-C target-feature=+crt-static -C link-arg=-Wl,-z,pack-relative-relocs --cfg getrandom_backend=\"linux_getrandom\""
-# The caches keep what was compiled of other crates, so that a change in src compiles piad alone.
+# The caches keep compiled dependencies, so a change in src compiles only piad.
 RUN --mount=type=cache,target=/usr/local/cargo/registry --mount=type=cache,target=/build/target \
     target="$(uname -m)-unknown-linux-gnu" \
  && cargo auditable build --release --locked --target "$target" \
@@ -40,7 +40,7 @@ LABEL org.opencontainers.image.title="piad" \
       org.opencontainers.image.revision="${PIAD_COMMIT}" \
       org.opencontainers.image.licenses="MIT OR Apache-2.0"
 COPY --from=build /piad /piad
-# Whom `piad fit --server https://…` trusts.
+# CA certificates for `piad fit --server https://…`.
 COPY --from=build /etc/ssl/certs/ca-certificates.crt /etc/ssl/certs/ca-certificates.crt
 COPY --from=build --chown=65532:65532 /data /data
 USER 65532:65532

@@ -1,7 +1,6 @@
 //! Generates Rust from `proto/piad/v1/fitting.proto`, without a protoc binary: the service for the
-//! server, the client for its tests, and the descriptors for reflection. And makes the files that
-//! browsers get part of the program: the page, which `viewer/dist` has ready to be served, and the
-//! reference of the API, which is made of files of Swagger UI.
+//! server, the client for its tests, and the descriptors for reflection. Embeds the files for
+//! browsers: the page from `viewer/dist`, and the API reference, which uses Swagger UI.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -19,8 +18,7 @@ use zip::ZipArchive;
 
 const PROTO: &str = "proto/piad/v1/fitting.proto";
 
-/// Messages that carry geometry. The server makes them once for all readers and sends them as the
-/// bytes that they are.
+/// Messages with geometry. The server encodes them once for all readers and sends the bytes.
 const ENCODED: [&str; 5] = [
     "FitResponse",
     "GetInputResponse",
@@ -29,16 +27,16 @@ const ENCODED: [&str; 5] = [
     "WatchJobResponse",
 ];
 
-/// Calls whose messages are read and written by the server itself, as they arrive.
+/// Calls whose messages the server decodes and encodes itself, as they arrive.
 const BY_HAND: [&str; 1] = ["FitBatch"];
 
-/// The page, as `make viewer` makes it.
+/// The page, built by `make viewer`.
 const VIEWER: &str = "viewer/dist";
 
 /// The files of the reference that are the project's own.
 const OWN_REFERENCE: [&str; 2] = ["src/api/openapi/page.html", "src/api/openapi/start.js"];
 
-/// What the reference needs of Swagger UI, and what its licence asks to be passed on.
+/// The required files of Swagger UI, including its licence.
 const REFERENCE: [&str; 4] = [
     "dist/swagger-ui-bundle.js",
     "dist/swagger-ui.css",
@@ -83,9 +81,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     embed(&out, "reference", reference)
 }
 
-/// Gives the program its version with the commit that it is built from, if that is known: from the
-/// variable `PIAD_COMMIT`, for builds without a repository, or for releases from git. Other builds do
-/// not ask git, so that a commit does not build everything again.
+/// Sets the version with the commit, if known: from the variable `PIAD_COMMIT`, for builds without
+/// a repository, or from git for release builds. Other builds do not use git, so a commit does not
+/// rebuild everything.
 fn name_version() {
     println!("cargo::rerun-if-env-changed=PIAD_COMMIT");
     let given = std::env::var("PIAD_COMMIT").ok();
@@ -105,7 +103,7 @@ fn name_version() {
     println!("cargo::rustc-env=PIAD_FEATURES={}", features());
 }
 
-/// What the build is like.
+/// The kind of the build.
 fn features() -> String {
     let variable = |name| std::env::var(name).unwrap_or_default();
     let (target, profile) = (variable("TARGET"), variable("PROFILE"));
@@ -116,14 +114,14 @@ fn features() -> String {
     format!("features: http, grpc, fit, tls; {profile} build for {target}{simd}")
 }
 
-/// The commit of the repository, if the project is one and not only somewhere inside of one.
+/// The commit of the repository, if the project is its root.
 fn commit_of_repository() -> Option<String> {
     let project = Path::new(env!("CARGO_MANIFEST_DIR")).canonicalize().ok()?;
     let root = git(&["rev-parse", "--show-toplevel"])?;
     if Path::new(&root).canonicalize().ok()? != project {
         return None;
     }
-    // What changes with the commit. A file that is not there would count as changed every time.
+    // Files that change with the commit. A missing file would always count as changed.
     let branch = git(&["symbolic-ref", "--quiet", "HEAD"]);
     let names = [
         Some("HEAD"),
@@ -147,7 +145,7 @@ fn git(arguments: &[&str]) -> Option<String> {
     (output.status.success() && !text.trim().is_empty()).then(|| text.trim().to_owned())
 }
 
-/// Writes the files out of the archive that the crate holds, and tells where.
+/// Extracts the files from the archive in the crate and returns their folder.
 fn unpack_reference(out: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let mut archive = ZipArchive::new(Cursor::new(SWAGGER_UI_VENDORED))?;
     let mut unpacked = Vec::new();
@@ -165,15 +163,15 @@ fn unpack_reference(out: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     Ok(unpacked)
 }
 
-/// Writes `{set}.rs`, a list of these files as `http::assets` has them: compressed, with the hashes of
-/// what they are.
+/// Writes `{set}.rs`, a list of these files for `http::assets`: compressed, with hashes of their
+/// contents.
 fn embed(out: &Path, set: &str, mut files: Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
     files.sort();
     let folder = out.join(set);
     fs::create_dir_all(&folder)?;
     let mut list = format!("{{ static FILES: [Asset; {}] = [\n", files.len());
     for file in files {
-        // A file that this run has made is always newer than the run.
+        // A file written by this run is always newer than the run.
         if !file.starts_with(out) {
             println!("cargo::rerun-if-changed={}", file.display());
         }

@@ -3,9 +3,9 @@
 //! ```sh
 //! cargo bench --bench interpolate -- POINTS METHOD TOLERANCE RESULT
 //! ```
-//!
-//! POINTS are little-endian 64-bit numbers x, y, z; RESULT gets the control points in the same form.
-//! Chord length, cubic, not-a-knot. Prints seconds, iterations and the largest distance as JSON.
+//! POINTS are little-endian 64-bit numbers x, y, z; RESULT gets the control points in the same
+//! format. Chord length, cubic, not-a-knot. Prints seconds, iterations and the largest distance as
+//! JSON.
 
 #![expect(clippy::print_stdout, reason = "the result is printed")]
 
@@ -37,7 +37,7 @@ struct Options {
     /// The largest distance.
     tolerance: f64,
     result: PathBuf,
-    /// How often; the median counts.
+    /// The number of runs; the median is reported.
     #[arg(long, default_value_t = 5)]
     runs: usize,
     /// Given by `cargo bench`.

@@ -39,8 +39,8 @@ fn main() -> ExitCode {
         }) => health(&listen, tls_cert.is_some(), timeout),
         Some(Command::Config(_)) => command::shells::show(sources.shown().as_bytes()),
         Some(Command::Fit(arguments)) => command::fit(&arguments),
-        Some(Command::Store(asked)) => command::store::run(&asked),
-        Some(Command::Token(asked)) => command::token::run(&asked),
+        Some(Command::Store(arguments)) => command::store::run(&arguments),
+        Some(Command::Token(arguments)) => command::token::run(&arguments),
         Some(Command::Completions { shell }) => command::shells::completions(shell),
         Some(Command::Man { command }) => command::shells::manual(command.as_deref()),
     }

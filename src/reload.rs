@@ -64,12 +64,12 @@ pub(crate) trait Reload: Send + Sync + 'static {
 pub(crate) async fn keep_current<R: Reload>(it: Arc<R>, failures: Counter) {
     let mut hangups = signals::hangups();
     loop {
-        let is_asked_for = tokio::select! {
+        let is_requested = tokio::select! {
             () = sleep(LOOK) => false,
             () = hangups.next() => true,
         };
         let reloaded = Arc::clone(&it);
-        match spawn_blocking(move || reloaded.load_again(is_asked_for)).await {
+        match spawn_blocking(move || reloaded.load_again(is_requested)).await {
             Ok(Ok(true)) => info!("the {} were reloaded", R::WHAT),
             Ok(Ok(false)) => {}
             Ok(Err(reason)) => {

@@ -1,14 +1,16 @@
-"""Many small curves: a batch beside single requests and beside scipy, and what a batch costs a server and others.
+"""Many small curves: compares a batch with single requests and scipy, and measures memory and the
+effect on other clients.
 
     compare.py PROGRAM [--items N] [--many N] [--rounds N] [--only rates memory neighbour gone]
 
-PROGRAM is target/release/piad. Curves have 50 points in the plane, each of another shape. *Rates* are curves per second,
-from the first byte of a request to the last one of its answer, which are written before and read as bytes: `POST
-/v1/batch` in one request; `POST /v1/fit` one after another over 16 connections by wrk; scipy's cubic splines from points
-to control points, in a loop of one process and of two at the same time. Medians of rounds that take turns. *Memory* is
-the peak of a server that answers a batch which arrives meanwhile. *Neighbour* is how long a fit of 100 points takes that
-comes from another address. *Gone* is how long a server computes after the client of a batch has disconnected.
-Needs wrk, and the packages of ../requirements.txt.
+PROGRAM is target/release/piad. Curves have 50 points in the plane and different shapes. *Rates* are
+curves per second, from the first byte of a request to the last one of its response, with prepared
+and unparsed bodies: `POST /v1/batch` in one request; `POST /v1/fit` one after another over 16
+connections by wrk; scipy's cubic splines from points to control points, in a loop of one process
+and of two at the same time. Medians of interleaved rounds. *Memory* is the peak of a server that
+responds while a batch arrives. *Neighbour* is the time of a fit of 100 points from another address.
+*Gone* is how long a server computes after the client of a batch has disconnected. Needs wrk, and
+the packages of ../requirements.txt.
 """
 
 import argparse
@@ -49,12 +51,12 @@ def curve(k: int) -> np.ndarray:
     return np.stack([8 * t, y], axis=1).round(6)
 
 
-# Shapes are written once: what is measured is the server.
+# Shapes are serialized once: only the server is measured.
 SHAPES = [json.dumps({"curve": {"points": curve(k).tolist()}}) for k in range(1000)]
 
 
 def body(count: int, method: str) -> Iterator[bytes]:
-    """A batch in pieces of 1000 items."""
+    """A batch in chunks of 1000 items."""
     yield f'{{"defaults": {json.dumps(METHODS[method])}, "items": ['.encode()
     for start in range(0, count, len(SHAPES)):
         part = ", ".join(SHAPES[: count - start])
@@ -87,7 +89,7 @@ class Server:
             return int(re.search(r"VmHWM:\s+(\d+)", status.read())[1]) * 1024
 
     def busy(self) -> float:
-        """Seconds of processor time so far."""
+        """CPU seconds so far."""
         with open(f"/proc/{self.process.pid}/stat") as stat:
             fields = stat.read().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
@@ -112,7 +114,7 @@ def send(server: Server, pieces: list[bytes]) -> tuple[socket.socket, threading.
 
 
 def batch(server: Server, pieces: list[bytes], count: int) -> tuple[float, int]:
-    """Seconds of a whole batch, and the bytes of its answer, of which only the end is kept."""
+    """Seconds of a whole batch, and the size of its response, of which only the end is kept."""
     begin = time.perf_counter()
     connection, thread = send(server, pieces)
     end, size = b"", 0
@@ -165,7 +167,7 @@ def scipy(method: str, processes: int, count: int = 4000) -> float:
 
 
 def spent(server: Server, action) -> tuple[float, float]:
-    """Curves per second, which an action returns, and the seconds of processor time of the server meanwhile."""
+    """Curves per second, returned by an action, and the CPU seconds of the server meanwhile."""
     before = server.busy()
     return action(), server.busy() - before
 

@@ -1,10 +1,10 @@
-"""How much memory it takes to read large files, and what files take that only claim to be large.
+"""Measures the memory for reading large files, and for files that only claim to be large.
 
     memory.py PROGRAM [--megabytes 100]        # PROGRAM is target/release/piad
 
-Each file is read by `piad fit` in a process of its own, which then refuses it: clouds as they have no order, all others
-for the tolerance -1. The claims are files of some hundred bytes whose headers announce thousands of millions of points.
-Needs the packages of ../requirements.txt.
+Each file is read by `piad fit` in a separate process, which then rejects it: clouds because they
+are unordered, all others because of the tolerance -1. The claims are files of some hundred bytes
+whose headers announce thousands of millions of points. Needs the packages of ../requirements.txt.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import numpy as np
 
 BLOCK = 100_000
 CLAIMED = 4_000_000_000
-# A program that has refused a claim has used no more than this.
+# The memory limit when rejecting a claim.
 MOST_OF_CLAIMS = 64
 
 
@@ -34,7 +34,7 @@ def rows(start: int, form: str) -> bytes:
 
 
 def blocks(size: int, begin: bytes, block, end: bytes = b"") -> Iterator[bytes]:
-    """A file of about this size: blocks, each of which is given the number of the points before it."""
+    """A file of about this size from blocks, each of which gets the number of preceding points."""
     written, start = len(begin), 0
     yield begin
     while written < size:
@@ -180,7 +180,7 @@ CLAIMS = {
 }
 
 
-# A process counts the size of the one that started it as its own: this one is small.
+# A process inherits the peak size of its parent: this one is small.
 STARTER = """
 import os, sys, time
 begin = time.perf_counter()
@@ -214,7 +214,7 @@ def main() -> None:
                     file.write(part)
             size = os.path.getsize(path)
             seconds, peak, status, line = read(given.program, path)
-            # Each part of a file with several is refused by itself.
+            # Each part of a file with several is rejected separately.
             assert status in (1, 2), (ending, status, line)
             print(f"| {ending} | {size / 1e6:.0f} | {peak:.0f} | {peak * 2**20 / size:.1f} | {seconds:.2f} | {line.removeprefix(path)[:90]} |", flush=True)
     print("\n| claims of | peak, MiB | s | ends with |\n|---|---|---|---|")

@@ -1,10 +1,12 @@
-"""How long it takes to read a million points of a table and of a binary PLY file, beside numpy and trimesh, in turns.
+"""Measures reading a million points of a table and a binary PLY file, compared with numpy and
+trimesh, interleaved.
 
     reading.py PROGRAM        # PROGRAM is target/release/piad
 
-piad's time is that of a whole process that reads the file and then refuses it: the table for the tolerance -1, the
-cloud as it has no order, which it looks for in all points. The others are called in a process that has loaded them.
-Medians of seven, and the least and the largest. Needs the packages of ../requirements.txt.
+piad's time is that of a whole process that reads the file and then rejects it: the table because of
+the tolerance -1, the cloud because it is unordered, which is checked for all points. The others are
+called in a process that has loaded them. Medians of seven, with minimum and maximum. Needs the
+packages of ../requirements.txt.
 """
 
 import statistics

@@ -1,10 +1,10 @@
-"""What bodies take while they are read, for each byte of them, against what they are accounted with.
+"""Compares the memory for reading bodies, per byte, with the accounted memory.
 
     bodies.py PROGRAM [--megabytes 8]        # PROGRAM is target/release/piad
 
-Each list that a body can have is filled with its shortest elements, without a limit of points that would end it. A
-server of its own for each body; the peak is that of the process above what it has before. Exit status 1 if a body
-takes more than it is accounted with. A minute.
+Each list of a body is filled with its shortest elements, without a limit of points. Each body has
+its own server; the peak is the increase over the idle process. Exits with status 1 if a body takes
+more than is accounted. Takes a minute.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from pathlib import Path
 
 MOST_POINTS = 100_000_000
 
-# What each byte of a body is counted with at least, as it arrives and while it is read.
+# The minimum memory accounted per byte of a body, as it arrives and while it is read.
 COUNTED = 16
 
 JSON, CSV, PROTOBUF = "application/json", "text/csv", "application/x-protobuf"
@@ -64,7 +64,7 @@ def bodies(size: int) -> dict[str, tuple[str, str, bytes]]:
     """The path, the media type and the body of each list."""
     least = b'"kind":"least_squares","control_points":3,'
     rows = size // 4000
-    # A fit that is made, and refused in the end: what a job takes is accounted with the job.
+    # A fit that is created and finally rejected: the memory of a job is accounted with the job.
     refused = b'},"stop":{"tolerance":-1}}'
     json = {
         "points of a curve": b'{"curve":{"points":' + filled(b"[0]", size) + b"}}",
@@ -118,7 +118,7 @@ def bodies(size: int) -> dict[str, tuple[str, str, bytes]]:
 
 @contextlib.contextmanager
 def server(program: str):
-    """A server with so much memory that no body is larger than its part; gives its process and its port."""
+    """A server with enough memory for each body; returns its process and port."""
     command = [program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--memory", "64GiB"]
     command += ["--max-points", str(MOST_POINTS), "--log-format", "json"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
@@ -151,14 +151,14 @@ def ask(port: int, method: str, path: str, body: bytes | None = None, media_type
 
 
 def accounted(port: int, most: list[int], ended: threading.Event) -> None:
-    """Looks at the memory that the server counts, until it is told to end."""
+    """Samples the memory accounted by the server until it is stopped."""
     while not ended.is_set():
         text = ask(port, "GET", "/metrics")[1].decode()
         most[0] = max(most[0], int(float(re.search(r"^piad_memory_used_bytes (\S+)", text, re.M).group(1))))
 
 
 def measured(program: str, path: str, media_type: str, body: bytes, coding: str) -> tuple[int, int, int]:
-    """The status of the answer, and the memory that the body took and was accounted with."""
+    """The status of the response, and the memory used and accounted for the body."""
     sent = body if coding == "identity" else zlib.compress(body, 1, zlib.MAX_WBITS | 16)
     with server(program) as (pid, port):
         ask(port, "GET", "/metrics")
@@ -184,7 +184,7 @@ def main() -> int:
         _, packed, counted_packed = measured(arguments.program, path, media_type, body, "gzip")
         each = [taken / len(body) for taken in (plain, counted, packed)]
         print(f"{name:26} {status:6} {each[0]:7.1f} {each[1]:8.1f} {each[2]:7.1f}", flush=True)
-        # Who looks from outside misses what goes quickly.
+        # Sampling from outside misses short peaks.
         least = COUNTED * len(body)
         if plain > max(counted, least) or packed > max(counted_packed, least):
             too_much.append(name)

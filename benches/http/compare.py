@@ -1,13 +1,13 @@
-"""End to end over HTTP: piad beside the obvious alternative (fastapi_service.py), in one run.
+"""End to end over HTTP: compares piad with the obvious alternative (fastapi_service.py), in one
+run.
 
     compare.py PROGRAM [--quick]        # PROGRAM is target/release/piad
 
-Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second, and those of two
-processes that have the bytes of the answer at hand.
-Large jobs: one client posts 1e4, 1e5, 1e6 points and reads 50 iterations; seconds, those that the bytes
-of its request and of the answer alone take, and peak memory; Bézier curves beside the products of their matrix; the
-peak memory with several clients; and a small job beside a large one.
-Needs wrk, and the packages of ../requirements.txt.
+Small jobs: wrk posts a curve of 100 points, 50 iterations are streamed; jobs and events per second,
+and those of two processes that send prepared responses. Large jobs: one client posts 1e4, 1e5, 1e6
+points and reads 50 iterations; seconds, the transfer time of the request and response alone, and
+peak memory; Bézier curves compared with the products of their matrix; the peak memory with several
+clients; and a small job beside a large one. Needs wrk, and the packages of ../requirements.txt.
 """
 
 import argparse
@@ -38,7 +38,7 @@ EVENTS = ITERATIONS + 3  # job, iterations 0 to 50, end
 
 
 def job(count: int, **basis: str) -> bytes:
-    """A rippled spiral in space, by cubic B-splines if no other basis is given."""
+    """A rippled spiral in space, fitted by cubic B-splines by default."""
     def point(i: int) -> list[float]:
         t = 60.0 * i / count
         r = 1.0 + t / 10.0 + 0.05 * math.sin(20.0 * t)
@@ -72,7 +72,7 @@ def servers(program: str) -> dict[str, tuple[list[str], int, str]]:
 
 
 def wrk(port: int, path: str, connections: int, seconds: int) -> str:
-    """Posts jobs of 100 points, reads their events, and tells how that went."""
+    """Posts jobs of 100 points and reads their events."""
     with tempfile.NamedTemporaryFile("w", suffix=".lua", delete=False) as script:
         script.write('wrk.method = "POST"\nwrk.headers["Content-Type"] = "application/json"\n')
         script.write('wrk.headers["Accept"] = "text/event-stream"\n')
@@ -127,7 +127,8 @@ def drain(connection: socket.socket, begin: float) -> tuple[float, int]:
 
 
 def connected(work: Callable[[tuple[str, int], int], None], size: int) -> tuple[socket.socket, multiprocessing.Process]:
-    """A process that connects to this one and sends or takes so many bytes, and the connection."""
+    """A process that connects to this one and sends or receives this many bytes, and the
+    connection."""
     with socket.create_server(("127.0.0.1", 0)) as listener:
         process = multiprocessing.Process(target=work, args=(listener.getsockname(), size))
         process.start()
@@ -135,7 +136,7 @@ def connected(work: Callable[[tuple[str, int], int], None], size: int) -> tuple[
 
 
 def alone(size: int) -> float:
-    """Seconds that so many bytes take to the same client from a process that has them at hand."""
+    """Seconds for sending this many prepared bytes to the same client."""
     connection, sender = connected(send, size)
     begin = time.perf_counter()
     connection.sendall(b"!")
@@ -147,7 +148,7 @@ def alone(size: int) -> float:
 
 
 def send(address: tuple[str, int], size: int) -> None:
-    """Sends when it is asked to: the start of the process is not measured."""
+    """Sends on request: the start of the process is not measured."""
     block = b"event: iteration".ljust(1 << 17)
     connection = socket.create_connection(address)
     connection.recv(1)
@@ -156,7 +157,7 @@ def send(address: tuple[str, int], size: int) -> None:
 
 
 def request_alone(body: bytes) -> float:
-    """Seconds until a process has taken in such a request, which it does nothing with."""
+    """Seconds until a process has received such a request."""
     connection, receiver = connected(take, len(body))
     connection.recv(1)
     begin = time.perf_counter()
@@ -168,7 +169,7 @@ def request_alone(body: bytes) -> float:
 
 
 def take(address: tuple[str, int], size: int) -> None:
-    """Says that it is there, and when it has all bytes."""
+    """Signals that it is ready, and that it has all bytes."""
     connection, buffer = socket.create_connection(address), bytearray(1 << 20)
     connection.sendall(b"!")
     while size > 0:
@@ -177,7 +178,7 @@ def take(address: tuple[str, int], size: int) -> None:
 
 
 def answer(port: int, path: str) -> bytes:
-    """All bytes of the answer to a job of 100 points."""
+    """All bytes of the response to a job of 100 points."""
     body, received = job(100), b""
     head = f"POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nAccept: text/event-stream\r\nContent-Length: {len(body)}\r\n\r\n"
     with socket.create_connection(("127.0.0.1", port)) as connection:
@@ -242,7 +243,7 @@ def small(program: str, seconds: int) -> None:
             name, path = f"{name}{query}", f"{path}{query}"
             process = start(command, port)
             wrk(port, path, min(connections, 16), 1)
-            # A server with many connections needs its time to answer all of them.
+            # A server with many connections needs time to respond to all of them.
             time_each = max(seconds, connections // 16)
             rates[name] = statistics.median(rate(wrk(port, path, connections, time_each)) for _ in range(3))
             content = answer(port, path)
@@ -276,7 +277,7 @@ def large(program: str, counts: list[int]) -> None:
 
 
 def bezier(program: str) -> None:
-    """Bézier curves beside the least that a fit with the whole matrix needs: its products."""
+    """Compares Bézier curves with the minimum cost of a fit with a dense matrix: its products."""
     print(f"\nBézier curves, {ITERATIONS} iterations: ms, and beside as many products of a matrix of this size with its points by numpy\n")
     print("| degree | products alone | JSON | ratio | base64 | ratio |\n|---|---|---|---|---|---|")
     for degree in (100, 300, 1000):

@@ -1,10 +1,12 @@
-"""What a whole stream costs in each encoding: bytes, and seconds until the last event is there, alone and through a slow network.
+"""Measures whole streams in each encoding: bytes, and seconds until the last event, directly and
+through a slow network.
 
     deltas.py PROGRAM [--points 1000 10000 100000 1000000]        # PROGRAM is target/release/piad
 
-Curves of as many points, and a surface of 300 x 333 of them, with 50 iterations each; `errors` is the fit without geometry.
-Seconds alone are medians of five, in turns. The slow network is a proxy that passes 100 or 10 Mbit/s. Ends with code 1 where
-differences take more than a tenth of the bytes of JSON or a fifth of those of 64 bits in base64. Six minutes, and 2 GB.
+Curves with these numbers of points, and a surface of 300 x 333 points, with 50 iterations each;
+`errors` is the fit without geometry. Direct times are medians of five, interleaved. The slow
+network is a proxy of 100 or 10 Mbit/s. Exits with code 1 if differences take more than a tenth of
+the bytes of JSON or a fifth of those of 64-bit base64. Takes six minutes and 2 GB.
 """
 
 import argparse
@@ -30,7 +32,7 @@ ENCODINGS = {
     "delta": "encoding=delta",
 }
 TURNS = 5
-# Mbit/s. Streams that would take longer than this many seconds there are left out.
+# Mbit/s. Streams that would take longer than this many seconds are skipped.
 RATES = [100, 10]
 LONGEST = 30
 PART = 16_384
@@ -55,7 +57,7 @@ def surface(rows: int, columns: int) -> dict:
 
 
 class Proxy:
-    """Passes bytes on, those of answers no faster than a rate."""
+    """Forwards bytes, those of responses no faster than a rate."""
 
     def __init__(self, port: int, megabits: float):
         self.port, self.rate = port, megabits * 1e6 / 8
@@ -86,7 +88,7 @@ class Proxy:
 
 
 def read(base: str, body: bytes, query: str) -> tuple[int, float]:
-    """The bytes of a stream, and the seconds until its end is there."""
+    """The bytes of a stream, and the seconds until its end."""
     headers = {"Content-Type": "application/json", "Accept": "text/event-stream"}
     start = time.perf_counter()
     request = urllib.request.Request(f"{base}/v1/jobs?{query}", body, headers)

@@ -1,11 +1,11 @@
-"""Drags of one of 1e5 points: how long an ephemeral edit takes end to end, and what it leaves.
+"""Drags one of 1e5 points: the time of an ephemeral edit end to end, and its remaining memory.
 
     drags.py PROGRAM        # PROGRAM is target/release/piad
 
 A curve of 1e5 points is fitted; then one point is moved, a little further each time, and 25 control points
-follow. Times and bytes are those of whole answers: of 100 drags over a connection that stays open, and of
-100 by curl, which makes a connection for each. In the end 1,000 drags: the memory of the process before and
-after, and what the store and the list of jobs have of them. Needs curl.
+follow. Times and bytes are those of whole responses: of 100 drags over a persistent connection, and
+of 100 by curl, with a new connection each. Finally 1,000 drags: the memory of the process, the
+store and the list of jobs before and after. Needs curl.
 """
 
 import argparse
@@ -58,7 +58,7 @@ def resident(process: subprocess.Popen) -> float:
         return int(re.search(r"VmRSS:\s+(\d+)", status.read()).group(1)) / 1024
 
 
-def told(name: str, seconds: list[float], sizes: list[int]) -> None:
+def report(name: str, seconds: list[float], sizes: list[int]) -> None:
     times = sorted(1000 * it for it in seconds)
     ninth = times[len(times) * 9 // 10]
     print(f"{name:55} median {statistics.median(times):6.2f} ms, 90 % within {ninth:6.2f} ms, {statistics.median(sizes) / 1000:6.1f} kB")
@@ -120,17 +120,17 @@ def main() -> None:
             path = json.load(urllib.request.urlopen(request))["links"]["edits"] + "/stream"
             for name, query in QUERIES.items():
                 drags(f"{path}?{query}", 10)
-                told(f"{name}", *drags(f"{path}?{query}", 100))
-                told(f"{name}, by curl", *by_curl(f"{path}?{query}", 100))
-            # After a restart nothing of the parent is in memory.
+                report(f"{name}", *drags(f"{path}?{query}", 100))
+                report(f"{name}, by curl", *by_curl(f"{path}?{query}", 100))
+            # After a restart the parent is not in memory.
             process.terminate()
             process.wait()
             process = start(program, directory)
             query = QUERIES["samples, the last iteration"]
-            told("after a restart, the first", *drags(f"{path}?{query}", 1))
-            told("after a restart, 100 more", *drags(f"{path}?{query}", 100))
+            report("after a restart, the first", *drags(f"{path}?{query}", 1))
+            report("after a restart, 100 more", *drags(f"{path}?{query}", 100))
             before, writes = resident(process), metric("piad_store_writes_total")
-            told("1,000", *drags(f"{path}?{query}", 1000))
+            report("1,000", *drags(f"{path}?{query}", 1000))
             after, jobs = resident(process), json.load(urllib.request.urlopen(f"http://127.0.0.1:{PORT}/v1/jobs"))["jobs"]
             print(f"memory {before:.1f} MB before, {after:.1f} MB after; {len(jobs)} job listed; {metric('piad_store_writes_total') - writes:.0f} writes of the store")
         finally:

@@ -15,7 +15,7 @@ app = FastAPI()
 
 
 def prepare(points: np.ndarray):
-    """The collocation matrix, with the end copies folded into the first and the last control point."""
+    """The collocation matrix, with repeated ends added to the first and last control point."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     t = np.concatenate([[0.0], np.cumsum(steps)])
     knots = np.concatenate([[t[0]] * 3, t, [t[-1]] * 3])

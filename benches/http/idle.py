@@ -1,10 +1,10 @@
-"""What connections cost: idle ones with TLS, and event streams whose next iteration is far ahead, each with a connection
-of its own or a hundred on one of HTTP/2.
+"""Measures the cost of connections: idle ones with TLS, and event streams with a distant next
+iteration, on separate connections or a hundred per HTTP/2 connection.
 
     idle.py PROGRAM [--idle N] [--streams N] [--http2]      # PROGRAM is target/release/piad; needs openssl
 
-Tells the memory of the server, and how long /livez takes meanwhile. Each connection takes a file descriptor on both
-sides (ulimit -n). --http2 needs the Python package h2.
+Prints the memory of the server, and the time of /livez meanwhile. Each connection takes a file
+descriptor on both sides (ulimit -n). --http2 needs the Python package h2.
 """
 
 import argparse
@@ -35,7 +35,7 @@ def memory(process: subprocess.Popen) -> float:
 
 
 async def many(count: int, make) -> list[Connection]:
-    """So many connections, some of them at a time."""
+    """Opens this many connections, in groups."""
     made: list[Connection] = []
     while len(made) < count:
         made += await asyncio.gather(*(make() for _ in range(min(AT_ONCE, count - len(made)))))
@@ -48,7 +48,8 @@ async def head(reader: asyncio.StreamReader) -> None:
 
 
 async def streams_of_http2(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, path: str) -> None:
-    """Begins as many streams as a connection may have, and waits for the heads of their answers."""
+    """Starts the maximum number of streams of a connection, and waits for their response
+    headers."""
     import h2.connection
     import h2.events
 
@@ -95,7 +96,7 @@ async def measure(server: subprocess.Popen, port: int, certificate: str, argumen
         return reader, writer
 
     def quiet() -> str:
-        # Only every so many iterations: nothing comes but comments.
+        # Only iterations that are far apart: only comments arrive.
         return f"{job['links']['events']}?view=errors&every=1000000000"
 
     async def stream() -> Connection:
@@ -119,7 +120,7 @@ async def measure(server: subprocess.Popen, port: int, certificate: str, argumen
     streams = (arguments.streams // STREAMS_OF_ONE, hundred) if arguments.http2 else (arguments.streams, stream)
     for name, count, make in (("none", 0, idle), (f"{arguments.idle} idle", arguments.idle, idle), (f"and {arguments.streams} streams", *streams)):
         kept += await many(count, make)
-        # Connections are taken back after five seconds, and memory is returned a little later.
+        # Connections are closed after five seconds, and memory is released a little later.
         await asyncio.sleep(10)
         cuts = statistics.quantiles(await probes(connect), n=100)
         print(f"| {name} | {memory(server):.0f} MB | {1e3 * cuts[49]:.1f} ms | {1e3 * cuts[98]:.1f} ms |", flush=True)

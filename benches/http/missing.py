@@ -1,5 +1,5 @@
-"""Whether the time of a 404 tells that there is a job of another tenant: asked in turn for ids that nobody has, for a
-job of another tenant that has just ended, and for one that is in the file alone.
+"""Measures if the time of a 404 reveals a job of another tenant: requests unknown ids, a recently
+ended job of another tenant, and one that is only in the file, interleaved.
 
     missing.py PROGRAM [--rounds N]      # PROGRAM is target/release/piad
 """
@@ -28,7 +28,7 @@ def jobs(client: Client, count: int) -> list[str]:
 
 
 def like(id: str) -> str:
-    """An id of the same time, with other random bits."""
+    """An id with the same time and other random bits."""
     return id[:15] + str(uuid.uuid4())[15:]
 
 
@@ -55,7 +55,7 @@ def main() -> None:
         with started(arguments.program, folder, file) as address:
             recent = jobs(Client(address, other), arguments.rounds)
             client = Client(address, own)
-            times: dict[str, list[float]] = {"nobody's": [], "another's, recent": [], "another's, in the file": []}
+            times: dict[str, list[float]] = {"unknown": [], "another's, recent": [], "another's, in the file": []}
             for ids in zip(map(like, recent), recent, stored):
                 for name, id in zip(times, ids):
                     times[name].append(seconds(client, id))

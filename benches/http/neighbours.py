@@ -1,9 +1,11 @@
-"""What one client's work costs the others: a small job and a probe, alone and beside loads of another address.
+"""Measures the effect of one client on others: a small job and a probe, alone and beside loads from
+another address.
 
     neighbours.py PROGRAM        # PROGRAM is target/release/piad
 
 The small job has four points and comes from 127.0.0.2; the load comes from 127.0.0.1. Medians and the largest of
-twenty each, in milliseconds: from the request to the job that has ended, and from GET /livez to its answer.
+twenty each, in milliseconds: from the request to the end of the job, and from GET /livez to its
+response.
 """
 
 import argparse
@@ -62,7 +64,7 @@ def post(address: tuple[str, int], count: int, job: dict) -> None:
         connection.close()
 
 
-def told(seconds: list[float]) -> str:
+def summary(seconds: list[float]) -> str:
     return f"{1000 * statistics.median(seconds):8.2f} {1000 * max(seconds):9.2f}"
 
 
@@ -72,7 +74,7 @@ def main() -> int:
     program = parser.parse_args().program
     print(f"{'beside':26} {'small job':>18} {'GET /livez':>18}\n{'':26} {'median':>8} {'largest':>9} {'median':>8} {'largest':>9}")
     for name, (count, job) in LOADS.items():
-        # A server each: loads do not add up.
+        # Separate servers, so that loads do not add up.
         with server(program) as base:
             host, port = base.removeprefix("http://").split(":")
             address = (host, int(port))
@@ -83,7 +85,7 @@ def main() -> int:
                 assert json.loads(text)["state"] == "converged", text
                 jobs.append(seconds)
                 probes.append(ask(address, "127.0.0.2", "GET", "/livez")[0])
-            print(f"{name:26} {told(jobs)} {told(probes)}", flush=True)
+            print(f"{name:26} {summary(jobs)} {summary(probes)}", flush=True)
     return 0
 
 

@@ -43,7 +43,7 @@ def bodies() -> dict[str, bytes]:
 
 
 def load(port: int, path: str, body: bytes, headers: dict[str, str], http1: bool, connections: int) -> float:
-    """Jobs per second, all of which were answered in full."""
+    """Jobs per second; checks that all responses are complete."""
     with tempfile.NamedTemporaryFile() as file:
         file.write(body)
         file.flush()
@@ -51,7 +51,7 @@ def load(port: int, path: str, body: bytes, headers: dict[str, str], http1: bool
         command += [f"-H{name}: {value}" for name, value in headers.items()]
         output = subprocess.run([*command, f"http://127.0.0.1:{port}{path}"], capture_output=True, text=True, check=True).stdout
     done, failed, errored = map(int, re.search(r"(\d+) done, \d+ succeeded, (\d+) failed, (\d+) errored", output).groups())
-    # A call of gRPC that is refused has succeeded for h2load.
+    # h2load counts a rejected gRPC call as success.
     data = int(re.search(r"\((\d+)\) data", output)[1])
     assert (failed, errored) == (0, 0) and data >= done * LEAST, output
     return float(re.search(r"([\d.]+) req/s", output)[1])

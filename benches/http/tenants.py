@@ -1,4 +1,5 @@
-"""What one tenant costs another: how long a small fit of one takes, alone and while the other has a long queue.
+"""Measures the effect of one tenant on another: the time of a small fit, alone and while the other
+has a long queue.
 
     tenants.py PROGRAM [--jobs N] [--points N] [--rounds N]      # PROGRAM is target/release/piad
 """
@@ -33,7 +34,7 @@ def token(program: str, file: str, tenant: str) -> str:
 
 @contextlib.contextmanager
 def started(program: str, folder: str, tokens: str) -> Iterator[str]:
-    """The address of a server that asks for tokens."""
+    """The address of a server that requires tokens."""
     command = [program, "--listen", "127.0.0.1:0", "--store", folder, "--tokens", tokens]
     server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert server.stderr is not None

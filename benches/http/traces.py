@@ -1,10 +1,11 @@
-"""What exporting traces costs small requests: servers without a collector, with a good one, with one that
-answers after five seconds, with one that is gone and with one that never answers, in one run.
+"""Measures the cost of exporting traces for small requests: servers without a collector, with a
+good one, with one that responds after five seconds, with a missing one and with one that never
+responds, in one run.
 
     traces.py PROGRAM [--rounds N]      # PROGRAM is target/release/piad
 
-The servers are asked in turn, over a connection each, so that whatever else the machine does concerns them all.
-Needs grpcio.
+Requests to the servers are interleaved, over one connection each, so that other load affects all of
+them. Needs grpcio.
 """
 
 import argparse
@@ -36,8 +37,8 @@ REQUESTS = {
 }
 
 
-def collect(told: Connection, pause: float) -> None:
-    """A collector that takes everything after a pause of so many seconds, and counts the bytes."""
+def collect(pipe: Connection, pause: float) -> None:
+    """A collector that accepts everything after this many seconds, and counts the bytes."""
     from concurrent.futures import ThreadPoolExecutor
 
     taken = multiprocessing.Value("q", 0)
@@ -50,14 +51,14 @@ def collect(told: Connection, pause: float) -> None:
     server = grpc.server(ThreadPoolExecutor(1))
     calls = {"Export": grpc.unary_unary_rpc_method_handler(export)}
     server.add_generic_rpc_handlers([grpc.method_handlers_generic_handler(SERVICE, calls)])
-    told.send(server.add_insecure_port("127.0.0.1:0"))
+    pipe.send(server.add_insecure_port("127.0.0.1:0"))
     server.start()
-    told.recv()
-    told.send(taken.value)
+    pipe.recv()
+    pipe.send(taken.value)
 
 
 class Server:
-    """A server, a connection with it, and the times of its answers."""
+    """A server, a connection to it, and its response times."""
 
     def __init__(self, program: str, collector: str | None) -> None:
         command = [program, "--listen", "127.0.0.1:0", "--store", ":memory:"]
@@ -87,13 +88,13 @@ class Server:
             raise SystemExit(f"{name}: {response.status}")
 
     def processor(self) -> float:
-        """Seconds of processor time so far."""
+        """CPU seconds so far."""
         with open(f"/proc/{self.process.pid}/stat") as file:
             fields = file.read().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def stop(self) -> float:
-        """Ends it, and gives the seconds that it takes."""
+        """Stops it and returns the seconds that this takes."""
         begin = time.perf_counter()
         self.connection.close()
         self.process.send_signal(signal.SIGTERM)
@@ -118,7 +119,7 @@ def main() -> None:
     _, slow = collector(5)
     with socket.create_server(("127.0.0.1", 0)) as listener:
         gone = f"http://127.0.0.1:{listener.getsockname()[1]}"
-    # The operating system takes connections, and nobody reads from them.
+    # The operating system accepts connections that are never read.
     hanging = socket.create_server(("127.0.0.1", 0))
     hangs = f"http://127.0.0.1:{hanging.getsockname()[1]}"
 

@@ -1,11 +1,11 @@
-//! What differences of iterations cost alone, beside copies of the same numbers.
+//! The cost of differences of iterations, compared with copying the same numbers.
 
 use std::hint::black_box;
 use std::time::Duration;
 
 use crate::timing::{Candidate, medians};
 
-// They belong to the program, which is no library for benches.
+// They belong to the binary crate, which benches cannot use.
 #[expect(dead_code, reason = "nothing is read here")]
 #[path = "../../src/job/deltas/lanes.rs"]
 mod lanes;
@@ -21,7 +21,8 @@ const DIMENSION: usize = 3;
 /// The least error of iterations; steps are fine enough for it.
 const ERROR: f64 = 0.25;
 
-/// Measures following an array by whole steps, and copying it coordinate by coordinate, by one thread.
+/// Measures applying integer steps to an array, and copying it coordinate by coordinate, with one
+/// thread.
 pub(crate) fn report(time: Duration) {
     let target = |k: u32| {
         let numbers: Vec<f64> = (0..PLACES * DIMENSION).map(|i| number(i, k)).collect();

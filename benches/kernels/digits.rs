@@ -1,4 +1,4 @@
-//! What the texts of numbers cost alone: no answer is written and no request read in less time.
+//! The cost of number texts: a lower bound for writing responses and reading requests.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -8,7 +8,8 @@ use base64_simd::{Out, STANDARD};
 use crate::problems::spiral;
 use crate::timing::{Candidate, medians};
 
-/// Measures the shortest digits of the coordinates of a curve, their reading, and base64, by one thread.
+/// Measures shortest digits of the coordinates of a curve, parsing them, and base64, with one
+/// thread.
 pub(crate) fn report(time: Duration) {
     let points = spiral(10_000);
     let numbers: Vec<f64> = (0..points.len()).flat_map(|i| points.point(i)).collect();

@@ -1,17 +1,17 @@
-//! The kernels, measured beside the least that they could cost.
+//! The kernels, compared with their minimum cost.
 //!
 //! ```sh
 //! cargo bench --bench kernels              # about two minutes
 //! cargo bench --bench kernels -- --quick
 //! ```
 //!
-//! Every line tells medians of things measured in turn, in nanoseconds per point and iteration, and
-//! their ratio to a loop that moves the same numbers and computes nothing.
+//! Each line prints medians of interleaved measurements, in nanoseconds per point and iteration,
+//! and their ratio to a loop that moves the same numbers without computing.
 
 #![expect(
     clippy::print_stdout,
     clippy::expect_used,
-    reason = "a bench prints, and stops where it cannot go on"
+    reason = "a bench prints, and stops where it cannot continue"
 )]
 
 mod differences;
@@ -31,7 +31,7 @@ use piad_fit::method::Method;
 use timing::{Candidate, medians};
 use traffic::Traffic;
 
-/// Levels in one pass, where there are several: some, and as many as fits take.
+/// Levels per pass: a few, and the number that fits use.
 const SEVERAL: [usize; 2] = [4, LEVELS];
 
 #[derive(Parser)]

@@ -1,4 +1,4 @@
-//! What is fitted in the benches.
+//! The problems of the benches.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

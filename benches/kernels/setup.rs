@@ -1,4 +1,4 @@
-//! What a fit costs before its first level.
+//! The cost of a fit before its first level.
 
 use std::hint::black_box;
 use std::sync::Arc;

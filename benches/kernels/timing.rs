@@ -1,17 +1,17 @@
-//! Medians of several things that are measured in turn.
+//! Medians of interleaved measurements.
 //!
-//! Machines that are shared get slower and faster from second to second. What is to be compared is
-//! therefore measured alternately, round by round, and the ratio is that of the medians.
+//! The speed of shared machines changes from second to second. Candidates are therefore measured
+//! alternately, round by round, and the ratio is that of the medians.
 
 use std::time::{Duration, Instant};
 
-/// Something to measure: its name, and how to do it once.
+/// A candidate: its name and one run.
 pub(crate) type Candidate<'a> = (&'a str, Box<dyn FnMut() + 'a>);
 
-/// Rounds, at least.
+/// The minimum number of rounds.
 const ROUNDS: usize = 7;
 
-/// The median of the seconds that each candidate takes, measured in turn for about `time`.
+/// The median seconds of each candidate, measured alternately for about `time`.
 pub(crate) fn medians(candidates: &mut [Candidate<'_>], time: Duration) -> Vec<f64> {
     let repeats: Vec<u32> = candidates.iter_mut().map(|(_, run)| repeats(run)).collect();
     let mut seconds = vec![Vec::new(); candidates.len()];
@@ -27,7 +27,7 @@ pub(crate) fn medians(candidates: &mut [Candidate<'_>], time: Duration) -> Vec<f
     seconds.into_iter().map(median).collect()
 }
 
-/// How often a candidate is run in a round, for the clock to be exact.
+/// The number of runs in a round, for the resolution of the clock.
 fn repeats(run: &mut impl FnMut()) -> u32 {
     run();
     let begin = Instant::now();

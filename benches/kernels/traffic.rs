@@ -1,11 +1,11 @@
-//! The least that a sweep has to move: reads what it reads, writes what it writes, and computes
-//! nothing but a sum for each number written.
+//! The minimum memory traffic of a sweep: reads and writes the same numbers, and computes only a
+//! sum for each number written.
 
 use std::hint::black_box;
 
 use rayon::prelude::*;
 
-/// As many numbers as a sweep reads (X, P, the entries of B) and as it writes (X').
+/// The numbers that a sweep reads (X, P, the entries of B) and writes (X').
 pub(crate) struct Traffic {
     read: Vec<Vec<f64>>,
     written: Vec<Vec<f64>>,
@@ -13,7 +13,7 @@ pub(crate) struct Traffic {
 }
 
 impl Traffic {
-    /// Arrays of `points` numbers each, moved in so many parts by the threads of the pool. Each
+    /// Arrays of `points` numbers each, moved in this many parts by the threads of the pool. Each
     /// written array is the sum of two or three read ones.
     pub(crate) fn new(points: usize, read: usize, written: usize, parts: usize) -> Self {
         let array = |k: usize| (0..points).map(|i| (i + k) as f64).collect();

@@ -1,5 +1,5 @@
-"""Replicas with one database: jobs a second, what a job costs the database, and how soon a stream begins at a replica
-that does not run the job; beside a server with a file of its own.
+"""Measures replicas with one database: jobs per second, the database cost of a job, and the start
+time of a stream at a replica that does not run the job; compared with a server with a file.
 
     PIAD_TEST_FSYNC=on tests/postgres python benches/scale/replicas.py target/release/piad
 """
@@ -22,7 +22,7 @@ SECONDS = 8
 
 
 def sql(statement):
-    """What a statement says."""
+    """The result of a statement."""
     command = ["psql", "-h", CLUSTER, "-U", "piad", "-d", "postgres", "-q", "-t", "-A", "-c", statement]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
 
@@ -60,7 +60,8 @@ class Server:
 
 
 def throughput(servers, body, elsewhere=False):
-    """Jobs a second that all clients together see the end of, each at the replica that runs it or at the next one."""
+    """Completed jobs per second of all clients together, each watched at its replica or at the next
+    one."""
     done = [0] * CLIENTS
     end = time.monotonic() + SECONDS
 
@@ -90,7 +91,7 @@ def throughput(servers, body, elsewhere=False):
 
 
 def first_event(server, path, after):
-    """Seconds until the first iteration of a stream is there."""
+    """Seconds until the first iteration of a stream."""
     connection = server.connect()
     begin = time.monotonic()
     connection.request("GET", path + "/events?view=errors", headers={"last-event-id": after} if after else {})
@@ -111,7 +112,7 @@ def processor(main):
                 fields = file.read().rsplit(") ", 1)[1].split()
         except (OSError, IndexError):
             continue
-        # Of children that have ended the first process knows.
+        # The parent process counts ended children.
         if pid == main:
             ticks += sum(map(int, fields[11:15]))
         elif fields[1] == main:
@@ -130,7 +131,7 @@ def database():
 
 
 def streams(count):
-    """A stream at the replica that runs a job, and at the other one."""
+    """Streams at the replica that runs a job, and at the other one."""
     sql("DROP SCHEMA IF EXISTS streams CASCADE; CREATE SCHEMA streams")
     servers = [Server(f"{URL}&options[search_path]=streams") for _ in range(2)]
     here, there = [], []
@@ -150,7 +151,7 @@ def streams(count):
 
 
 def several(replicas, body):
-    """Replicas under load and without: what a job costs, in milliseconds of a processor."""
+    """Replicas with and without load: the CPU milliseconds of a job."""
     schema = f"scale_{replicas}"
     sql(f"CREATE SCHEMA {schema}")
     servers = [Server(f"{URL}&options[search_path]={schema}") for _ in range(replicas)]
@@ -189,11 +190,11 @@ def several(replicas, body):
 
 
 def model(measured):
-    """A job that is read where it runs costs the database the same however many replicas there are, and each of
-    these a little for asking."""
+    """A job that is read where it runs has a database cost independent of the number of replicas,
+    which each add a little for polling."""
     first, last = measured[0], measured[-1]
     cost = sum(it["store"] for it in measured) / len(measured)
-    # What the first measurement says of the last one.
+    # The prediction of the last measurement from the first.
     expected = 1000 * os.cpu_count() / (first["store"] + first["replica"] + first["client"])
     print(f"{last['replicas']} replicas, by what one costs: {expected:.0f} jobs/s here, measured {last['rate']:.0f}")
     for replicas in (3, 30, 300):

@@ -1,19 +1,22 @@
-"""Scans and grids by piad beside scipy and geomdl, in one run.
+"""Compares scans and grids by piad with scipy and geomdl, in one run.
 
     compare.py PROGRAM [--gismo DIR] [PART …]     # PROGRAM is target/release/piad; parts: scans grids around
 
-- scans: heights at scattered places, within a tolerance, beside `SmoothBivariateSpline` of scipy, its smoothing factor
-  found by bisection. piad fits over x and y, as scipy does, and once with the parameters that it chooses itself;
-- grids: as many control points as the tolerance takes, and as many by `approximate_surface` of geomdl;
+- scans: heights at scattered positions, within a tolerance, compared with `SmoothBivariateSpline`
+  of scipy, with a smoothing factor found by bisection. piad fits over x and y, like scipy, and once
+  with automatic parameters;
+- grids: the fewest control points that meet the tolerance, and the same number by
+  `approximate_surface` of geomdl;
 - around: scans around an axis and of a sphere with the parameters that piad chooses, measured by OpenCASCADE on the face
   of the STEP file;
 - with --gismo: the scan of a deep-drawn part in a checkout of G+Smo, with its parameters, beside least squares with as
   many control points and knots at equal distances.
 
 scipy evaluates all surfaces. Distances are the largest and the root mean square: at the data, and *between* them, from exact
-points that are not in the data. *Outside* is how far the surface leaves the range of the heights on its whole rectangle, as
-a share of that range. Ends with code 1 where piad is not within the tolerance, needs more control points in all than
-scipy, or has an invalid face. Needs ../tolerance/requirements.txt, and a quarter of an hour, most of it for scipy.
+points that are not in the data. *Outside* is the excess of the surface over the range of the
+heights on its whole rectangle, relative to that range. Exits with code 1 if piad is not within the
+tolerance, needs more control points in total than scipy, or has an invalid face. Needs
+../tolerance/requirements.txt, and a quarter of an hour, mostly for scipy.
 """
 
 import argparse
@@ -36,7 +39,7 @@ import surfaces
 from fits import limited
 from surfaces import Surface
 
-# The seconds after which the runs of one surface are ended.
+# The time limit in seconds for the runs of one surface.
 LIMIT = 600
 wrong: list[str] = []
 

@@ -1,5 +1,5 @@
-"""Scans and grids that compare.py fits, all computed, but for the elevations that come with matplotlib and, on request,
-a scan of G+Smo's."""
+"""The scans and grids of compare.py: computed, except for the elevations of matplotlib and, on
+request, a scan of G+Smo."""
 
 import re
 import sys
@@ -11,13 +11,13 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tolerance"))
 import shapes
 
-# How many places without data are looked at.
+# The number of test points between the data.
 PLACES = 20_000
 
 
 @dataclass
 class Scan:
-    """Points without an order, most with a height over x and y, and exact points at other places among them."""
+    """Scattered points, mostly heights over x and y, and exact points at other positions."""
 
     name: str
     points: np.ndarray
@@ -40,7 +40,7 @@ def hill_heights(places: np.ndarray) -> np.ndarray:
 
 
 def hills() -> Scan:
-    """Eight hills on a plane, 40 high, of which each covers a thousandth of it."""
+    """A plane with eight hills of height 40, each covering a thousandth of it."""
     places = np.random.default_rng(12).uniform(0, 1000, (30_000 + PLACES, 2))
     points = np.c_[places, hill_heights(places)]
     return Scan("eight hills, 30,000 points", points[:30_000], points[30_000:], (1.0,))

@@ -1,4 +1,5 @@
-"""The surfaces that compare.py compares: of piad, of scipy's smoothing splines, of geomdl, and with uniform knots."""
+"""The surfaces of compare.py: of piad, scipy's smoothing splines, geomdl, and with uniform
+knots."""
 
 import json
 import subprocess
@@ -20,9 +21,10 @@ import fits
 
 @dataclass
 class Surface:
-    """A B-spline surface of degree 3, or one height at each place, and how long it took.
+    """A B-spline surface of degree 3, or a height at each position, and the time taken.
 
-    Of piad how it ended, and the parameters of its data: pairs, or those of the rows and of the columns."""
+    For piad the final state, and the parameters of its data: pairs, or those of rows and
+    columns."""
 
     knots: tuple[np.ndarray, np.ndarray]
     net: np.ndarray
@@ -38,7 +40,7 @@ class Surface:
         return NdBSpline(self.knots, self.net, 3)(np.stack([u, v], axis=-1))
 
     def on_rectangle(self, count: int) -> np.ndarray:
-        """At as many rows and columns of places from end to end."""
+        """Evaluates on a uniform grid with this number of rows and columns."""
         ends = [np.linspace(knots[3], knots[-4], count) for knots in self.knots]
         return self.at(*np.meshgrid(*ends, indexing="ij"))
 
@@ -47,7 +49,8 @@ class Surface:
 
 
 def piad(program: str, job: dict, limit: float, step: Path | None = None) -> Surface | None:
-    """By `piad fit`, from reading the job to the written result; `None` if it takes longer than this many seconds."""
+    """Fits with `piad fit`, from reading the job to the written result; `None` after this many
+    seconds."""
     with TemporaryDirectory() as name:
         given, result = Path(name) / "job.json", Path(name) / "result.json"
         given.write_text(json.dumps(job))
@@ -80,8 +83,8 @@ def smoothed(points: np.ndarray, factor: float) -> Surface:
 
 @dataclass
 class Search:
-    """The surface with the fewest control points of those within the tolerance, the number of runs, their seconds, and
-    the largest distance of the last run."""
+    """The surface with the fewest control points within the tolerance, the number of runs, their
+    seconds, and the largest distance of the last run."""
 
     best: Surface | None
     runs: int
@@ -92,7 +95,7 @@ class Search:
 
 def bisected(points: np.ndarray, tolerance: float, limit: float) -> Search:
     """Smoothing factors by bisection, of root mean squares from a thirtieth of the tolerance to the tolerance, until they
-    differ by 2 %. All runs together take no more than the limit."""
+    differ by 2 %. All runs together respect the time limit."""
     low, high = tolerance / 30, tolerance
     search, begin = Search(None, 0, 0.0, np.inf, True), time.perf_counter()
     while high > 1.02 * low:

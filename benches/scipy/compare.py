@@ -1,11 +1,11 @@
-"""Cubic interpolation: piad beside scipy's make_interp_spline, the same problem in one run.
+"""Cubic interpolation: compares piad with scipy's make_interp_spline in one run.
 
     compare.py PROGRAM [--counts 1000000 …]   # PROGRAM is target/release/piad
 
 Points of a rippled spiral in space, chord length, not-a-knot. In process: from points to control points, with
 the method `direct` and with `chebyshev` to the accuracy that scipy reaches. Over HTTP: posted as JSON or as
-protobuf, fitted with `direct`, and the control points read in base64, from an array to an array. Medians of
-runs that take turns. Needs ../requirements.txt.
+protobuf, fitted with `direct`, and the control points read in base64, from an array to an array.
+Medians of interleaved runs. Needs ../requirements.txt.
 """
 
 import argparse
@@ -64,7 +64,7 @@ def as_json(points: np.ndarray) -> bytes:
 
 
 def as_protobuf(points: np.ndarray) -> bytes:
-    """The message JobInput: numbers stand in it as they stand in the array."""
+    """The message JobInput, which contains the bytes of the array."""
     def varint(number: int) -> bytes:
         high, low = divmod(number, 128)
         return bytes([low | 128]) + varint(high) if high else bytes([low])
@@ -82,7 +82,7 @@ POSTS = {"application/json": as_json, "application/x-protobuf": as_protobuf}
 
 
 def over_http(points: np.ndarray, language: str) -> tuple[float, np.ndarray]:
-    """From an array to an array: written, posted, fitted, and the result read."""
+    """From array to array: serialized, posted, fitted, and the result parsed."""
     begin = time.perf_counter()
     body = POSTS[language](points)
     headers = {"Content-Type": language, "Accept": "application/json", "Prefer": "wait=100"}
@@ -117,7 +117,7 @@ def line(count: int) -> None:
         seconds, found, _, direct = library(points, "direct", 1e-12 * scale)
         taken["direct"].append(seconds)
         assert np.abs(found - expected).max() < 1e-9 * scale, "other control points"
-        # What rounding leaves of either.
+        # The rounding error of both.
         accuracy = max(distance, direct, 1e-14 * scale)
         seconds, _, iterations, reached = library(points, "chebyshev", accuracy)
         assert reached <= accuracy, (reached, accuracy)

@@ -1,8 +1,10 @@
-"""Sections of a body by piad and by OpenCASCADE's ThruSections: area, distances between the points, control points, time.
+"""Compares sections of a body by piad and OpenCASCADE's ThruSections: area, distances between the
+points, control points, time.
 
 Run with the program and numpy, scipy and cadquery-ocp: python benches/sections/compare.py target/release/piad
-Five ellipses with 24 to 57 points, as they are and turned, every other one the other way around. `between` is the largest
-distance from the surface of 60 places on each ellipse, most of which are not among the points.
+Five ellipses with 24 to 57 points, as given and rotated, every other one reversed. `between` is the
+largest distance of the surface from 60 positions on each ellipse, most of which are not data
+points.
 """
 
 import json

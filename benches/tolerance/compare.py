@@ -1,9 +1,10 @@
-"""As few control points as a tolerance needs: piad over HTTP beside scipy and OpenCASCADE, in one run.
+"""The fewest control points for a tolerance: compares piad over HTTP with scipy and OpenCASCADE, in
+one run.
 
     compare.py PROGRAM [PART …]     # PROGRAM is target/release/piad; parts: curves splines airfoils times surfaces grid terrain
 
-- curves: published and common ones, and chirps, at four tolerances, each with cubics of all three, and with degrees that are
-  free (piad's quintics beside OpenCASCADE's degrees up to 8);
+- curves: published and common ones, and chirps, at four tolerances, with cubics of all three, and
+  with free degrees (piad's quintics, OpenCASCADE's degrees up to 8);
 - splines: points of cubics with few knots;
 - airfoils: all those of UIUC in the package aerosandbox, at 1e-3 and 1e-4 of the chord;
 - times: 10,000 and 100,000 points, exact, to 1e-4 of their size and finer, and with noise, until the last event is there;
@@ -11,10 +12,11 @@
 - grid: 200 × 150 elevations, within 1 % of their range, beside scipy with the smoothing factor found by bisection;
 - terrain: 100,000 elevations, at what scipy reaches and below.
 
-scipy is given the best of twenty smoothing factors. That piad's distances are what it says, by scipy, is checked in
-fits.py. Ends with code 1 where piad is not within the tolerance, needs more control points than the better of both for
-one of the curves or for Franke's function, two more than a spline with few knots has, not a tenth fewer of all curves or airfoils, more in all for the terrain, or
-more time. Needs requirements.txt; `make tolerance` installs them and takes three quarters of an hour.
+scipy is given the best of twenty smoothing factors. fits.py checks piad's distances with scipy.
+Exits with code 1 if piad is not within the tolerance, needs more control points than the better of
+both for one of the curves or for Franke's function, two more than a spline with few knots has, not
+10% fewer for all curves or airfoils together, more in total for the terrain, or more time. Needs
+requirements.txt; `make tolerance` installs them and takes three quarters of an hour.
 """
 
 import argparse
@@ -30,7 +32,7 @@ from fits import Fit, limited
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "python"))
 from over_http import server
 
-# After so many seconds a curve or a surface is given up; fits whose times are compared take turns so many times.
+# Time limit in seconds for a curve or surface; number of interleaved runs of compared times.
 CURVE, SURFACE = 120, 300
 ROUNDS = 5
 wrong: list[str] = []
@@ -103,7 +105,7 @@ def airfoils(base: str) -> None:
             piad = fits.piad(base, {"curve": {"points": points}}, tolerance)
             if piad.ended != "converged":
                 wrong.append(f"{name}, {tolerance:g}: {piad}")
-            # Interpolation is within every tolerance, with as many control points as points.
+            # Interpolation is within each tolerance, with one control point per point.
             scipy = least(fits.scipy_curve(points, tolerance)) or len(points)
             opencascade = least(limited(60, fits.opencascade_curve, points, tolerance, 3)) or len(points)
             found.append((piad.count, scipy, opencascade, min(scipy, opencascade)))
@@ -201,7 +203,8 @@ def terrain(base: str) -> None:
         wrong.append(f"terrain: {total[0]} control points in all, scipy {total[1]}")
     for tolerance in (50, 20, 10, 5):
         line(tolerance, None, "", "", "")
-    # Elevations are whole metres: a root mean square of 0.3 m is what a largest distance of 1 m takes at the most.
+    # Elevations are whole metres: a largest distance of 1 m corresponds to a root mean square of at
+    # most 0.3 m.
     scipy = limited(SURFACE, fits.smoothed_surface, points, len(points) * 0.3**2)
     line(1, scipy, "–", "–", f"more than {SURFACE}")
     print()

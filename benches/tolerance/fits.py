@@ -1,7 +1,7 @@
-"""The fits that compare.py compares, each with its number of control points, largest distance and seconds.
+"""The fits of compare.py, each with its number of control points, largest distance and seconds.
 
-Distances of piad's and scipy's fits are those at the parameters of the data, of OpenCASCADE's curves, whose parameters
-nobody knows afterwards, those of the data from the curve, which are never larger.
+Distances of piad's and scipy's fits are measured at the parameters of the data; those of
+OpenCASCADE's curves, whose parameters are unknown, from the nearest points, which are never larger.
 """
 
 import math
@@ -24,10 +24,10 @@ from scipy.spatial import KDTree
 
 @dataclass
 class Fit:
-    """Control points in each direction, the largest distance from the data, and how long it took.
+    """Control points in each direction, the largest distance from the data, and the time taken.
 
-    Of piad how it ended, and of the first iteration within the tolerance after how many seconds it had arrived and its
-    control points. Of scipy the seconds of all runs until one was within the tolerance."""
+    For piad the final state, and the arrival time and control points of the first iteration within
+    the tolerance. For scipy the seconds of all runs until one was within the tolerance."""
 
     shape: tuple[int, ...]
     largest: float
@@ -43,7 +43,7 @@ class Fit:
 
 
 def limited(seconds: float, work: Callable, *arguments) -> Fit | None:
-    """What a function returns, in a process of its own that is ended after so many seconds."""
+    """Calls a function in a separate process with a time limit in seconds."""
     context = multiprocessing.get_context("fork")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(target=lambda: sender.send(work(*arguments)))
@@ -63,8 +63,8 @@ def limited(seconds: float, work: Callable, *arguments) -> Fit | None:
 
 
 def piad(base: str, geometry: dict, tolerance: float) -> Fit:
-    """From writing the request to the last event. scipy evaluates the result at the parameters of the data: an
-    assertion that its largest distance is the one that piad says."""
+    """From writing the request to the last event. Asserts with scipy that the largest distance at
+    the parameters of the data is the reported one."""
     method = {"kind": "least_squares", "control_points": "auto"}
     job = geometry | {"method": method, "stop": {"tolerance": tolerance}, "stream": {"view": "errors"}}
     headers = {"Content-Type": "application/json", "Accept": "text/event-stream"}
@@ -95,7 +95,7 @@ def piad(base: str, geometry: dict, tolerance: float) -> Fit:
     else:
         spline = NdBSpline(tuple(np.array(knots[axis]) for axis in "uv"), net, tuple(degree[axis] for axis in "uv"))
         u, v = (np.array(parameters[axis]) for axis in "uv")
-        if "points" in described:  # Those of the rows and of the columns of a grid.
+        if "points" in described:  # The parameters of the rows and columns of a grid.
             u, v = np.meshgrid(u, v, indexing="ij")
         there = spline(np.stack([u, v], axis=-1))
     measured, said = np.linalg.norm(there - points, axis=-1).max(), end["error"]["max"]
@@ -106,7 +106,7 @@ def piad(base: str, geometry: dict, tolerance: float) -> Fit:
 
 
 def functions(knots: list | dict, degree: int | dict) -> int:
-    """How many control points a curve or surface with these knots has."""
+    """The number of control points of a curve or surface with these knots."""
     if isinstance(knots, dict):
         return math.prod(functions(knots[axis], degree[axis]) for axis in "uv")
     return len(knots) - degree - 1
@@ -142,12 +142,12 @@ def fewest(fits: list[Fit], tolerance: float) -> Fit | None:
 
 
 def scipy_curve(points: np.ndarray, tolerance: float, parameters: np.ndarray | None = None) -> Fit | None:
-    """The one with the fewest control points of those within the tolerance; its seconds are those of its own run."""
+    """The fit with the fewest control points within the tolerance, with the seconds of its run."""
     return fewest([smoothed(points, factor, parameters) for factor in factors(len(points), tolerance)], tolerance)
 
 
 def first_of_scipy(points: np.ndarray, tolerance: float) -> Fit | None:
-    """The first one within the tolerance, for data of which all twenty would take too long."""
+    """The first fit within the tolerance, for data for which all twenty would take too long."""
     searched = 0.0
     for factor in factors(len(points), tolerance):
         fit = smoothed(points, factor)
@@ -206,7 +206,7 @@ def opencascade_curve(points: np.ndarray, tolerance: float, degree: int) -> Fit:
     array = TColgp_Array1OfPnt(1, len(points))
     for i, point in enumerate(space.tolist(), 1):
         array.SetValue(i, gp_Pnt(*point))
-    # A call that does not come back, or throws, ends with its process.
+    # A call that hangs or throws ends with its process.
     curve = GeomAPI_PointsToBSpline(array, 3, degree, GeomAbs_C2, tolerance).Curve()
     seconds = time.perf_counter() - begin
     knots = np.repeat(list(curve.Knots()), [curve.Multiplicity(i) for i in range(1, curve.NbKnots() + 1)])
@@ -216,7 +216,7 @@ def opencascade_curve(points: np.ndarray, tolerance: float, degree: int) -> Fit:
 
 
 def distances(points: np.ndarray, spline: BSpline) -> np.ndarray:
-    """Of points from a curve: from the nearest of many places by Newton's method."""
+    """Distances of points from a curve: by Newton's method from the nearest of many samples."""
     low, high = spline.t[spline.k], spline.t[-spline.k - 1]
     places = np.linspace(low, high, 20 * len(points))
     nearest, at = KDTree(spline(places)).query(points)

@@ -1,11 +1,12 @@
-"""The memory of fits that choose their knots: what a server admits them with, and what its process takes at its peak.
+"""Compares the memory of fits with automatic knots: admitted by the server, and at the peak of its
+process.
 
     memory.py PROGRAM       # PROGRAM is target/release/piad
 
-Each fit has a server of its own, with its jobs in memory. *Admitted* is what `piad_memory_used_bytes` says when the
-fit begins, which is what was forecast for it; *peak* is the largest resident size of the process from then to the end
-of the fit, the job in its store and the program included. Ends with code 1 where the peak is above what was forecast
-and what a server takes of its own. Linux only; needs requirements.txt, and some minutes.
+Each fit has its own server, with jobs in memory. *Admitted* is `piad_memory_used_bytes` at the
+start of the fit, which is the estimate; *peak* is the largest resident size of the process during
+the fit, including the stored job and the program. Exits with code 1 if the peak exceeds the
+estimate plus the memory of an idle server. Linux only; needs requirements.txt, and some minutes.
 """
 
 import re
@@ -22,7 +23,7 @@ import orjson
 import shapes
 
 MIB = 1 << 20
-# What a server takes besides (docs/RELIABILITY.md).
+# The memory of an idle server (docs/evidence/reliability.md).
 OWN = 110 * MIB
 
 
@@ -45,7 +46,7 @@ def scattered() -> dict:
     return {"surface": {"scattered": shapes.terrain(), "parameters": {"project": "xy"}}}
 
 
-# What it is, how it is made, the tolerance.
+# Name, data, tolerance.
 CASES = [
     ("curve, 100,000 points", lambda: curve(100_000, 0), 1e-3),
     ("the same with noise", lambda: curve(100_000, 1e-3), 2e-3),
@@ -76,12 +77,12 @@ def measure(process: subprocess.Popen, base: str, geometry: dict, tolerance: flo
     method = {"kind": "least_squares", "control_points": "auto"}
     job = geometry | {"method": method, "stop": {"tolerance": tolerance}, "stream": {"view": "errors"}}
     resource = orjson.loads(read(f"{base}/v1/jobs", orjson.dumps(job, option=orjson.OPT_SERIALIZE_NUMPY)))
-    # From here on the peak is a new one.
+    # Resets the peak.
     Path(f"/proc/{process.pid}/clear_refs").write_text("5")
     admitted = 0
     while resource["state"] in ("queued", "running"):
         used = re.search(rb"^piad_memory_used_bytes (\S+)$", read(f"{base}/metrics"), re.MULTILINE)
-        # In the course of the fit frames that are kept for readers count, too.
+        # During the fit, iterations buffered for readers count, too.
         admitted = admitted or int(float(used.group(1)))
         time.sleep(0.05)
         resource = orjson.loads(read(base + resource["links"]["self"]))

@@ -104,7 +104,7 @@ def of_scipy(points: np.ndarray, tolerance: float) -> BSpline:
 
 
 def polylines(base: str, random: np.random.Generator, count: int) -> list[str]:
-    """Prints a row for each of two tolerances; returns what is wrong."""
+    """Prints a row for each of two tolerances; returns the errors."""
     wrong = []
     print("| tolerance | | control points | leaves by more than the longest edge | by more than a tenth of it | largest |")
     print("|---|---|---|---|---|---|")

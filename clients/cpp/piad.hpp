@@ -1,7 +1,7 @@
 // A client of piad, the service that fits curves and surfaces to data points and streams every iteration.
 //
-// One header for C++17 on libcurl (7.66 or later) and nlohmann-json (3.9 or later). README.md beside it
-// tells how to use it, docs/JOBS.md and docs/STREAMS.md of the project what requests and streams can have.
+// One header for C++17 on libcurl (7.66 or later) and nlohmann-json (3.9 or later). README.md describes its use,
+// docs/reference/job.md and docs/reference/events.md of the project describe requests and streams.
 //
 //     piad::Client client("http://127.0.0.1:8080");
 //     piad::Result result = client.fit({{"curve", {{"points", {{0, 0}, {1, 2}, {3, 1}, {4, 3}}}}}});
@@ -47,32 +47,32 @@ using Json = nlohmann::json;
 
 // ---------------------------------------------------------------------------------------------- Errors
 //
-// What the caller gets wrong before anything is sent, such as an URL that is none or a coordinate that is not
-// finite, is a std::invalid_argument. All that can happen afterwards is a piad::Error.
+// Errors that are found before anything is sent, such as an invalid URL or a coordinate that is not finite, throw
+// std::invalid_argument. All later errors are derived from piad::Error.
 
-// The base of all exceptions that this client throws after it was called correctly.
+// The base of all exceptions of valid calls.
 struct Error : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// The server could not be reached or the connection broke, more often than is tried.
+// The server was unreachable or the connection broke on each attempt.
 struct ConnectionLost : Error {
     explicit ConnectionLost(const std::string& what, bool is_permanent = false) : Error(what), permanent(is_permanent) {}
 
-    bool permanent;  // Trying again cannot help: the certificate is wrong, for example.
+    bool permanent;  // A retry cannot help: for example, the certificate is invalid.
 };
 
-// The server answered something that is not of this API.
+// The response does not conform to this API.
 struct ProtocolError : Error {
     using Error::Error;
 };
 
-// A stop token ended the call.
+// A stop token cancelled the call.
 struct Stopped : Error {
     Stopped() : Error("stopped by its stop token") {}
 };
 
-// One thing that is wrong with a request. Only the location that applies is set.
+// One error of a request. Only the location that applies is set.
 struct FieldError {
     std::string detail;
     std::string pointer;    // JSON pointer into the body (RFC 6901)
@@ -81,25 +81,25 @@ struct FieldError {
     std::uint64_t line = 0;  // line of a file of points, counted from 1
 };
 
-// A problem object (RFC 9457), as servers answer it and failed jobs carry it.
+// A problem object (RFC 9457), in error responses and failed jobs.
 struct Problem {
-    std::string type = "about:blank";  // such as "/problems/invalid-fit"; "about:blank" of other servers
+    std::string type = "about:blank";  // such as "/problems/invalid-fit"; "about:blank" for other servers
     std::string title;
     int status = 0;  // HTTP status
     std::string detail;
     std::vector<FieldError> errors;
     std::vector<std::string> pointers;  // those of `errors`
-    std::string request_id;             // by which the log of the server knows the request
+    std::string request_id;             // the id of the request in the log of the server
 };
 
-// The server refused a request.
+// The server rejected a request.
 struct ApiError : Error, Problem {
     explicit ApiError(const Problem& problem, std::optional<double> seconds = {})
         : Error(std::to_string(problem.status) + " " + problem.title + ": " + problem.detail),
           Problem(problem),
           retry_after(seconds) {}
 
-    std::optional<double> retry_after;  // seconds after which the server asked to be tried again
+    std::optional<double> retry_after;  // delay in seconds requested by the server
 };
 
 // A job ended without a result.
@@ -127,15 +127,15 @@ struct StopState {
 
 }  // namespace detail
 
-// Tells a call that it shall end, which it does with `Stopped` within about 50 ms, also in the middle of a
-// transfer or while it waits before another attempt. A default-constructed token never stops anything.
+// Cancels calls: they throw `Stopped` within about 50 ms, also during a transfer or while waiting for a retry. A
+// default-constructed token never cancels.
 class StopToken {
 public:
     using Clock = std::chrono::steady_clock;
 
     StopToken() = default;
 
-    // A token that also stops by itself after this time.
+    // A token that also cancels after this time.
     StopToken after(std::chrono::milliseconds time) const {
         StopToken token(*this);
         token.deadline_ = (std::min)(deadline_, Clock::now() + time);
@@ -144,15 +144,15 @@ public:
 
     bool stopped() const { return (state_ && state_->stopped) || (has_deadline() && Clock::now() >= deadline_); }
 
-    // Whether it can ever stop anything.
+    // True if it can cancel.
     bool possible() const { return state_ || has_deadline(); }
 
-    // Throws `Stopped` if it has stopped.
+    // Throws `Stopped` if it is cancelled.
     void throw_if_stopped() const {
         if (stopped()) throw Stopped();
     }
 
-    // Waits so long; throws `Stopped` as soon as it stops.
+    // Waits for this time; throws `Stopped` when it is cancelled.
     void sleep(std::chrono::milliseconds time) const {
         const auto end = (std::min)(deadline_, Clock::now() + time);
         if (state_) {
@@ -173,7 +173,7 @@ private:
     Clock::time_point deadline_ = (Clock::time_point::max)();
 };
 
-// Stops the calls that have its token, from any thread, but not from a signal handler.
+// Cancels calls that have its token, from any thread, but not from a signal handler.
 class StopSource {
 public:
     StopToken token() const {
@@ -210,7 +210,7 @@ struct Distances {
     std::optional<double> fixed_max;    // local fits: the largest one of the points that are not adjusted
     std::optional<double> homogeneous;  // homogeneous fits: the largest one in homogeneous coordinates
     std::optional<double> gradient;     // least squares: zero at the minimum
-    std::optional<double> transformed;  // extended fits: how far a control point moves in the next iteration
+    std::optional<double> transformed;  // extended fits: the largest move of a control point in the next iteration
     std::optional<double> between;      // at the end: by how much the fit leaves its data between neighbours
 };
 
@@ -218,12 +218,12 @@ struct Distances {
 struct Direction {
     std::string basis;  // "bspline", "bernstein", "said_ball" or "wang_ball"
     int degree = 0;
-    bool closed = false;             // it returns to its start, where control points are repeated
+    bool closed = false;             // periodic: the first control points are repeated at the end
     std::vector<double> knots;       // control points + degree + 1, as CAD kernels store them; empty for Ball bases
     std::vector<double> parameters;  // of the data points
 };
 
-// A control point of a homogeneous fit whose weight no CAD kernel takes.
+// A control point of a homogeneous fit whose weight CAD kernels do not accept.
 struct BadWeight {
     Index control_point;
     double weight = 0;
@@ -250,27 +250,27 @@ struct Samples {
     std::vector<std::vector<double>> parameters;  // one list for each direction
 };
 
-// An iteration of a fit. What its stream was not asked for is empty.
+// An iteration of a fit. Fields that were not requested from the stream are empty.
 struct Iteration : Geometry {
     std::uint64_t number = 0;
     Distances error;
     std::optional<double> rate;              // the factor by which the step reduced the largest distance
-    std::uint64_t moved = 0;                 // how many control points the step moved
-    std::optional<std::uint64_t> predicted;  // about how many iterations the fit takes in all
-    std::optional<double> milestone;         // the smallest milestone that this iteration is the first to reach
+    std::uint64_t moved = 0;                 // number of control points moved by the step
+    std::optional<std::uint64_t> predicted;  // predicted total number of iterations
+    std::optional<double> milestone;         // the smallest milestone first reached by this iteration
     Samples samples;                         // with view "samples"
 };
 
-// What is left of a trimmed surface: where its parameters are on the left of all loops.
+// The region of a trimmed surface: the parameters to the left of all loops.
 struct Trim {
     struct Face {
         std::size_t outer = 0;           // the loop around the piece
         std::vector<std::size_t> holes;  // the loops around its holes
     };
 
-    double distance = 0;         // how far the outline can be from the data, in their units
+    double distance = 0;         // the largest distance of the outline from the data, in data units
     std::optional<double> area;  // of surfaces in the plane and in space
-    std::vector<Geometry> loops;  // closed curves in (u, v); none if all of the surface is left
+    std::vector<Geometry> loops;  // closed curves in (u, v); empty if nothing is trimmed off
     std::vector<Face> faces;
 };
 
@@ -284,9 +284,9 @@ struct Result : Geometry {
     std::optional<Trim> trim;
 };
 
-// What came of an item of a batch.
+// The result of an item of a batch.
 struct BatchItem {
-    std::uint64_t index = 0;  // its place among the items
+    std::uint64_t index = 0;  // its index in the batch
     std::string name;
     std::string state;                       // "converged", "exhausted", "stalled" or "failed"
     std::optional<std::uint64_t> iteration;  // the last one
@@ -302,19 +302,19 @@ struct BatchTotals {
     std::uint64_t failed = 0;  // those that have not converged
 };
 
-// How a job ended.
+// The end of a job.
 struct End {
     std::string id;
     std::string state;   // "converged", "exhausted", "stalled", "failed" or "cancelled"
-    std::string reason;  // why, where the state does not say it, such as "minimum"
-    std::string detail;  // the reason in words, with what is left
+    std::string reason;  // the reason, if the state does not determine it, such as "minimum"
+    std::string detail;  // the reason as text, with the remaining distance
     std::uint64_t iterations = 0;
     std::optional<Distances> error;
     std::optional<double> elapsed;  // seconds
     std::optional<Problem> problem;
 };
 
-// What is doubtful about a fit that is computed even so.
+// A warning about a fit that is computed nevertheless.
 struct Warning {
     std::string code;
     std::string pointer;
@@ -327,7 +327,7 @@ struct Parent {
     std::uint64_t iteration = 0;
 };
 
-// A job as it stood when the server was asked.
+// A snapshot of a job.
 struct JobStatus {
     std::string id;
     std::string name;
@@ -341,7 +341,7 @@ struct JobStatus {
     double progress = 0;  // from 0 to 1
     std::optional<Parent> parent;
     std::optional<Problem> problem;  // why it failed
-    Json json;                       // all that the server said
+    Json json;                       // the complete JSON of the server
 
     bool ended() const { return state != "queued" && state != "running"; }
 };
@@ -353,11 +353,11 @@ struct Deviation {
     double rms = 0;
     Index at;
     std::map<int, double> percentiles;  // of 50, 90, 95 and 99 per cent
-    std::vector<double> distances;      // of each data point, if they were asked for; NaN of a missing one
-    std::vector<double> between;        // likewise, by how much the fit leaves the data in each gap beyond their freedom
+    std::vector<double> distances;      // of each data point, if requested; NaN for a missing one
+    std::vector<double> between;        // likewise, the deviation in each gap between data points
 };
 
-// A file of a result or an iteration, such as STEP.
+// An exported file of a result or iteration, such as STEP.
 struct File {
     std::string name;  // as the server suggests it, such as "wing.step"
     std::string media_type;
@@ -366,34 +366,33 @@ struct File {
 
 // --------------------------------------------------------------------------------------------- Options
 
-// How a server is reached.
+// Connection settings.
 struct ClientOptions {
-    // Of a server that asks for one: a token of `piad token create`.
+    // A token of `piad token create`, for a server that requires one.
     std::string token;
-    // How often a request is sent, or a stream opened again without an iteration in between, while connections
-    // break or the server has no room. A server that has never answered is tried three times.
+    // The maximum number of times a request is sent, or a stream is opened without receiving an iteration, while
+    // connections break or the server is overloaded. A server that has never responded is tried three times.
     int attempts = 8;
-    // How long the server may be silent; streams, 60 seconds at least.
+    // The longest silence of the server; for streams at least 60 seconds.
     std::chrono::milliseconds timeout{60000};
-    // How long making a connection may take.
+    // The timeout for opening a connection.
     std::chrono::milliseconds connect_timeout{5000};
-    // Lines such as "X-Team: wings" that go with every request.
+    // Header lines of each request, such as "X-Team: wings".
     std::vector<std::string> headers;
-    // Called for each transfer after its options were set: proxies, certificates, a Unix domain socket.
+    // Called for each transfer after its options are set, to configure proxies, certificates or a Unix domain socket.
     std::function<void(CURL*)> configure;
 };
 
-// Of requests for a new job.
+// Options of requests for a new job.
 struct CreateOptions {
-    // By which the server recognises a request that is sent again. Random if empty; a program that may itself
-    // start again gives its own.
+    // The key by which the server recognises a retry. Random if empty; a program that may itself restart should set it.
     std::string idempotency_key;
-    // How long the server may wait for the end of the job before it answers.
+    // How long the server may wait for the end of the job before it responds.
     std::chrono::seconds wait{0};
     StopToken stop;
 };
 
-// What a stream shows: see docs/STREAMS.md. What is not given is as the job says.
+// Stream settings: see docs/reference/events.md. Omitted ones are those of the job.
 struct WatchOptions {
     std::string view;                    // "control_points", "samples" or "errors"
     std::string samples;                 // "200", or "40x40" of a surface
@@ -401,41 +400,41 @@ struct WatchOptions {
     std::vector<double> milestones;      // decreasing distances: only the first iteration within each, and the last
     std::string pace;                    // "latest": a slow reader skips to the newest iteration
     std::string encoding;                // "base64" where that is allowed, otherwise "json"; "delta" takes a tenth of the bytes
-    std::string digits;                  // "auto": as many digits as the error deserves
+    std::string digits;                  // "auto": only as many digits as the error justifies
     bool changed = false;                // send only control points that moved; iterations are complete even so
     std::optional<std::uint64_t> after;  // begin after this iteration
     StopToken stop;
-    // Called with the `job` event of each connection, which has the predicted number of iterations, for example.
-    // If it says "resumed": "restarted", the server was replaced and all iterations come again.
+    // Called with the `job` event of each connection, which has the predicted number of iterations, for example. If it
+    // says "resumed": "restarted", the server was replaced and sends all iterations again.
     std::function<void(const Json&)> on_job;
 
     // Streams of new jobs and edits only:
-    std::string on_disconnect;  // "cancel": the job ends with the connection that made it
+    std::string on_disconnect;  // "cancel": the job is cancelled when its connection closes
     std::string idempotency_key;
     // The iteration that an edit starts from: its knots are then not sent again, and with `changed` the first
     // event of an ephemeral edit is relative to it.
     const Iteration* from = nullptr;
 };
 
-// Of batches.
+// Options of batches.
 struct BatchOptions {
-    Json defaults;  // fields of jobs for items that do not have them
+    Json defaults;  // job fields for items that do not set them
     StopToken stop;
 };
 
-// Which jobs are listed.
+// Options of job lists.
 struct ListOptions {
     std::string state;        // only those in this state
-    std::size_t limit = 100;  // the newest so many
+    std::size_t limit = 100;  // at most this many, the newest
     StopToken stop;
 };
 
-// Of files.
+// Options of exported files.
 struct FileOptions {
     std::optional<std::uint64_t> iteration;  // instead of the result
     std::string samples;                     // of gltf, stl, ply, dxf, svg, geojson, gpx and csv
     std::string units;                       // "mm", "m" or "in": what step and iges declare
-    std::string dots;                        // "on" or "off": whether svg shows the data points
+    std::string dots;                        // "on" or "off": shows data points in svg
     StopToken stop;
 };
 
@@ -449,7 +448,7 @@ inline double number(const Json& value, double otherwise = std::numeric_limits<d
     return value.is_null() ? otherwise : value.get<double>();
 }
 
-// The value of a field, or nothing if it is absent or null.
+// The value of a field, or nullopt if it is absent or null.
 template <class T>
 std::optional<T> field(const Json& object, const char* name) {
     const auto found = object.find(name);
@@ -459,7 +458,7 @@ std::optional<T> field(const Json& object, const char* name) {
 
 inline std::string text(const Json& object, const char* name) { return field<std::string>(object, name).value_or(""); }
 
-// Calls `read`, which takes an answer apart; what it does not find there is a ProtocolError.
+// Calls `read`, which parses a response; missing fields throw ProtocolError.
 template <class Read>
 auto reading(const Read& read) {
     try {
@@ -477,12 +476,12 @@ inline Json parse(const std::string& text) {
     });
 }
 
-// The JSON pointer of the first number that JSON does not have; empty if all are finite.
+// The JSON pointer of the first number that is not finite; empty if all are.
 inline std::string not_finite(const Json& value, const std::string& pointer) {
     if (value.is_number_float() && !std::isfinite(value.get<double>())) return pointer.empty() ? "/" : pointer;
     if (!value.is_structured()) return "";
     for (auto item = value.begin(); item != value.end(); ++item) {
-        // Most values are numbers of points: a pointer is made only where it is needed.
+        // Most values are coordinates, so a pointer is built only when needed.
         if (!item->is_structured() && !(item->is_number_float() && !std::isfinite(item->get<double>()))) continue;
         const auto key = value.is_object() ? item.key() : std::to_string(std::distance(value.begin(), item));
         auto found = not_finite(*item, pointer + "/" + key);
@@ -511,7 +510,7 @@ constexpr std::array<std::int8_t, 256> base64_digits() {
 
 inline constexpr std::array<std::int8_t, 256> base64_table = base64_digits();
 
-// Reads base64 (standard alphabet, padded).
+// Decodes base64 (standard alphabet, padded).
 class Base64 {
 public:
     // Calls `on_byte` for each byte.
@@ -520,7 +519,7 @@ public:
         std::size_t length = text.size();
         if (length % 4 != 0) throw ProtocolError("base64 of the server is not padded");
         while (length > 0 && text.size() - length < 2 && text[length - 1] == '=') --length;
-        std::uint32_t pending = 0;  // bits of a byte that is not complete
+        std::uint32_t pending = 0;  // bits of an incomplete byte
         unsigned pending_bits = 0;
         for (std::size_t i = 0; i < length; ++i) {
             const int digit = base64_table[static_cast<unsigned char>(text[i])];
@@ -575,7 +574,7 @@ inline std::vector<double> numbers(const Json& value, bool single = false) {
     return out;
 }
 
-// Moves points by `step` times packed whole numbers: see docs/STREAMS.md. `packed` is memory that is used again.
+// Adds `step` times packed integers to points: see docs/reference/events.md. `packed` is a reused buffer.
 inline void move_numbers(const Json& value, double step, std::size_t dimension, std::vector<std::uint8_t>& packed, std::vector<double>& out) {
     packed.clear();
     Base64::bytes(value.get_ref<const std::string&>(), [&](std::uint32_t byte) { packed.push_back(static_cast<std::uint8_t>(byte)); });
@@ -605,7 +604,7 @@ inline void move_numbers(const Json& value, double step, std::size_t dimension, 
 
 inline bool is_single(const Json& event) { return text(event, "encoding") == "base64_f32"; }
 
-// An array of points with its shape, which JSON has by its nesting and base64 beside it.
+// An array of points with its shape, which is given by the nesting of JSON or separately for base64.
 inline void read_points(const Json& event, const char* name, std::vector<double>& out, std::vector<std::size_t>& shape) {
     const Json& value = event.at(name);
     read_numbers(value, is_single(event), out);
@@ -733,7 +732,7 @@ inline std::vector<Direction> read_directions(const Json& value) {
         one.basis = part(value, "basis", name).get<std::string>();
         one.degree = part(value, "degree", name).get<int>();
         one.closed = part(value, "closed", name).get<bool>();
-        // A knot may be new to these, or lie where 32 bits cannot tell it from the next: they always have 64.
+        // Knots are 64-bit numbers in each encoding, since 32 bits may not separate neighbours.
         one.knots = numbers(part(value, "knots", name));
         one.parameters = numbers(part(value, "parameters", name));
         directions.push_back(std::move(one));
@@ -741,7 +740,7 @@ inline std::vector<Direction> read_directions(const Json& value) {
     return directions;
 }
 
-// Fixed weights of all control points. Those of surfaces are products; a direction may have none.
+// Fixed weights of all control points. Those of surfaces are products; a direction may lack them.
 inline std::vector<double> read_fixed_weights(const Json& value, const std::vector<std::size_t>& counts) {
     const auto names = direction_names(value);
     std::vector<double> product{1.0};
@@ -798,7 +797,7 @@ inline Result read_result(const Json& value) {
     });
 }
 
-// A problem with an item of a part of a batch, by the index of the item in the batch.
+// Replaces the index of the item in its request by that in the batch.
 inline Problem moved(Problem problem, const std::string& own, const std::string& place) {
     const auto ends = [](char c) { return c == '/' || c == ':'; };
     for (auto at = problem.detail.find(own); at != std::string::npos; at = problem.detail.find(own, at + 1)) {
@@ -817,7 +816,7 @@ inline Problem moved(Problem problem, const std::string& own, const std::string&
     return problem;
 }
 
-// The line of an item of a request that has begun with the item `first`.
+// Parses the line of an item; the request began with item `first`.
 inline BatchItem read_batch_item(const Json& value, std::uint64_t first) {
     return reading([&] {
         BatchItem item;
@@ -844,7 +843,7 @@ inline BatchItem read_batch_item(const Json& value, std::uint64_t first) {
     });
 }
 
-// Makes iterations of the events of a stream. There is one object for all, whose memory is used again.
+// Converts events to iterations, in one object whose memory is reused.
 class IterationReader {
 public:
     IterationReader() = default;
@@ -853,7 +852,7 @@ public:
     }
 
     void job(const Json& event) {
-        // An event without description belongs to an edit, which has the knots and weights of its parent.
+        // An event without bases belongs to an edit, which has the knots and weights of its parent.
         if (!event.contains("knots")) return;
         current_.directions = read_directions(event);
         if (text(event, "rational") != "fixed") return current_.weights.clear();
@@ -882,7 +881,7 @@ public:
     }
 
 private:
-    // Fits that choose their knots send them with the iterations where they are others than before.
+    // Fits that choose their knots send them with each iteration that changes them.
     void read_knots(const Json& event) {
         const auto found = event.find("knots");
         if (found == event.end() || found->is_null()) return;
@@ -904,7 +903,7 @@ private:
         }
     }
 
-    // Adds steps to what there is.
+    // Adds differences to the previous numbers.
     const Iteration& move(const Json& event) {
         const auto shape = event.at("shape").get<std::vector<std::size_t>>();
         const double step = event.at("step").get<double>();
@@ -949,10 +948,10 @@ struct Event {
     std::string id;
 };
 
-// Reads server-sent events (WHATWG HTML, section 9.2) as far as this API needs them. Holds one event at most.
+// Parses the part of server-sent events (WHATWG HTML, section 9.2) that this API uses. Buffers one event at most.
 class EventParser {
 public:
-    // Calls `on_event` for each event that is complete, up to one for which it returns false.
+    // Calls `on_event` for each complete event, until it returns false.
     template <class OnEvent>
     bool feed(const char* data, std::size_t size, const OnEvent& on_event) {
         while (size > 0) {
@@ -970,10 +969,10 @@ public:
         return true;
     }
 
-    // Seconds to wait before the stream is opened again, as the server asks.
+    // The delay before reopening the stream, in seconds, requested by the server.
     double retry() const { return retry_; }
 
-    // Forgets an event that the end of a connection has cut off.
+    // Drops an event that is incomplete at the end of a connection.
     void reset() {
         line_.clear();
         event_ = {};
@@ -1015,14 +1014,14 @@ private:
 
 // ------------------------------------------------------------------------------------------- Transfers
 
-// A request. `accepted_again` is a status that, from the second attempt on, means that an earlier one succeeded
-// whose answer was lost.
+// A request. `accepted_again` is a status that, for a retry, means that an earlier attempt succeeded but its response
+// was lost.
 struct Call {
     std::string method = "GET";
     std::string path;
     Query query;
     std::string accept = "application/json";
-    std::string content_type;  // empty: there is no body
+    std::string content_type;  // empty: no body
     std::string body;
     std::vector<std::string> headers;
     int accepted_again = 0;
@@ -1036,7 +1035,7 @@ struct Answer {
     std::string body;
 };
 
-// Takes a piece of the body; false if no more is wanted.
+// Receives a chunk of the body; returns false to stop.
 using Sink = std::function<bool(const char*, std::size_t)>;
 
 inline void initialise_curl() {
@@ -1044,7 +1043,7 @@ inline void initialise_curl() {
     if (code != CURLE_OK) throw Error(std::string("libcurl cannot start: ") + curl_easy_strerror(code));
 }
 
-// A handle of libcurl with the connections that it keeps.
+// A libcurl handle with its open connections.
 class CurlHandle {
 public:
     CurlHandle() : easy(curl_easy_init()), multi(curl_multi_init()) {
@@ -1067,7 +1066,7 @@ private:
     }
 };
 
-// Handles that are not in use: each transfer has one of its own, so that threads do not wait for each other.
+// Idle handles: each transfer uses its own, so that threads do not wait for each other.
 class HandlePool {
 public:
     std::unique_ptr<CurlHandle> take() {
@@ -1104,15 +1103,15 @@ inline std::string escaped(const std::string& text) {
     return out;
 }
 
-// A line that goes into the head of a request, which a line feed would end.
+// Checks a header line, which must not contain a line feed.
 inline const std::string& header_line(const std::string& line) {
     const bool control = std::any_of(line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
     if (control) throw std::invalid_argument("a token, key or header has a character that cannot be sent");
     return line;
 }
 
-// One request and its answer. The body of a success goes to the sink, if there is one, from within the receiving
-// of libcurl: nothing more is read from the connection while the sink is busy, which holds the server back.
+// One request and its response. The body of a successful response is passed to the sink, if there is one, in libcurl's
+// write callback: nothing more is read while the sink is busy, which holds back the server.
 class Transfer {
 public:
     using Clock = StopToken::Clock;
@@ -1129,7 +1128,7 @@ public:
     Transfer(const Transfer&) = delete;
     Transfer& operator=(const Transfer&) = delete;
 
-    // The answer, whatever its status. `*answered` is set as soon as the server has said anything.
+    // The response, with any status. `*answered` is set when the server has sent anything.
     Answer perform(std::atomic<bool>& answered) {
         call_.stop.throw_if_stopped();
         touched_ = Clock::now();
@@ -1149,7 +1148,7 @@ public:
         return std::move(answer_);
     }
 
-    // Seconds in Retry-After, which may be a date.
+    // Parses Retry-After, which may be a date, as seconds.
     std::optional<double> retry_after() const {
         curl_off_t seconds = 0;
         curl_easy_getinfo(easy_, CURLINFO_RETRY_AFTER, &seconds);
@@ -1167,7 +1166,7 @@ private:
 
     void add_headers(const ClientOptions& options) {
         add_header("Accept: " + call_.accept);
-        // libcurl would call a body that is not there a form.
+        // Without this, libcurl would send an empty body as a form.
         add_header("Content-Type:" + (call_.content_type.empty() ? "" : " " + call_.content_type));
         if (!options.token.empty()) add_header("Authorization: Bearer " + options.token);
         for (const auto& line : options.headers) add_header(line);
@@ -1182,7 +1181,7 @@ private:
 
     void set_up(const ClientOptions& options, const std::string& url) {
         set(CURLOPT_URL, url.c_str());
-        // Streams of HTTP/2 have windows of megabytes: with HTTP/1.1 the kernel's buffers are all that is ahead.
+        // HTTP/2 streams have windows of megabytes; with HTTP/1.1 only the kernel's buffers are read ahead.
         set(CURLOPT_HTTP_VERSION, static_cast<long>(CURL_HTTP_VERSION_1_1));
         set(CURLOPT_NOSIGNAL, 1L);
         set(CURLOPT_USERAGENT, "piad-cpp");
@@ -1207,11 +1206,11 @@ private:
     }
 
     CURLcode run() {
-        // A token is looked at so often while nothing arrives.
+        // The interval of checking the token while nothing arrives.
         const int pause = call_.stop.possible() ? 50 : 500;
         for (;;) {
             int running = 0;
-            if (curl_multi_perform(multi_, &running) != CURLM_OK) throw Error("libcurl cannot go on with a transfer");
+            if (curl_multi_perform(multi_, &running) != CURLM_OK) throw Error("libcurl cannot continue a transfer");
             int left = 0;
             while (const CURLMsg* message = curl_multi_info_read(multi_, &left)) {
                 if (message->msg == CURLMSG_DONE) return message->data.result;
@@ -1251,7 +1250,7 @@ private:
         return type != nullptr && std::strncmp(type, call_.accept.c_str(), call_.accept.size()) == 0;
     }
 
-    // Exceptions must not pass through libcurl: they wait until it has returned.
+    // Exceptions must not pass through libcurl: they are rethrown after it returns.
     std::size_t take(const char* data, std::size_t size) {
         try {
             call_.stop.throw_if_stopped();
@@ -1292,7 +1291,7 @@ private:
         answer_.file_name = line.substr(0, line.find('"'));
     }
 
-    // Sending counts as well as receiving.
+    // Sending counts as progress, like receiving.
     static int on_progress(void* self, curl_off_t, curl_off_t received, curl_off_t, curl_off_t sent) {
         auto& transfer = *static_cast<Transfer*>(self);
         if (std::exchange(transfer.moved_, received + sent) != received + sent) transfer.touched_ = Clock::now();
@@ -1316,7 +1315,7 @@ private:
 
 // ------------------------------------------------------------------------------------------ Connection
 
-// The address of a server without a slash at the end; std::invalid_argument if it cannot be one.
+// The address of a server without a trailing slash; throws std::invalid_argument if it is invalid.
 inline std::string server_url(std::string text) {
     const auto refuse = [&](const char* why) { throw std::invalid_argument("\"" + text + "\" is not the URL of a server: " + why); };
     if (text.rfind("http://", 0) != 0 && text.rfind("https://", 0) != 0) refuse("it begins with http:// or https://");
@@ -1338,7 +1337,7 @@ inline double random_between(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(device);
 }
 
-// A key that nobody else has: a random UUID.
+// A unique key: a random UUID.
 inline std::string random_key() {
     std::random_device device;
     static const char hex[] = "0123456789abcdef";
@@ -1350,7 +1349,7 @@ inline std::string random_key() {
     return key;
 }
 
-// Requests to one server, sent again when that helps.
+// Requests to one server, with retries.
 class Connection {
 public:
     Connection(const std::string& url, ClientOptions options) : options_(std::move(options)) {
@@ -1361,7 +1360,7 @@ public:
         url_ = server_url(url);
     }
 
-    // An answer that is not an error.
+    // Returns a successful response.
     Answer request(const Call& call) {
         for (int failures = 1;; ++failures) {
             std::chrono::milliseconds pause{0};
@@ -1379,12 +1378,12 @@ public:
 
     Json json(const Call& call) { return parse(request(call).body); }
 
-    // Gives the pieces of an answer to `sink`; nothing is tried again. Returns when the answer is complete or
-    // the sink wants no more of it.
+    // Passes the chunks of a response to `sink`, without retries. Returns when the response is complete or the sink
+    // stops it.
     void stream(const Call& call, const Sink& sink) { once(call, sink); }
 
-    // Within the handler of an exception: the time to wait before another attempt. Throws the exception on if
-    // none can help, or enough have been made.
+    // Within an exception handler: returns the delay before a retry. Rethrows if a retry is useless or no attempts are
+    // left.
     std::chrono::milliseconds pause_after(int failures, double at_least) const {
         bool again = false;
         std::optional<double> asked;
@@ -1397,16 +1396,16 @@ public:
             asked = error.retry_after;
         } catch (...) {
         }
-        // A server that has answered before may be starting again; one that has not is perhaps not there.
+        // A server that has responded before may be restarting; another one may not exist.
         const int attempts = answered_ ? options_.attempts : (std::min)(options_.attempts, 3);
         if (!again || failures >= attempts || asked.value_or(0) > 60) throw;
         const double doubled = (std::min)((std::max)(at_least, 0.25) * std::pow(2.0, failures - 1), 30.0);
-        // By chance longer, so that clients of a server that comes back do not come all at once.
+        // Random jitter, so that clients do not all reconnect at once.
         const double seconds = asked ? *asked * random_between(1.0, 1.1) : doubled * random_between(1.0, 1.5);
         return std::chrono::milliseconds(static_cast<long long>(seconds * 1000));
     }
 
-    // The longest time that the server may be asked to wait before it answers.
+    // The longest wait that may be requested from the server.
     std::chrono::seconds longest_wait() const { return std::chrono::duration_cast<std::chrono::seconds>(options_.timeout / 2); }
 
 private:
@@ -1430,7 +1429,7 @@ private:
         return answer;
     }
 
-    // The problem that the server names; of others on the way, what the status says.
+    // The problem in a response; for responses of proxies it is made from the status.
     static Problem problem_of(const Answer& answer) {
         if (answer.media_type.rfind("application/problem+json", 0) == 0) {
             return reading([&] { return read_problem(parse(answer.body)); });
@@ -1448,7 +1447,7 @@ private:
     std::atomic<bool> answered_{false};
 };
 
-// The head of a request for a new job.
+// The headers of a request for a new job.
 inline std::vector<std::string> creating(const std::string& key, std::chrono::seconds wait) {
     std::vector<std::string> headers{"Idempotency-Key: " + (key.empty() ? random_key() : header_line(key))};
     if (wait.count() >= 1) headers.push_back("Prefer: wait=" + std::to_string(wait.count()));
@@ -1461,7 +1460,7 @@ inline void add(Query& query, const char* name, const std::string& value) {
     if (!value.empty()) query.emplace_back(name, value);
 }
 
-// What a stream is asked for, of a job with these defaults.
+// The query of a stream, for a job with these defaults.
 inline Query shown(const WatchOptions& options, const Json& defaults) {
     Query query;
     add(query, "view", options.view);
@@ -1477,25 +1476,26 @@ inline Query shown(const WatchOptions& options, const Json& defaults) {
     const bool binary = options.encoding.empty() && !decimals && defaults.is_null();
     add(query, "encoding", binary ? "base64" : options.encoding);
     if (options.from != nullptr) add(query, "describe", "none");
-    // Knots are needed, whatever the job says of its streams.
+    // Knots are needed, whatever the job sets for its streams.
     else if (defaults.contains("describe")) add(query, "describe", "full");
     return query;
 }
 
-// What a stream is like that only tells of the beginning and the end, whatever the job sets for its own. No job
-// has so many iterations.
+// Settings of a stream that has only the first and last iteration, which override those of the job. No job has this
+// many iterations.
 inline Query ends_only() {
     return {{"view", "errors"}, {"every", "1000000000"}, {"milestones", ""},    {"pace", "all"},
             {"changed", "false"}, {"describe", "full"},  {"encoding", "json"}, {"digits", "full"}};
 }
 
-// The events of a job across connections: the stream is opened again after the last iteration that arrived, and
-// gives each iteration once and in order.
+// The events of a job across connections: the stream is reopened after the last iteration received, and returns each
+// iteration once and in order.
 class Stream {
 public:
     using OnIteration = std::function<bool(const Iteration&)>;
 
-    // `first` is sent until the job is known, then its events are asked for with `query`; not if it is ephemeral.
+    // `first` is sent until the id of the job is known; then its events are requested with `query`, unless it is
+    // ephemeral.
     Stream(std::shared_ptr<Connection> connection, Call first, Query query, const WatchOptions& options)
         : connection_(std::move(connection)), call_(std::move(first)), query_(std::move(query)), options_(options), reader_(options.from) {
         call_.accept = "text/event-stream";
@@ -1509,7 +1509,7 @@ public:
     // Called with the `job` event of each connection.
     std::function<void(const Json&)> on_job;
 
-    // How the job ended; nothing if `on_iteration` returned false before that.
+    // The end of the job; nullopt if `on_iteration` returned false before that.
     std::optional<End> run(const OnIteration& on_iteration) {
         for (;;) {
             std::chrono::milliseconds pause{0};
@@ -1518,10 +1518,10 @@ public:
                 if (!done_) throw ConnectionLost("the stream ended before the job");
             } catch (const Error&) {
                 if (!id_.empty() && !resumable_) throw;
-                // The time that servers ask for is meant for streams that have begun.
+                // The delay requested by servers applies to streams that have started.
                 pause = connection_->pause_after(++failures_, id_.empty() ? 0 : parser_.retry());
             }
-            // An exception of the caller is not one of the stream, even if it looks like one.
+            // Exceptions of the caller's function are passed on, even if they have the type of a stream error.
             if (thrown_) std::rethrow_exception(thrown_);
             if (done_) return end_;
             call_.stop.sleep(pause);
@@ -1547,7 +1547,7 @@ private:
 
     bool take(const Event& event, const OnIteration& on_iteration) {
         call_.stop.throw_if_stopped();
-        // Later versions may have events of other kinds.
+        // Later versions may send events of other kinds.
         if (event.name != "job" && event.name != "iteration" && event.name != "end") return true;
         const Json data = parse(event.data);
         if (event.name == "job") return take_job(data);
@@ -1605,7 +1605,7 @@ private:
     int failures_ = 0;
 };
 
-// A function of a value that returns whether to go on, or nothing.
+// Calls a function that returns void, or false to stop.
 template <class Value, class Function>
 std::function<bool(const Value&)> going_on(Function& function) {
     using Returned = std::invoke_result_t<Function&, const Value&>;
@@ -1625,8 +1625,8 @@ Stream::OnIteration on_iteration(Function& function) {
     return going_on<Iteration>(function);
 }
 
-// The items of a batch, sent in requests of a bounded size. After a broken connection those are sent again that have
-// no answer.
+// Sends the items of a batch in requests of bounded size. After a broken connection, items without a result are sent
+// again.
 class Batch {
 public:
     using OnItem = std::function<bool(const BatchItem&)>;
@@ -1636,7 +1636,7 @@ public:
         if (!options.defaults.is_null()) defaults_ = "\"defaults\":" + encoded(options.defaults) + ",";
     }
 
-    // Takes an item, and sends those before it once they are enough. Returns false if no more are wanted.
+    // Adds an item and sends a full group. Returns false to stop.
     bool add(const Json& item) {
         auto text = encoded(item);
         const bool is_full = bytes_ + text.size() > 256 * 1024 || part_.size() >= 5000 || Clock::now() - begun_ > std::chrono::milliseconds(500);
@@ -1647,7 +1647,7 @@ public:
         return true;
     }
 
-    // Fits the items that are left. Returns false if no more are wanted.
+    // Sends the remaining items. Returns false to stop.
     bool send() {
         failures_ = 0;
         while (!part_.empty()) {
@@ -1658,7 +1658,7 @@ public:
                 connect();
                 if (!ended_ && !done_ && !thrown_) throw ConnectionLost("the answer to the batch has no end");
             } catch (const Error&) {
-                // An exception of the caller is not one of the batch, even if it looks like one.
+                // Exceptions of the caller's function are passed on, even if they have the type of a batch error.
                 if (!thrown_) pause = connection_->pause_after(++failures_, 0);
             }
             if (thrown_) std::rethrow_exception(thrown_);
@@ -1741,12 +1741,12 @@ private:
 
 // -------------------------------------------------------------------------------------------------- Job
 
-// A job, and what can be done with it. `client.job(id)` finds any.
+// A job and its operations. `client.job(id)` returns the job with this id.
 class Job {
 public:
     const std::string& id() const { return status_.id; }
 
-    // What the server said last; `refresh` asks it again.
+    // The last state received from the server; `refresh` updates it.
     const JobStatus& status() const { return status_; }
 
     const JobStatus& refresh(const StopToken& stop = {}) {
@@ -1754,7 +1754,7 @@ public:
         return status_;
     }
 
-    // Waits until the job has ended. The job goes on if the token stops this: `stop.after(10s)` is a time limit.
+    // Waits until the job has ended. The job continues if the token cancels this: `stop.after(10s)` is a timeout.
     const JobStatus& wait(const StopToken& stop = {}) {
         if (status_.ended()) return status_;
         WatchOptions options;
@@ -1763,19 +1763,19 @@ public:
         return refresh(stop);
     }
 
-    // The last iteration, when the job has ended: waits for that. A job that was cancelled has a result if it got
-    // anywhere; `JobFailed` if there is none.
+    // Waits for the last iteration. A cancelled job has a result if it computed an iteration; otherwise throws
+    // `JobFailed`.
     Result result(const StopToken& stop = {}) {
         wait(stop);
         if (status_.state == "failed" || !status_.iteration) throw JobFailed(status_.id, status_.state, status_.problem);
         return detail::read_result(connection_->json(get("/result", {{"encoding", "base64"}}, stop)));
     }
 
-    // Calls `function(const Iteration&)` for each iteration, as they are computed and up to the end of the job. Each
-    // from 0 on (or after `options.after`) comes once and in order, through broken connections and restarts of the
-    // server, unless options leave some out. Nothing is read ahead: while the function is busy, the server waits.
-    // The iteration is overwritten by the next one: copy what is to be kept. If the function returns false the
-    // stream ends and nothing is returned, otherwise how the job ended. The job itself goes on in any case.
+    // Calls `function(const Iteration&)` for each iteration as it is computed, until the job ends. Each one from 0 (or
+    // after `options.after`) arrives once and in order, despite broken connections and restarts of the server, unless
+    // options skip some. Nothing is read ahead: a slow function holds back the server. The next iteration overwrites
+    // the object: copy what you need. If the function returns false, the stream ends and nullopt is returned, otherwise
+    // the end of the job. The job itself continues in any case.
     template <class Function>
     std::optional<End> watch(Function&& function, const WatchOptions& options = {}) {
         const auto query = detail::shown(options, defaults());
@@ -1785,12 +1785,12 @@ public:
         return end;
     }
 
-    // One iteration with its geometry, by default the last; those to come are waited for.
+    // One iteration with its geometry, by default the last; waits for one that is not computed yet.
     Iteration iteration(std::optional<std::uint64_t> number = {}, const StopToken& stop = {}) {
         detail::IterationReader reader;
         WatchOptions options;
         options.stop = stop;
-        // Knots are in the first event of the stream alone.
+        // Only the first event of the stream has knots.
         detail::Stream ends(connection_, get("/events", detail::ends_only(), stop), detail::ends_only(), options);
         bool described = false;
         ends.on_job = [&](const Json& job) {
@@ -1806,7 +1806,7 @@ public:
         return detail::reading([&] { return reader.iteration(level); });
     }
 
-    // Stops the job. An `ApiError` of the type "/problems/already-ended" if it has ended in another way.
+    // Cancels the job. Throws `ApiError` of type "/problems/already-ended" if it has ended otherwise.
     const JobStatus& cancel(const StopToken& stop = {}) {
         auto call = get("/cancel", {}, stop);
         call.method = "POST";
@@ -1814,7 +1814,7 @@ public:
         return status_;
     }
 
-    // Makes the server forget the job.
+    // Deletes the job.
     void remove(const StopToken& stop = {}) {
         auto call = get("", {}, stop);
         call.method = "DELETE";
@@ -1822,20 +1822,21 @@ public:
         connection_->request(call);
     }
 
-    // A new job that starts from the control points of this one; what the edit does not name stays as it is.
+    // Creates a job that starts from the control points of this one; settings that the edit does not name are kept.
     Job edit(const Json& edit, const CreateOptions& options = {}) const {
         return create(connection_, path() + "/edits", edit, options);
     }
 
-    // The same with its iterations in the answer. With "ephemeral": true the edit is a fit for the moment, such as
-    // one position of a point that is dragged: it leaves no job behind, and `ConnectionLost` if its connection breaks.
+    // The same, streaming iterations in the response. With "ephemeral": true nothing is stored, as for one position of
+    // a dragged point; throws `ConnectionLost` if the connection breaks.
     template <class Function>
     std::optional<End> edit_watch(const Json& edit, Function&& function, const WatchOptions& options = {}) const {
         const Json& own = edit.contains("stream") ? edit.at("stream") : defaults();
         return watch_new(connection_, path() + "/edits/stream", edit, own, detail::on_iteration(function), options);
     }
 
-    // How far the data are from the nearest points of an iteration (by default the last), with `list` of each point.
+    // The distances of the data from the nearest points of an iteration (by default the last), with `list` also of each
+    // point.
     Deviation deviation(bool list = false, std::optional<std::uint64_t> number = {}, const StopToken& stop = {}) const {
         const Query query{{"iteration", number ? std::to_string(*number) : "last"}, {"list", list ? "true" : "false"}};
         const Json value = connection_->json(get("/deviation", query, stop));
@@ -1852,10 +1853,10 @@ public:
         });
     }
 
-    // The job as it was asked for. Sent again, it makes the same job.
+    // The request that created the job. Sent again, it creates the same job.
     Json input(const StopToken& stop = {}) const { return connection_->json(get("/input", {}, stop)); }
 
-    // The result, or an iteration, as a file: "step" or another format of docs/FILES.md.
+    // Exports the result, or an iteration, as a file: "step" or another format of docs/reference/files.md.
     File file(const std::string& format, const FileOptions& options = {}) const {
         const auto part = options.iteration ? "/iterations/" + std::to_string(*options.iteration) : std::string("/result");
         auto call = get(part + "/" + detail::escaped(format), {}, options.stop);
@@ -1867,8 +1868,8 @@ public:
         return {std::move(answer.file_name), std::move(answer.media_type), std::move(answer.body)};
     }
 
-    // Opens the stream of this job for a minute where no token can be sent, as in a browser: the query parameter
-    // `ticket` of its events. An `ApiError` with status 409 if the server asks for no tokens.
+    // Returns a ticket that opens the stream of this job for one minute without a token, as in a browser: the query
+    // parameter `ticket` of its events. Throws `ApiError` with status 409 if the server requires no tokens.
     std::string ticket(const StopToken& stop = {}) const {
         auto call = get("/tickets", {}, stop);
         call.method = "POST";
@@ -1920,7 +1921,7 @@ private:
         call.query = query;
         detail::add(call.query, "on_disconnect", options.on_disconnect);
         const bool ephemeral = body.is_object() && body.value("ephemeral", Json()) == true;
-        // There is nothing to find by a key, and nothing to go on with.
+        // Nothing is stored, so there is nothing to find by a key or to resume.
         if (!ephemeral) call.headers = detail::creating(options.idempotency_key, std::chrono::seconds(0));
         detail::Stream stream(connection, std::move(call), query, options);
         if (ephemeral) stream.set_ephemeral();
@@ -1939,18 +1940,18 @@ public:
     explicit Client(const std::string& url = "http://127.0.0.1:8080", ClientOptions options = {})
         : connection_(std::make_shared<detail::Connection>(url, std::move(options))) {}
 
-    // A new job, which starts at once. Requests are the JSON of docs/JOBS.md.
+    // Creates a job, which starts immediately. Requests are the JSON of docs/reference/job.md.
     Job create(const Json& request, const CreateOptions& options = {}) const { return Job::create(connection_, "/v1/jobs", request, options); }
 
-    // The result of a new job, when it has ended. A fit that has not reached its tolerance is a result, too: its
-    // `state` is not "converged".
+    // Creates a job and waits for its result. A fit that has not reached its tolerance also has a result, whose `state`
+    // is not "converged".
     Result fit(const Json& request, CreateOptions options = {}) const {
         if (options.wait.count() == 0) options.wait = std::chrono::seconds(10);
         return create(request, options).result(options.stop);
     }
 
-    // The result of a fit that is no job and is kept nowhere. An `ApiError` with status 422 if it does not come within
-    // its tolerance. It takes one request, in which the server must answer within `timeout`.
+    // Fits without creating a job; nothing is stored. Throws `ApiError` with status 422 if the tolerance is not
+    // reached. The server must respond within `timeout`.
     Result fit_once(const Json& request, const StopToken& stop = {}) const {
         auto call = Job::post("/v1/fit", request);
         call.query = {{"encoding", "base64"}};
@@ -1958,9 +1959,9 @@ public:
         return detail::read_result(connection_->json(call));
     }
 
-    // Many fits, which are much quicker together than one by one. `items` is a range of jobs as JSON, which are taken and
-    // sent some at a time; nothing of them is kept. The function is called with a `BatchItem` for each, in order; it may
-    // return false to end the batch. An item that fails ends nothing: it has a `problem`.
+    // Fits many items, which is much faster than one request each. `items` is a range of jobs as JSON, which are read
+    // and sent in groups, and not stored. The function is called with a `BatchItem` for each, in order; it may return
+    // false to end the batch. A failed item has a `problem` and does not end the batch.
     template <class Items, class Function>
     BatchTotals batch(const Items& items, Function&& function, const BatchOptions& options = {}) const {
         detail::Batch batch(connection_, options, detail::going_on<BatchItem>(function));
@@ -1971,7 +1972,7 @@ public:
         return batch.totals();
     }
 
-    // A new job with its iterations in the answer; see `Job::watch`. `job(end->id)` is the job.
+    // Creates a job and streams its iterations in the response; see `Job::watch`. `job(end->id)` is the job.
     template <class Function>
     std::optional<End> watch(const Json& request, Function&& function, const WatchOptions& options = {}) const {
         static const Json none;
@@ -1983,7 +1984,7 @@ public:
         return Job(connection_, detail::read_status(get("/v1/jobs/" + detail::escaped(id), {}, stop)));
     }
 
-    // Jobs, the newest first.
+    // Jobs, newest first.
     std::vector<Job> jobs(const ListOptions& options = {}) const {
         std::vector<Job> jobs;
         std::string cursor;
@@ -2003,7 +2004,7 @@ public:
         return jobs;
     }
 
-    // The points of a file (CSV, tables with blanks, airfoils, point clouds) as the "curve" or "surface" of a job.
+    // Reads the points of a file (CSV, tables, airfoils, point clouds) as the "curve" or "surface" of a job.
     // `size`, such as "40x60", makes them rows and columns of a surface.
     Json read_points(const std::string& content, const std::string& size = "", const StopToken& stop = {}) const {
         detail::Call call;
@@ -2016,7 +2017,7 @@ public:
         return connection_->json(call);
     }
 
-    // What the server tells about other things, such as "/v1/capabilities" or "/v1/rates".
+    // The response to GET of another path, such as "/v1/capabilities" or "/v1/rates".
     Json get(const std::string& path, const Query& query = {}, const StopToken& stop = {}) const {
         detail::Call call;
         call.path = path;

@@ -1,4 +1,4 @@
-"""The table of docs/FITTING.md: interpolations of every second point of 150 airfoils, and where the others lie.
+"""The table of docs/how-to/choose-a-fit.md: interpolations of every second point of 150 airfoils, and where the others lie.
 
     docs/fitting/airfoils.py PROGRAM    # the server to start, such as target/release/piad
 

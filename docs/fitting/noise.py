@@ -1,4 +1,4 @@
-"""The tables of docs/FITTING.md about noise and outliers: how far fits are from the curve that the points were taken of.
+"""The tables of docs/how-to/noisy-data.md: how far fits are from the curve that the points were taken of.
 
     docs/fitting/noise.py PROGRAM    # the server to start, such as target/release/piad
 

@@ -1,4 +1,4 @@
-"""The pictures of docs/FITTING.md and of the README, fitted and drawn by a real server.
+"""The pictures of docs/how-to/choose-a-fit.md and of the README, fitted and drawn by a real server.
 
     docs/fitting/pictures.py PROGRAM    # the server to start, such as target/debug/piad
 

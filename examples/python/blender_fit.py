@@ -1,7 +1,7 @@
-"""Blender script: the fit of a curve as an animation, one frame for each of its iterations.
+"""Blender script: animates the fit of a curve, one frame for each iteration.
 
 Install the client into Blender's Python (`python -m pip install ./clients/python`), start a server,
-and run this in the Text Editor. Blender's NURBS have no knots of one's own, so each iteration is
+and run this in the Text Editor. Blender's NURBS do not support custom knots, so each iteration is
 sampled into a mesh with a shape key.
 
 Without a window, `blender --background --python blender_fit.py` or, with `pip install bpy`,

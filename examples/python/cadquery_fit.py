@@ -3,7 +3,7 @@
     pip install ./clients/python cadquery        # or build123d
     python cadquery_fit.py [SERVER [FILE]]
 
-With neither of both installed, OpenCASCADE (cadquery-ocp) writes the face itself.
+Without both, OpenCASCADE (cadquery-ocp) writes the face itself.
 """
 
 import math

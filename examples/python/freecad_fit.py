@@ -17,7 +17,7 @@ SERVER = "http://127.0.0.1:8080"
 
 
 def data_points():
-    """The vertices of what is selected, in order; in millimetres."""
+    """The vertices of the selection, in order, in millimetres."""
     if App.GuiUp:
         points = [v.Point for part in Gui.Selection.getSelection() for v in part.Shape.OrderedVertexes]
         if points:

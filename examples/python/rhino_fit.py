@@ -14,7 +14,7 @@ SERVER = "http://127.0.0.1:8080"
 
 
 def curve_of(fitted):
-    """A Rhino.Geometry.NurbsCurve, whose knots are all but the first and the last."""
+    """A Rhino.Geometry.NurbsCurve, which omits the first and last knot."""
     fitted = fitted.as_bspline()
     count = len(fitted.control_points)
     made = Rhino.Geometry.NurbsCurve(3, fitted.weights is not None, fitted.degree + 1, count)

@@ -1,7 +1,7 @@
 //! Jobs and edits that are made up of bytes: each byte chooses something. Most of them are fits that can
 //! be computed, which bytes read as JSON rarely are.
 
-mod obeying;
+mod constrained;
 
 use arbitrary::{Arbitrary, Unstructured};
 use serde_json::{Map, Value, json};
@@ -45,7 +45,7 @@ impl<'a> Choices<'a> {
         self.0.int_in_range(0..=last).unwrap_or(0)
     }
 
-    /// Seldom, as a mistake ends most jobs.
+    /// Seldom, as a error ends most jobs.
     fn rarely(&mut self) -> bool {
         self.below(16) == 15
     }

@@ -15,7 +15,7 @@ use bytes::Bytes;
 
 use crate::api::json::request::{edit as json_edit, job as json_job};
 use crate::api::json::view;
-use crate::api::problem::{Problem as Refusal, Words};
+use crate::api::problem::{Locator, Problem as Refusal};
 use crate::api::proto;
 use crate::config::Config;
 use crate::job::outline::{Label, Outline};
@@ -24,8 +24,8 @@ use crate::job::state::{Levels, State, Status};
 use crate::job::store::fuzzing as store;
 use crate::job::store::{Record, StoreError};
 use crate::model::edit::{EditRequest, ParentFit};
+use crate::model::errors::MAX_ERRORS;
 use crate::model::job::{JobRequest, ValidJob};
-use crate::model::mistakes::MOST_MISTAKES;
 use crate::model::scattered::no_base;
 use made::Choices;
 use piad_fit::data::Points;
@@ -37,13 +37,13 @@ const MOST_POINTS: usize = 50;
 /// Nor are those that take more multiplications before the first level.
 const MOST_WORK: usize = 1_000_000;
 
-/// Lists of points are read in parts of so many bytes.
+/// Lists of points are read in parts of this many bytes.
 const SHORT: usize = 50;
 
 /// The levels that are computed after the first.
 const LEVELS: usize = 3;
 
-/// The most bytes of an answer that says what is wrong with a request.
+/// The maximum size of an error response in bytes.
 const LONGEST_ANSWER: usize = 64 * 1024;
 
 /// The body of `POST /v1/jobs` in JSON.
@@ -137,19 +137,19 @@ fn job_of_message(bytes: &[u8]) -> Result<ValidJob, Refusal> {
     valid(request, &layout)
 }
 
-fn valid(request: JobRequest, words: &impl Words) -> Result<ValidJob, Refusal> {
+fn valid(request: JobRequest, locator: &impl Locator) -> Result<ValidJob, Refusal> {
     let valid = request.validate(config().limits(), Err(no_base()));
-    valid.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
+    valid.map_err(|errors| Refusal::of_errors(errors, locator))
 }
 
-/// What was accepted. A refusal says what is wrong, and not at any length.
+/// Returns the accepted value. A refusal must have errors of limited length.
 fn accepted<T>(outcome: Result<T, Refusal>) -> Option<T> {
     let refusal = match outcome {
         Ok(accepted) => return Some(accepted),
         Err(refusal) => refusal,
     };
     assert!(!refusal.detail().is_empty(), "{refusal:?}");
-    assert!(refusal.errors().len() <= MOST_MISTAKES, "{refusal:?}");
+    assert!(refusal.errors().len() <= MAX_ERRORS, "{refusal:?}");
     let answer = view::to_bytes(&refusal.body(None));
     assert!(answer.len() <= LONGEST_ANSWER, "{refusal:?}");
     None
@@ -307,7 +307,7 @@ impl Parent {
         })
     }
 
-    fn edited(&self, request: EditRequest, words: &impl Words) -> Result<ValidJob, Refusal> {
+    fn edited(&self, request: EditRequest, locator: &impl Locator) -> Result<ValidJob, Refusal> {
         let origin = ParentFit {
             problem: &self.problem,
             control_points: &self.control_points,
@@ -315,7 +315,7 @@ impl Parent {
             stream: None,
         };
         let edited = request.apply(&origin, config().limits());
-        edited.map_err(|mistakes| Refusal::of_mistakes(mistakes, words))
+        edited.map_err(|errors| Refusal::of_errors(errors, locator))
     }
 }
 

@@ -23,7 +23,7 @@ fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
         .collect()
 }
 
-/// Calls a target with a seed that was made here, and keeps it for the fuzzer where that is asked for.
+/// Calls a target with a generated seed, and stores it for the fuzzer on request.
 fn sow(target: &str, name: &str, bytes: &[u8]) {
     match target {
         "message" => message(bytes),
@@ -86,7 +86,7 @@ fn seeds_are_edits_of_a_parent() {
 
 /// Bytes by chance make jobs of which a good part can be computed, and so can edits of them.
 #[test]
-fn what_is_made_up_is_often_accepted() {
+fn many_generated_requests_are_accepted() {
     let (mut jobs, mut edits) = (0, 0);
     for seed in 0..300_u64 {
         let bytes = by_chance(seed);
@@ -105,7 +105,7 @@ fn what_is_made_up_is_often_accepted() {
 
 /// Fits that choose their knots, whatever they obey and weigh, end, and with finite numbers.
 #[test]
-fn automatic_fits_that_are_made_up_end() {
+fn generated_automatic_fits_end() {
     let mut count = 0;
     for seed in 0..60_000_u64 {
         let asked = Choices::of(&by_chance(seed)).job();

@@ -6,11 +6,11 @@ use libfuzzer_sys::fuzz_target;
 use piad_files::import::{Hints, read_parts};
 
 /// Few points, so that what takes long is not what is many.
-const MOST: usize = 100_000;
+const MAX_POINTS: usize = 100_000;
 
 fuzz_target!(|bytes: &[u8]| {
     let hints = Hints {
-        most: MOST,
+        most: MAX_POINTS,
         ..Hints::default()
     };
     if let Ok(parts) = read_parts(bytes, &hints) {

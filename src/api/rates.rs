@@ -1,7 +1,7 @@
 //! Comparisons of bases, for both transports.
 
 use super::app::App;
-use super::order;
+use super::create_job;
 use super::problem::Problem;
 use piad_fit::engine::rates::{BasisRate, MOST_DEGREE, MOST_POINTS, compare};
 use piad_fit::invalid::{Invalid, Place, one_for_each};
@@ -50,7 +50,7 @@ pub(super) async fn rates(
     request: RatesRequest,
     wrong: fn(WrongPart) -> Problem,
 ) -> Result<Rates, Problem> {
-    order::read(app, usize::MAX, move || request.answer().map_err(wrong)).await
+    create_job::read(app, usize::MAX, move || request.answer().map_err(wrong)).await
 }
 
 impl RatesRequest {

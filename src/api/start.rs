@@ -7,17 +7,17 @@ use tokio::time::timeout;
 
 use super::app::App;
 use super::jobs;
-use super::problem::{Problem, Words};
+use super::problem::{Locator, Problem};
 use crate::job::Job;
 use crate::job::cursor::{Cursor, Next};
 use crate::job::frame::Frame;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
+use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::iteration::IterationChoice;
 use crate::model::job::{JobRequest, Limits, ValidJob};
-use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::scattered::{FootPoints, no_base};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::engine::foot;
 use piad_fit::geometry::Nurbs;
 
@@ -27,7 +27,7 @@ const BEGINS_WITHIN: Duration = Duration::from_secs(10);
 /// The surface of another job on which the scattered points of a job have their foot points.
 pub(super) struct Base {
     /// Its level, or why there is none.
-    frame: Result<Arc<Frame>, Mistake>,
+    frame: Result<Arc<Frame>, ValidationError>,
     /// The memory for the search.
     _memory: Option<Permit>,
 }
@@ -71,21 +71,24 @@ impl Base {
         self,
         request: JobRequest,
         limits: Limits,
-        words: &impl Words,
+        locator: &impl Locator,
     ) -> Result<ValidJob, Problem> {
         let surface = self
             .frame
             .map(|base| Nurbs::of(&base.problem, &base.control_points));
-        let valid = request.validate(limits, surface.as_ref().map_err(Mistake::clone));
-        valid.map_err(|mistakes| Problem::of_mistakes(mistakes, words))
+        let valid = request.validate(limits, surface.as_ref().map_err(ValidationError::clone));
+        valid.map_err(|errors| Problem::of_errors(errors, locator))
     }
 }
 
 /// The level of another job that a new one refers to, or why there is none.
-async fn frame_of(app: &App, base: &FootPoints) -> Result<Result<Arc<Frame>, Mistake>, Problem> {
+async fn frame_of(
+    app: &App,
+    base: &FootPoints,
+) -> Result<Result<Arc<Frame>, ValidationError>, Problem> {
     let Some(job) = jobs::known(app, &base.job).await? else {
         let detail = format!("there is no job {}", quoted(&base.job));
-        return Ok(Err(Mistake::at(SpecPart::FootPoints, detail)));
+        return Ok(Err(ValidationError::at(SpecPart::FootPoints, detail)));
     };
     let iteration = base.iteration.and_then(IterationChoice::number);
     let place = match iteration {
@@ -96,12 +99,12 @@ async fn frame_of(app: &App, base: &FootPoints) -> Result<Result<Arc<Frame>, Mis
                 "the job is {}: wait until it has ended, or name an iteration that it has reached",
                 job.status().state
             );
-            return Ok(Err(Mistake::at(SpecPart::FootPoints, detail)));
+            return Ok(Err(ValidationError::at(SpecPart::FootPoints, detail)));
         }
         None => SpecPart::FootPoints,
     };
     let frame = start(&job, iteration).await?;
-    Ok(frame.map_err(|detail| Mistake::at(place, detail)))
+    Ok(frame.map_err(|detail| ValidationError::at(place, detail)))
 }
 
 /// The level of a job that an edit or another job starts from, or why there is none.

@@ -40,7 +40,7 @@ const AUTHORITY: &str = "its certificate is that of an authority (CA:TRUE), and 
 
 /// A server.
 pub(super) struct Client {
-    door: Door,
+    backend: Backend,
     /// The path of the job that is followed, once it is known.
     pub job: OnceLock<String>,
 }
@@ -61,9 +61,9 @@ impl Current {
     }
 }
 
-enum Door {
-    Here(Box<Local>),
-    There {
+enum Backend {
+    InProcess(Box<Local>),
+    Remote {
         client: Box<legacy::Client<HttpsConnector<HttpConnector>, Body>>,
         base: String,
         token: Option<HeaderValue>,
@@ -89,7 +89,7 @@ impl Client {
             config.ring = ByteSize::gib(1);
         }
         let local = local::start(config).await.map_err(failed)?;
-        Ok(Self::new(Door::Here(Box::new(local))))
+        Ok(Self::new(Backend::InProcess(Box::new(local))))
     }
 
     /// A server at a URL, which may have a path before those of the API.
@@ -98,7 +98,7 @@ impl Client {
         let wrong = |detail: &str| Failure::usage(format!("--server {shown}: {detail}"));
         let uri: Uri = url.parse().map_err(|_| wrong("it is no URL"))?;
         if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none() {
-            return Err(wrong("it is no URL such as https://fits.example.org"));
+            return Err(wrong("expected a URL such as https://fits.example.org"));
         }
         let token = token.map(|token| HeaderValue::try_from(format!("Bearer {token}")));
         let token = token.transpose();
@@ -110,38 +110,38 @@ impl Client {
             Err(_) if uri.scheme_str() == Some("http") => plain_connector(),
             Err(_) => return Err(Failure::Failed(format!("{shown}: {NO_AUTHORITIES}"))),
         };
-        Ok(Self::new(Door::There {
+        Ok(Self::new(Backend::Remote {
             client: Box::new(legacy::Client::builder(TokioExecutor::new()).build(connector)),
             base: url.trim_end_matches('/').to_owned(),
             token,
         }))
     }
 
-    fn new(door: Door) -> Self {
+    fn new(backend: Backend) -> Self {
         Self {
-            door,
+            backend,
             job: OnceLock::new(),
         }
     }
 
     /// Returns true if it is another process.
     pub(super) fn is_remote(&self) -> bool {
-        matches!(self.door, Door::There { .. })
+        matches!(self.backend, Backend::Remote { .. })
     }
 
     /// The address of a path.
     fn address(&self, path: &str) -> String {
-        match &self.door {
-            Door::Here(_) => path.to_owned(),
-            Door::There { base, .. } => format!("{base}{path}"),
+        match &self.backend {
+            Backend::InProcess(_) => path.to_owned(),
+            Backend::Remote { base, .. } => format!("{base}{path}"),
         }
     }
 
     /// The address of a path for messages: a URL can have a password.
     pub(super) fn shown(&self, path: &str) -> String {
-        match &self.door {
-            Door::Here(_) => path.to_owned(),
-            Door::There { base, .. } => format!("{}{path}", redacted(base)),
+        match &self.backend {
+            Backend::InProcess(_) => path.to_owned(),
+            Backend::Remote { base, .. } => format!("{}{path}", redacted(base)),
         }
     }
 
@@ -192,14 +192,14 @@ impl Client {
             .uri(self.address(path))
             .header(header::ACCEPT, accept);
         let failed = |reason: String| Failure::Failed(format!("{}: {reason}", self.shown(path)));
-        let response = match &self.door {
-            Door::Here(local) => {
+        let response = match &self.backend {
+            Backend::InProcess(local) => {
                 let request = request.header(header::HOST, "localhost").body(body);
                 let request = request.map_err(|reason| failed(reason.to_string()))?;
                 let answer = local.router.clone().oneshot(request).await;
                 answer.unwrap_or_else(|never| match never {})
             }
-            Door::There { client, token, .. } => {
+            Backend::Remote { client, token, .. } => {
                 let mut request = request.body(body).map_err(|it| failed(it.to_string()))?;
                 if let Some(token) = token {
                     request
@@ -213,7 +213,7 @@ impl Client {
                 }
                 let answer = client.request(request).await;
                 answer
-                    .map_err(|reason| failed(told(&reason)))?
+                    .map_err(|reason| failed(message(&reason)))?
                     .map(Body::new)
             }
         };
@@ -232,7 +232,7 @@ async fn answer(response: Response<Body>) -> Result<Result<Body, Refusal>, Failu
 }
 
 /// Why a server was not reached.
-fn told(error: &legacy::Error) -> String {
+fn message(error: &legacy::Error) -> String {
     match refused_certificate(error) {
         Some(CertificateError::UnknownIssuer) => NOT_TRUSTED.to_owned(),
         // The kind of a malformed certificate is known by name only.
@@ -265,9 +265,9 @@ fn causes(error: &dyn Error) -> String {
 
 /// A connector without trusted certificates, for plain HTTP.
 fn plain_connector() -> HttpsConnector<HttpConnector> {
-    let nobody = rustls::RootCertStore::empty();
+    let no_roots = rustls::RootCertStore::empty();
     let config = rustls::ClientConfig::builder()
-        .with_root_certificates(nobody)
+        .with_root_certificates(no_roots)
         .with_no_client_auth();
     HttpsConnectorBuilder::new()
         .with_tls_config(config)

@@ -11,7 +11,7 @@ use serde_json::Value;
 use super::failure::Failure;
 use crate::files;
 use piad_files::import::is_geojson;
-use piad_files::short::without_mark;
+use piad_files::text::without_mark;
 
 /// The kind of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,8 +86,8 @@ impl Input {
 pub(super) fn not_json(name: &str, error: &serde_json::Error) -> Failure {
     let line = error.line().max(1);
     // The line and column also stand at the end.
-    let told = error.to_string();
-    let detail = told.split(" at line ").next().unwrap_or(&told);
+    let message = error.to_string();
+    let detail = message.split(" at line ").next().unwrap_or(&message);
     Failure::usage(format!("{name}:{line}: {detail}"))
 }
 

@@ -10,7 +10,7 @@ use super::outputs::{OutputFormat, Place, write};
 use crate::config::fit_arguments::FitArguments;
 
 /// The default limit of the number of files.
-const MOST: usize = 1000;
+const MAX_FILES: usize = 1000;
 
 /// Makes the directory before the fit begins, so that errors are found early.
 pub(super) fn prepare(directory: &Path) -> Result<(), Failure> {
@@ -33,7 +33,7 @@ pub(super) async fn write_all(
     last: usize,
 ) -> Result<(usize, u64), Failure> {
     let every = arguments.every.map(|every| every as usize);
-    let every = every.unwrap_or_else(|| (last + 1).div_ceil(MOST).max(1));
+    let every = every.unwrap_or_else(|| (last + 1).div_ceil(MAX_FILES).max(1));
     let mut numbers: Vec<usize> = (0..=last).step_by(every).collect();
     if numbers.last() != Some(&last) {
         numbers.push(last);

@@ -17,7 +17,7 @@ const FOOT_POINTS: &str = "foot_points";
 
 /// The requested options.
 #[derive(Debug, Default)]
-pub(super) struct Asked {
+pub(super) struct JobOptions {
     /// Fields of a job, without points.
     pub fields: Map<String, Value>,
     /// Flags about the input file: query parameters, and their values.
@@ -26,7 +26,7 @@ pub(super) struct Asked {
     pub flags: Vec<(String, String)>,
 }
 
-impl Asked {
+impl JobOptions {
     /// Flags about a file of points.
     pub(super) fn hints(&self) -> Hints {
         let mut reading = FileHints::default();
@@ -39,21 +39,23 @@ impl Asked {
 
     /// The options of the flags for an input.
     pub(super) fn of(arguments: &FitArguments, input: &Input) -> Result<Self, Failure> {
-        let mut asked = Self::default();
-        asked.take_settings(arguments)?;
+        let mut options = Self::default();
+        options.take_settings(arguments)?;
         for text in &arguments.set {
-            asked.take_set(text)?;
+            options.take_set(text)?;
         }
         if arguments.surface.is_some() {
             let size = arguments.surface.clone().flatten();
-            asked.reading.extend(size.map(|size| (SIZE, size)));
-            asked.fields.entry("surface").or_insert_with(|| json!({}));
-            asked.flags.push((SIZE.to_owned(), "--surface".to_owned()));
+            options.reading.extend(size.map(|size| (SIZE, size)));
+            options.fields.entry("surface").or_insert_with(|| json!({}));
+            options
+                .flags
+                .push((SIZE.to_owned(), "--surface".to_owned()));
         }
         if arguments.sections {
-            asked.reading.push((SECTIONS, true.to_string()));
-            asked.fields.entry("surface").or_insert_with(|| json!({}));
-            asked
+            options.reading.push((SECTIONS, true.to_string()));
+            options.fields.entry("surface").or_insert_with(|| json!({}));
+            options
                 .flags
                 .push((SECTIONS.to_owned(), "--sections".to_owned()));
         }
@@ -63,8 +65,8 @@ impl Asked {
             (PIECE, "--piece", &arguments.piece),
         ] {
             if let Some(text) = text {
-                asked.reading.push((name, text.clone()));
-                asked.flags.push((name.to_owned(), flag.to_owned()));
+                options.reading.push((name, text.clone()));
+                options.flags.push((name.to_owned(), flag.to_owned()));
             }
         }
         let from_file = match &arguments.json {
@@ -76,10 +78,10 @@ impl Asked {
                 serde_json::from_slice(&text).map_err(|error| not_json(&name, &error))?
             }
         };
-        asked.take_shape(arguments, input, &from_file)?;
-        let flags = std::mem::replace(&mut asked.fields, from_file);
-        merge(&mut asked.fields, flags);
-        Ok(asked)
+        options.take_shape(arguments, input, &from_file)?;
+        let flags = std::mem::replace(&mut options.fields, from_file);
+        merge(&mut options.fields, flags);
+        Ok(options)
     }
 
     /// Returns true if heights are placed in space.
@@ -258,7 +260,7 @@ impl Asked {
 
     fn take_set(&mut self, text: &str) -> Result<(), Failure> {
         let Some((path, value)) = text.split_once('=') else {
-            let detail = "it is no field with its value, such as curve.degree=3";
+            let detail = "not a field with a value; expected one such as curve.degree=3";
             return Err(Failure::usage(format!("--set {text}: {detail}")));
         };
         let flag = format!("--set {path}");
@@ -310,9 +312,8 @@ pub(super) fn merge_into_items(batch: &mut Value, over: &Map<String, Value>) {
 fn shape(input: &Input) -> Result<&'static str, Failure> {
     let surface = match input.content {
         // The reader of the input reports its errors.
-        Content::Points => {
-            PointKind::of(input, &Asked::default().hints()).is_some_and(|points| points.surface)
-        }
+        Content::Points => PointKind::of(input, &JobOptions::default().hints())
+            .is_some_and(|points| points.surface),
         Content::Job | Content::Batch => input.value()?.get("surface").is_some(),
     };
     Ok(match surface {

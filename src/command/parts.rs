@@ -8,7 +8,7 @@ use super::client::Client;
 use super::failure::Failure;
 use super::file_query::FileQuery;
 use super::input::{Content, Input};
-use super::options::Asked;
+use super::options::JobOptions;
 use super::outputs::{self, Output, OutputFormat, Place};
 use super::progress::Progress;
 use super::request::Request;
@@ -48,7 +48,7 @@ impl Parts<'_> {
         self,
         client: &Client,
         input: &Input,
-        asked: &Asked,
+        options: &JobOptions,
         request: Request,
     ) -> Result<Vec<Row>, Failure> {
         check(self.arguments, input)?;
@@ -58,7 +58,7 @@ impl Parts<'_> {
             body,
         } = request;
         let answer = client.post(&path, media_type, body).await?;
-        let answer = answer.map_err(|refusal| refusal.of_fit(input, asked))?;
+        let answer = answer.map_err(|refusal| refusal.of_fit(input, options))?;
         let progress = Progress::of_parts(self.is_quiet());
         let fits = follow(Lines::new(answer), &input.name, progress).await?;
         if fits.rows.is_empty() {

@@ -20,7 +20,7 @@ pub(super) enum Progress {
     /// A line now and then.
     Lines {
         /// When the last one was printed.
-        told: Option<Instant>,
+        printed: Option<Instant>,
         /// The expected number of iterations, if it is known.
         total: Option<usize>,
     },
@@ -34,7 +34,7 @@ impl Progress {
         }
         if !std::io::stderr().is_terminal() {
             return Self::Lines {
-                told: None,
+                printed: None,
                 total: None,
             };
         }
@@ -87,12 +87,12 @@ impl Progress {
 
     /// Returns true if it is time for another line.
     fn is_due(&mut self) -> bool {
-        let Self::Lines { told, .. } = self else {
+        let Self::Lines { printed, .. } = self else {
             return false;
         };
-        let due = told.is_none_or(|told| told.elapsed() >= PAUSE);
+        let due = printed.is_none_or(|printed| printed.elapsed() >= PAUSE);
         if due {
-            *told = Some(Instant::now());
+            *printed = Some(Instant::now());
         }
         due
     }

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::Asked;
+use super::options::JobOptions;
 use super::pointer;
 use crate::api::json::request::file::{PART, SIZE};
 
@@ -19,11 +19,11 @@ pub(super) struct Refusal {
     #[serde(default)]
     pub detail: String,
     #[serde(default)]
-    errors: Vec<Mistake>,
+    errors: Vec<ValidationError>,
 }
 
 #[derive(Debug, Deserialize)]
-struct Mistake {
+struct ValidationError {
     pointer: Option<String>,
     parameter: Option<String>,
     line: Option<usize>,
@@ -44,12 +44,12 @@ impl Refusal {
 
     /// Returns true if a file has several parts, or not the requested one.
     pub(super) fn wants_part(&self) -> bool {
-        let is_part = |mistake: &Mistake| mistake.parameter.as_deref() == Some(PART);
+        let is_part = |error: &ValidationError| error.parameter.as_deref() == Some(PART);
         self.errors.iter().any(is_part)
     }
 
     /// The failure of a refused fit.
-    pub(super) fn of_fit(self, input: &Input, asked: &Asked) -> Failure {
+    pub(super) fn of_fit(self, input: &Input, options: &JobOptions) -> Failure {
         let about_the_request = matches!(
             self.status,
             StatusCode::BAD_REQUEST
@@ -63,26 +63,26 @@ impl Refusal {
         if self.errors.is_empty() {
             return Failure::usage(format!("{}: {}", input.name, self.detail));
         }
-        let told = self.errors.iter().map(|it| it.told(input, asked));
-        Failure::Usage(told.collect())
+        let message = self.errors.iter().map(|it| it.message(input, options));
+        Failure::Usage(message.collect())
     }
 }
 
-impl Mistake {
-    fn told(&self, input: &Input, asked: &Asked) -> String {
+impl ValidationError {
+    fn message(&self, input: &Input, options: &JobOptions) -> String {
         let (name, detail) = (&input.name, &self.detail);
         if let Some(line) = self.line {
             return format!("{name}:{line}: {detail}");
         }
         if let Some(parameter) = &self.parameter {
-            let flag = asked.flag(parameter);
+            let flag = options.flag(parameter);
             return format!("{}: {detail}", flag.unwrap_or(parameter));
         }
         let Some(pointer) = &self.pointer else {
             return format!("{name}: {detail}");
         };
         let path = pointer.trim_start_matches('/').replace('/', ".");
-        if let Some(flag) = asked.flag(&path) {
+        if let Some(flag) = options.flag(&path) {
             return format!("{flag}: {detail}");
         }
         match input.content {
@@ -95,7 +95,7 @@ impl Mistake {
     }
 }
 
-impl Asked {
+impl JobOptions {
     /// The flag that a field comes from: the one with the longest path that contains it, or one inside it.
     pub(super) fn flag(&self, path: &str) -> Option<&str> {
         if path == SIZE {

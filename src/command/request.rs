@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::failure::Failure;
 use super::input::{Content, Input};
-use super::options::{Asked, merge, merge_into_items};
+use super::options::{JobOptions, merge, merge_into_items};
 
 /// Streams of progress: no geometry, and only the newest iteration.
 pub(super) const PROGRESS: &str = "view=errors&pace=latest";
@@ -30,14 +30,14 @@ pub(super) struct Request {
 
 impl Request {
     /// The request for a fit of an input with these options.
-    pub(super) fn new(input: &Input, asked: &Asked) -> Result<Self, Failure> {
-        match (input.content, asked.reading.first()) {
+    pub(super) fn new(input: &Input, options: &JobOptions) -> Result<Self, Failure> {
+        match (input.content, options.reading.first()) {
             (Content::Points, _) => {
-                Self::of_points(input, asked, format!("/v1/jobs/stream?{PROGRESS}"))
+                Self::of_points(input, options, format!("/v1/jobs/stream?{PROGRESS}"))
             }
             (content, Some((parameter, _))) => Err(Failure::usage(format!(
                 "{}: {} is a whole {}, and no file of points",
-                asked.flag(parameter).unwrap_or(parameter),
+                options.flag(parameter).unwrap_or(parameter),
                 input.name,
                 match content {
                     Content::Batch => "batch",
@@ -50,29 +50,29 @@ impl Request {
                     _ => format!("/v1/jobs/stream?{PROGRESS}"),
                 },
                 media_type: "application/json",
-                body: json(input, asked)?,
+                body: json(input, options)?,
             }),
         }
     }
 
     /// The request for a fit of each part of a file.
-    pub(super) fn of_parts(input: &Input, asked: &Asked) -> Result<Self, Failure> {
-        Self::of_points(input, asked, BATCH.to_owned())
+    pub(super) fn of_parts(input: &Input, options: &JobOptions) -> Result<Self, Failure> {
+        Self::of_points(input, options, BATCH.to_owned())
     }
 
     /// Points are sent unchanged, and the other fields in the query.
-    fn of_points(input: &Input, asked: &Asked, mut path: String) -> Result<Self, Failure> {
+    fn of_points(input: &Input, options: &JobOptions, mut path: String) -> Result<Self, Failure> {
         let mut add = |name: &str, text: &str| {
             let text = utf8_percent_encode(text, NON_ALPHANUMERIC);
             path += &format!("&{}={text}", utf8_percent_encode(name, NON_ALPHANUMERIC));
         };
-        for (name, value) in &asked.fields {
+        for (name, value) in &options.fields {
             match value {
                 Value::String(text) => add(name, text),
                 value => add(name, &value.to_string()),
             }
         }
-        for (name, text) in &asked.reading {
+        for (name, text) in &options.reading {
             add(name, text);
         }
         if path.len() > LONGEST {
@@ -88,14 +88,14 @@ impl Request {
 }
 
 /// A job or a batch with the overriding fields of the flags.
-fn json(input: &Input, asked: &Asked) -> Result<Bytes, Failure> {
-    if asked.fields.is_empty() {
+fn json(input: &Input, options: &JobOptions) -> Result<Bytes, Failure> {
+    if options.fields.is_empty() {
         return Ok(input.bytes.slice_ref(input.json()));
     }
     let mut json = input.value()?;
     match (input.content, json.as_object_mut()) {
-        (Content::Batch, _) => merge_into_items(&mut json, &asked.fields),
-        (_, Some(fields)) => merge(fields, asked.fields.clone()),
+        (Content::Batch, _) => merge_into_items(&mut json, &options.fields),
+        (_, Some(fields)) => merge(fields, options.fields.clone()),
         (_, None) => {}
     }
     Ok(json.to_string().into())

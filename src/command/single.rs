@@ -13,7 +13,7 @@ use super::failure::Failure;
 use super::file_query::FileQuery;
 use super::input::{Content, Input};
 use super::iterations;
-use super::options::Asked;
+use super::options::JobOptions;
 use super::outputs::{self, Output, Place};
 use super::parts::Parts;
 use super::point_kind::PointKind;
@@ -45,7 +45,7 @@ pub(super) async fn fit(
     current.set(&client);
     let Prepared {
         input,
-        asked,
+        options,
         request,
         query,
     } = prepared;
@@ -56,7 +56,7 @@ pub(super) async fn fit(
         is_one_of_many,
     };
     if input.content == Content::Batch {
-        return of_parts.fit(&client, &input, &asked, request).await;
+        return of_parts.fit(&client, &input, &options, request).await;
     }
     let Request {
         path,
@@ -66,10 +66,10 @@ pub(super) async fn fit(
     let events = match client.post(&path, media_type, body).await? {
         Ok(events) => events,
         Err(refusal) if refusal.wants_part() && arguments.part.is_none() => {
-            let request = Request::of_parts(&input, &asked)?;
-            return of_parts.fit(&client, &input, &asked, request).await;
+            let request = Request::of_parts(&input, &options)?;
+            return of_parts.fit(&client, &input, &options, request).await;
         }
-        Err(refusal) => return Err(refusal.of_fit(&input, &asked)),
+        Err(refusal) => return Err(refusal.of_fit(&input, &options)),
     };
     let (job, end) = follow(&client, events, Progress::new(quiet)).await?;
     let written = write(&client, arguments, &query, outputs, &end).await;
@@ -100,7 +100,7 @@ pub(super) async fn fit(
 /// The request, and its input.
 struct Prepared {
     input: Input,
-    asked: Asked,
+    options: JobOptions,
     request: Request,
     /// The options of the outputs.
     query: FileQuery,
@@ -113,19 +113,19 @@ fn prepare(
     outputs: &[Output],
 ) -> Result<Prepared, Failure> {
     let input = Input::read(input, arguments.max_input.as_u64())?;
-    let asked = Asked::of(arguments, &input)?;
+    let options = JobOptions::of(arguments, &input)?;
     if arguments.server.is_none() {
-        asked.check_foot_points(&input)?;
+        options.check_foot_points(&input)?;
     }
-    let request = Request::new(&input, &asked)?;
+    let request = Request::new(&input, &options)?;
     let mut query = FileQuery::new(arguments);
     outputs::check_formats(outputs, &mut query, || {
-        let points = PointKind::of(&input, &asked.hints())?;
-        Some(points.placed(asked.places_heights()))
+        let points = PointKind::of(&input, &options.hints())?;
+        Some(points.placed(options.places_heights()))
     })?;
     Ok(Prepared {
         input,
-        asked,
+        options,
         request,
         query,
     })

@@ -16,7 +16,7 @@ pub(super) struct Shape {
 
 impl Shape {
     /// The number of control points, in each direction.
-    fn told(&self) -> String {
+    fn text(&self) -> String {
         let counts = self
             .shape
             .split_last()
@@ -89,7 +89,7 @@ pub(super) fn row(name: &str, job: &JobEvent, end: &EndEvent, shape: Option<&Sha
 
 /// The number of control points, in each direction.
 fn control_points(job: &JobEvent, shape: Option<&Shape>) -> String {
-    shape.map_or_else(|| each(&job.control_points), Shape::told)
+    shape.map_or_else(|| each(&job.control_points), Shape::text)
 }
 
 /// A file that was written.

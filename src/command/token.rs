@@ -69,7 +69,7 @@ fn create(
         file.tokens.push(token.clone());
         Ok(token)
     })?;
-    say(told(&token));
+    say(line(&token));
     Ok(vec![text])
 }
 
@@ -94,14 +94,14 @@ fn list(path: &Path) -> Result<Vec<String>, String> {
             quota.trim_end().replace('\n', ", ")
         )
     });
-    let lines: Vec<String> = file.tokens.iter().map(told).chain(quotas).collect();
+    let lines: Vec<String> = file.tokens.iter().map(line).chain(quotas).collect();
     match lines.is_empty() {
         true => Ok(vec!["there are no tokens".to_owned()]),
         false => Ok(lines),
     }
 }
 
-fn told(token: &Token) -> String {
+fn line(token: &Token) -> String {
     let scopes: BTreeSet<&str> = token.scopes.iter().map(|scope| scope.name()).collect();
     let scopes = scopes.into_iter().collect::<Vec<_>>().join(",");
     let expires = match token.expires {
@@ -123,6 +123,6 @@ fn revoke(path: &Path, id: &str) -> Result<Vec<String>, String> {
             return Err(format!("there is no token {id} in {}", path.display()));
         };
         let token = file.tokens.remove(place);
-        Ok(vec![format!("revoked {}", told(&token))])
+        Ok(vec![format!("revoked {}", line(&token))])
     })
 }

@@ -12,10 +12,10 @@ use super::memory::{Cache, Charge};
 use piad_fit::engine::Iteration;
 
 /// The most checkpoints of an iteration.
-const MOST: usize = 8;
+const MAX_CHECKPOINTS: usize = 8;
 
 /// The initial distance of checkpoints, in levels.
-const NEAR: usize = 256;
+const CHECKPOINT_LEVELS: usize = 256;
 
 /// The checkpoints of one problem.
 #[derive(Debug, Default)]
@@ -37,7 +37,7 @@ struct Checkpoint {
 impl Default for Kept {
     fn default() -> Self {
         Self {
-            distance: NEAR,
+            distance: CHECKPOINT_LEVELS,
             levels: BTreeMap::new(),
         }
     }
@@ -47,7 +47,7 @@ impl Checkpoints {
     /// Keeps the level that an iteration has reached, if it is at the spacing and there is room for this many bytes.
     pub(super) fn pass(&self, iteration: &Iteration, bytes: usize, cache: &Arc<Cache>) {
         let level = iteration.level().iteration;
-        if level == 0 || !level.is_multiple_of(NEAR) || iteration.outcome().is_some() {
+        if level == 0 || !level.is_multiple_of(CHECKPOINT_LEVELS) || iteration.outcome().is_some() {
             return;
         }
         let mut kept = self.0.lock();
@@ -66,7 +66,7 @@ impl Checkpoints {
             _charge: cache.charge(bytes),
         };
         kept.levels.insert(level, checkpoint);
-        if kept.levels.len() > MOST {
+        if kept.levels.len() > MAX_CHECKPOINTS {
             kept.distance *= 2;
             let distance = kept.distance;
             kept.levels
@@ -76,14 +76,14 @@ impl Checkpoints {
 
     /// The number of levels that may be computed at once from this one without skipping a checkpoint.
     pub(super) fn at_once(level: usize) -> usize {
-        NEAR - level % NEAR
+        CHECKPOINT_LEVELS - level % CHECKPOINT_LEVELS
     }
 
     /// Returns true if the way from this level to another one is shorter from a checkpoint.
     pub(super) fn shorten(&self, from: usize, to: usize) -> bool {
         let kept = self.0.lock();
         let last = kept.levels.range(..=to).next_back();
-        last.is_some_and(|(&level, _)| level > from + 2 * NEAR)
+        last.is_some_and(|(&level, _)| level > from + 2 * CHECKPOINT_LEVELS)
     }
 
     /// The last checkpoint that is not beyond this level.

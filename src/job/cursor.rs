@@ -120,7 +120,7 @@ impl Cursor {
                 none => none.insert(self.job.attach(self.next, self.peer).await?),
             };
             let waiting = &mut self.waiting;
-            let goes_on = job_ended || self.job.goes_on_without_its_run();
+            let goes_on = job_ended || self.job.continues_without_its_run();
             match attempt(run, self.next, waiting, &mut self.status, goes_on).await {
                 Attempt::Frame(frame) => {
                     self.waiting = None;

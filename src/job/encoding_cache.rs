@@ -14,7 +14,7 @@ use super::peer;
 use super::store::StoreError;
 
 /// The most encodings that are kept. Clients could request one for each number of samples.
-const MOST: usize = 4;
+const MAX_ENCODINGS: usize = 4;
 
 /// The encodings by the names of their forms, the oldest first.
 #[derive(Debug)]
@@ -95,7 +95,7 @@ impl<T: Kept> EncodingCache<T> {
                 Encoding::Pending(made.boxed().shared())
             }
         };
-        if encodings.len() == MOST {
+        if encodings.len() == MAX_ENCODINGS {
             encodings.pop_front();
         }
         encodings.push_back((Arc::clone(form), state.clone()));

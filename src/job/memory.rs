@@ -18,7 +18,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-pub(crate) use super::share::{Permit, Share};
+pub(crate) use super::memory_pool::{Permit, Share};
 
 /// The memory of a server: its parts as in the table above.
 #[derive(Debug)]

@@ -13,7 +13,7 @@
 //!   [`resources`]: shared by all jobs;
 //! - [`scheduler`]: the compute pool: fair slices, small work never behind large work; [`errand`]: work that pauses;
 //! - [`direct`]: fits without readers, of which only the last level is needed;
-//! - [`share`]: a part of the memory; [`turns`]: queues in which peers take turns;
+//! - [`memory_pool`]: a part of the memory; [`fair_queue`]: queues in which peers take turns;
 //! - [`slots`]: limits of the number of jobs and connections, in all and for each peer;
 //! - [`service`]: creating, finding, listing, cancelling and deleting jobs;
 //! - [`peer`]: the client that work is done for; [`tenant`]: the owner of jobs; [`quota`]: limits of their number;
@@ -32,8 +32,10 @@ pub(crate) mod deltas;
 pub(crate) mod direct;
 pub(crate) mod encoding_cache;
 pub(crate) mod errand;
+mod fair_queue;
 pub(crate) mod frame;
 pub(crate) mod memory;
+pub(crate) mod memory_pool;
 pub(crate) mod outliers;
 pub(crate) mod outline;
 pub(crate) mod peer;
@@ -50,14 +52,12 @@ pub(crate) mod run;
 mod samples;
 pub(crate) mod scheduler;
 pub(crate) mod service;
-pub(crate) mod share;
 pub(crate) mod slots;
 pub(crate) mod state;
 pub(crate) mod store;
 pub(crate) mod tenant;
 pub(crate) mod trace;
 pub(crate) mod trim;
-mod turns;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock, Weak};
@@ -270,7 +270,7 @@ impl Job {
     }
 
     /// Returns true if the run of this replica was stopped and does not decide how the job continues or has ended.
-    pub(crate) fn goes_on_without_its_run(&self) -> bool {
+    pub(crate) fn continues_without_its_run(&self) -> bool {
         self.is_elsewhere() || self.status().state.is_final()
     }
 
@@ -297,7 +297,7 @@ impl Job {
             && let Some(shared) = self.store.as_deref().and_then(Store::shared)
         {
             let (shared, id) = (Arc::clone(shared), self.id());
-            tokio::spawn(async move { patiently(|| shared.cancel(id)).await });
+            tokio::spawn(async move { retry_until_available(|| shared.cancel(id)).await });
         }
         self.stop(Wish::Cancel);
     }
@@ -418,7 +418,7 @@ impl Job {
             !shared.is_some_and(|(from, shared)| shared.checkpoints.shorten(from, next))
         };
         let mut quickest = live.iter().filter(is_quickest);
-        let goes_on = self.goes_on_without_its_run();
+        let goes_on = self.continues_without_its_run();
         quickest.find_map(|run| run.attach(next, peer, goes_on))
     }
 }
@@ -427,7 +427,7 @@ impl Job {
 const STORE_AGAIN: Duration = Duration::from_secs(2);
 
 /// Retries the store while it has no space, or its database cannot be reached.
-async fn patiently<T, F>(ask: impl Fn() -> F) -> Result<T, StoreError>
+async fn retry_until_available<T, F>(ask: impl Fn() -> F) -> Result<T, StoreError>
 where
     F: Future<Output = Result<T, StoreError>>,
 {

@@ -58,15 +58,17 @@ fn detail(reason: Reason, status: &Status, levels: &Levels, outline: &Outline) -
             let advice = outline.method.advice_at_minimum();
             format!("no step brings the fit nearer to all of the data: {left}; {advice}")
         }
-        Reason::Convexity => format!("no step keeps the turns of the data: {left}"),
+        Reason::Convexity => format!("no step keeps the convexity of the data: {left}"),
         Reason::Nilpotent if last > first => format!(
-            "the extended method has come to its end, and rounding of the much larger distances in between has \
+            "the extended method has ended, and rounding of the much larger intermediate distances has \
              spoilt it: {left}; use direct"
         ),
         Reason::Nilpotent => {
-            format!("the extended method has come to its end, and what is left is rounding: {left}")
+            format!(
+                "the extended method has ended, and the remaining distances are rounding errors: {left}"
+            )
         }
-        Reason::Rounding => format!("distances do not fall any more, for rounding: {left}"),
+        Reason::Rounding => format!("distances no longer decrease, because of rounding: {left}"),
         Reason::Diverging => format!("distances grow, as the step is too long: {left}"),
         Reason::Between => match levels.last.found {
             Some(warning @ Warning::Between(_)) => {

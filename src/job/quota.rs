@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_beyond_a_quota_is_named() {
+    fn exceeded_quotas_are_named() {
         let quota = Quota {
             jobs: Some(2),
             points: Some(100),

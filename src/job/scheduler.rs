@@ -25,8 +25,8 @@ use thiserror::Error;
 use tokio::sync::oneshot;
 use tracing::error;
 
+use super::fair_queue::{PeerQueue, Turns};
 use super::peer::Peer;
-use super::turns::{PeerQueue, Turns};
 use crate::trim;
 use piad_fit::engine::interrupt::{self, Interrupted};
 
@@ -44,7 +44,7 @@ const NICE: i32 = 5;
 pub(super) const QUICK: usize = 200_000;
 
 /// Multiplications that take a tenth of a second or more.
-const LONG: usize = 100_000_000;
+const LONG_STEP_MULTIPLICATIONS: usize = 100_000_000;
 
 /// The kind of threads that do the work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,7 +72,7 @@ impl WorkLane {
     /// The lane of the first slice of a run, which prepares the steps.
     pub(super) fn of_start(start: usize, step: usize) -> Self {
         match start {
-            LONG.. => Self::Long(start),
+            LONG_STEP_MULTIPLICATIONS.. => Self::Long(start),
             _ => Self::of(start.max(step)),
         }
     }
@@ -88,7 +88,7 @@ impl WorkLane {
     /// The lane of evaluating a curve or surface for a client, which takes this many multiplications.
     pub(crate) fn of_samples(multiplications: usize) -> Self {
         match multiplications {
-            LONG.. => Self::Long(multiplications),
+            LONG_STEP_MULTIPLICATIONS.. => Self::Long(multiplications),
             _ => Self::of_wire(multiplications),
         }
     }
@@ -96,7 +96,7 @@ impl WorkLane {
     /// The lane of a piece of an answer, which takes this many multiplications.
     pub(super) fn of_pieces(multiplications: usize) -> Self {
         match multiplications {
-            LONG.. => Self::Long(multiplications),
+            LONG_STEP_MULTIPLICATIONS.. => Self::Long(multiplications),
             _ => Self::Wire,
         }
     }

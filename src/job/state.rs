@@ -74,7 +74,7 @@ impl FromStr for State {
             .find(|state| state.name() == name)
             .ok_or_else(|| {
                 let names = Self::ALL.map(Self::name).join(", ");
-                format!("no state is called {name:?}; the states are {names}")
+                format!("unknown state {name:?}; expected one of {names}")
             })
     }
 }

@@ -12,7 +12,7 @@ use crate::telemetry::TARGET;
 use crate::telemetry::request::RequestTrace;
 
 /// The number of slices of a job with spans, and of encodings: endless jobs have endlessly many.
-const MOST: usize = 32;
+const MAX_SPANS: usize = 32;
 
 /// The span of a job, shared by all tasks that work on it. It ends with the job, whatever still holds this.
 #[derive(Debug)]
@@ -132,7 +132,7 @@ impl JobTrace {
 }
 
 fn is_one_of_the_first(count: &AtomicUsize) -> bool {
-    count.fetch_add(1, Ordering::Relaxed) < MOST
+    count.fetch_add(1, Ordering::Relaxed) < MAX_SPANS
 }
 
 /// A number in the form of collectors.

@@ -3,10 +3,10 @@
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::either::{object, whole};
-use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use super::errors::{OrErrors, SpecPart, ValidationError, ValidationErrors};
 use super::named::{Named, Rule, names, rules};
 use super::schema::{self, schema_of};
+use super::serde_helpers::{object, whole};
 use piad_fit::basis::{BasisChoice, Knots, MAX_DEGREE, Polynomial};
 use piad_fit::invalid::{self as fit, Axis};
 use piad_fit::parameters::Parametrization;
@@ -96,7 +96,7 @@ impl Basis {
     }
 
     /// The basis of a direction.
-    pub(super) fn choice(self, axis: Axis) -> OrMistakes<BasisChoice> {
+    pub(super) fn choice(self, axis: Axis) -> OrErrors<BasisChoice> {
         let kind = match self.kind {
             BasisKind::Bspline => {
                 return Ok(BasisChoice::BSpline {
@@ -110,15 +110,15 @@ impl Basis {
         };
         let degree = self.degree.map(|_| ("degree", fit::Place::Degree(axis)));
         let knots = self.knots.map(|_| ("knots", fit::Place::Knots(axis)));
-        let mut mistakes = Mistakes::default();
+        let mut errors = ValidationErrors::default();
         for (field, place) in degree.into_iter().chain(knots) {
             let detail = format!(
                 "a {} basis has no {field} to choose: its degree is control points − 1",
                 self.kind.name()
             );
-            mistakes.push(Mistake::at(SpecPart::Fit(place), detail));
+            errors.push(ValidationError::at(SpecPart::Fit(place), detail));
         }
-        mistakes.or(BasisChoice::Polynomial(kind))
+        errors.or(BasisChoice::Polynomial(kind))
     }
 }
 

@@ -7,9 +7,9 @@ use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};
 
-use super::either::{Whole, object};
 use super::list_limits::{for_all_points, for_points};
 use super::schema::schema_of;
+use super::serde_helpers::{Whole, object};
 use piad_fit::basis::Corners;
 use piad_fit::engine::DirectionChoice;
 

@@ -6,16 +6,16 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::either::object;
+use super::errors::{ChangePart, OrErrors, SpecPart, ValidationError, ValidationErrors};
 use super::iteration::IterationChoice;
 use super::job::{LONGEST_NAME, Limits, ValidJob, check_name};
 use super::list_limits::for_points;
 use super::lists::PointNumbers;
 use super::method::MethodInput;
-use super::mistakes::{ChangePart, Mistake, Mistakes, OrMistakes, SpecPart};
 use super::numbers::{NewWeights, Point};
 use super::per_direction::PerDirection;
 use super::schema;
+use super::serde_helpers::object;
 use super::settings::Index;
 use super::stop::StopRules;
 use super::stream::StreamSpec;
@@ -95,21 +95,21 @@ pub(crate) struct ParentFit<'a> {
 
 impl EditRequest {
     /// The problem with the changes, starting from the parent's control points.
-    pub(crate) fn apply(self, parent: &ParentFit<'_>, limits: Limits) -> OrMistakes<ValidJob> {
-        let mut mistakes = Mistakes::default();
-        mistakes.keep(check_name(self.name.as_deref()));
-        mistakes.keep(self.check_some());
-        mistakes.keep(self.check_session());
+    pub(crate) fn apply(self, parent: &ParentFit<'_>, limits: Limits) -> OrErrors<ValidJob> {
+        let mut errors = ValidationErrors::default();
+        errors.keep(check_name(self.name.as_deref()));
+        errors.keep(self.check_some());
+        errors.keep(self.check_session());
         let mut request = parent.problem.restated();
         let (grid, surface) = (request.grid, request.v.is_some());
         // Fixed weights are a part of the basis.
         let same_matrix = self.weights.is_none() || self.rational == Some(Rational::Homogeneous);
         request.lambda_min = parent.lambda_min.filter(|_| same_matrix);
-        mistakes.keep(set_weights(&mut request, self.weights, self.rational));
+        errors.keep(set_weights(&mut request, self.weights, self.rational));
         let points = self.points.unwrap_or_default();
-        let changed = change_points(points, &mut request, &mut mistakes);
+        let changed = change_points(points, &mut request, &mut errors);
         let method = self.method.map(|method| method.choice(grid, surface));
-        if let Some(method) = mistakes.keep(method.transpose()).flatten() {
+        if let Some(method) = errors.keep(method.transpose()).flatten() {
             (request.method, request.selected) = (method.method, method.selected);
             // Least squares has its own knots and ends, and other bases are refused below.
             if request.method.has_fewer_control_points() {
@@ -123,25 +123,25 @@ impl EditRequest {
         }
         if let Some(stop) = self.stop {
             (request.tolerance, request.max_iterations) =
-                stop.resolve(limits.iterations, &mut mistakes);
+                stop.resolve(limits.iterations, &mut errors);
         }
         let stream = self.stream.or_else(|| parent.stream.cloned());
         let fits = stream.as_ref().map(|stream| stream.check(surface));
-        mistakes.keep(fits.transpose());
-        if !mistakes.none() {
-            return Err(mistakes);
+        errors.keep(fits.transpose());
+        if !errors.none() {
+            return Err(errors);
         }
         request.start = Some(start(parent, &request)?);
         request.start_breaks = start_breaks(parent, &request)?;
-        let problem = mistakes.fit(request, &limits.admission, |place| in_edit(place, &changed));
+        let problem = errors.fit(request, &limits.admission, |place| in_edit(place, &changed));
         if let Some(problem) = &problem {
-            mistakes.keep(check_bases(problem, parent.problem));
+            errors.keep(check_bases(problem, parent.problem));
         }
-        ValidJob::new(self.name, stream, problem, mistakes)
+        ValidJob::new(self.name, stream, problem, errors)
     }
 
     /// Refuses an edit that changes nothing.
-    fn check_some(&self) -> OrMistakes<()> {
+    fn check_some(&self) -> OrErrors<()> {
         let nothing = self.points.as_ref().is_none_or(Vec::is_empty)
             && self.weights.is_none()
             && self.rational.is_none()
@@ -149,13 +149,13 @@ impl EditRequest {
             && self.stop.is_none();
         if nothing {
             let detail = "an edit changes something: points, weights, method or stop";
-            return Err(Mistake::at(SpecPart::Whole, detail).into());
+            return Err(ValidationError::at(SpecPart::Whole, detail).into());
         }
         Ok(())
     }
 
-    fn check_session(&self) -> OrMistakes<()> {
-        let wrong = |detail: String| Err(Mistake::at(SpecPart::Session, detail).into());
+    fn check_session(&self) -> OrErrors<()> {
+        let wrong = |detail: String| Err(ValidationError::at(SpecPart::Session, detail).into());
         match &self.session {
             None => Ok(()),
             Some(_) if self.ephemeral != Some(true) => {
@@ -173,21 +173,24 @@ impl EditRequest {
 fn change_points(
     changes: Vec<Move>,
     request: &mut Request,
-    mistakes: &mut Mistakes,
+    errors: &mut ValidationErrors,
 ) -> HashMap<usize, usize> {
     let mut changed = HashMap::with_capacity(changes.len());
     let mut placed = HashSet::new();
     for (k, change) in changes.into_iter().enumerate() {
-        if mistakes.full() {
+        if errors.full() {
             break;
         }
         let goes = change.point.is_some();
-        let Some(index) = mistakes.keep(change.apply(k, request)) else {
+        let Some(index) = errors.keep(change.apply(k, request)) else {
             continue;
         };
         if changed.contains_key(&index) {
             let detail = "this point has been moved before, by the same edit";
-            mistakes.push(Mistake::at(SpecPart::Change(k, ChangePart::Index), detail));
+            errors.push(ValidationError::at(
+                SpecPart::Change(k, ChangePart::Index),
+                detail,
+            ));
         }
         changed.entry(index).or_insert(k);
         if goes {
@@ -200,8 +203,9 @@ fn change_points(
 
 impl Move {
     /// Moves the point; returns its index.
-    fn apply(self, k: usize, request: &mut Request) -> Result<usize, Mistake> {
-        let wrong = |part, detail: String| Err(Mistake::at(SpecPart::Change(k, part), detail));
+    fn apply(self, k: usize, request: &mut Request) -> Result<usize, ValidationError> {
+        let wrong =
+            |part, detail: String| Err(ValidationError::at(SpecPart::Change(k, part), detail));
         let index = self.index.of_point(request.grid, request.v.is_some());
         let index = index.or_else(|detail| wrong(ChangePart::Index, detail))?;
         let count = request.grid.count();
@@ -249,12 +253,12 @@ fn set_weights(
     request: &mut Request,
     weights: Option<PerDirection<PointNumbers>>,
     rational: Option<Rational>,
-) -> OrMistakes<()> {
+) -> OrErrors<()> {
     let before = Rational::of(request);
     let kind = rational.or(before);
     if before.is_some() && kind != before {
         let detail = "the weights of a fit stay homogeneous or fixed, as those of its parent";
-        return Err(Mistake::at(SpecPart::Rational, detail).into());
+        return Err(ValidationError::at(SpecPart::Rational, detail).into());
     }
     let Some(weights) = weights else {
         return check_unused(rational);
@@ -265,7 +269,9 @@ fn set_weights(
         let (given, expected) = (weights.len(), request.grid.count());
         if given != expected {
             let error = Invalid::weight_count(given, expected);
-            return Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), error.to_string()).into());
+            return Err(
+                ValidationError::at(SpecPart::Fit(fit::Place::Weights), error.to_string()).into(),
+            );
         }
     }
     request.weights = resolved.weights;
@@ -278,7 +284,7 @@ fn set_weights(
 
 /// The parent's control points. Where data points get other weights, so do their control points, without moving: the
 /// old weights would interpolate the data as well, and be kept.
-fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
+fn start(parent: &ParentFit<'_>, request: &Request) -> OrErrors<Arc<Points>> {
     let ParentFit {
         problem,
         control_points,
@@ -297,7 +303,7 @@ fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
     }
     if control_points.len() != old.len() {
         let detail = "the control points of a least-squares fit do not belong to single data points, so that its weights cannot be edited: post a new job";
-        return Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into());
+        return Err(ValidationError::at(SpecPart::Fit(fit::Place::Weights), detail).into());
     }
     let mut lanes = control_points.lanes().to_vec();
     if !problem.is_homogeneous() {
@@ -312,10 +318,7 @@ fn start(parent: &ParentFit<'_>, request: &Request) -> OrMistakes<Arc<Points>> {
 }
 
 /// The initial knots of a fit that chooses its knots: those of its parent.
-fn start_breaks(
-    parent: &ParentFit<'_>,
-    request: &Request,
-) -> OrMistakes<Option<Vec<Arc<Vec<f64>>>>> {
+fn start_breaks(parent: &ParentFit<'_>, request: &Request) -> OrErrors<Option<Vec<Arc<Vec<f64>>>>> {
     if !request.places_knots() {
         return Ok(None);
     }
@@ -324,7 +327,7 @@ fn start_breaks(
 }
 
 /// Refuses a method with other bases.
-fn check_bases(problem: &Problem, parent: &Problem) -> OrMistakes<()> {
+fn check_bases(problem: &Problem, parent: &Problem) -> OrErrors<()> {
     let bases = problem.directions().map(|direction| &direction.basis);
     if bases.eq(parent.directions().map(|direction| &direction.basis)) {
         return Ok(());
@@ -332,9 +335,9 @@ fn check_bases(problem: &Problem, parent: &Problem) -> OrMistakes<()> {
     Err(other_basis())
 }
 
-fn other_basis() -> Mistakes {
+fn other_basis() -> ValidationErrors {
     let detail = "the fit would have another basis than its parent, whose control points mean nothing in it: post a new job";
-    Mistake::at(SpecPart::Fit(fit::Place::Method), detail).into()
+    ValidationError::at(SpecPart::Fit(fit::Place::Method), detail).into()
 }
 
 /// The location in an edit of a part of the problem, which has changed these points by these entries.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
+use super::errors::{OrErrors, SpecPart, ValidationError, ValidationErrors};
 use super::points::PointGrid;
 use piad_fit::data::Points;
 
@@ -21,38 +21,42 @@ impl Placement {
         spacing: Option<[f64; 2]>,
         origin: Option<[f64; 2]>,
         is_scattered: bool,
-    ) -> OrMistakes<Option<Self>> {
-        let mut mistakes = Mistakes::default();
+    ) -> OrErrors<Option<Self>> {
+        let mut errors = ValidationErrors::default();
         let Some(spacing) = spacing else {
             if origin.is_some() {
                 let detail = "it is the place of heights with a spacing, which is missing";
-                mistakes.push(Mistake::at(SpecPart::Origin(None), detail));
+                errors.push(ValidationError::at(SpecPart::Origin(None), detail));
             }
-            return mistakes.or(None);
+            return errors.or(None);
         };
         if is_scattered {
             let detail = "it is that of rows of heights, and these points are scattered";
-            mistakes.push(Mistake::at(SpecPart::Spacing(None), detail));
+            errors.push(ValidationError::at(SpecPart::Spacing(None), detail));
         }
         let origin = origin.unwrap_or_default();
         for (axis, step) in spacing.into_iter().enumerate() {
             if step == 0.0 || !step.is_finite() {
                 let detail = format!("the step is {step}, and it is a number other than 0");
-                mistakes.push(Mistake::at(SpecPart::Spacing(Some(axis)), detail));
+                errors.push(ValidationError::at(SpecPart::Spacing(Some(axis)), detail));
             }
         }
         for (axis, start) in origin.into_iter().enumerate() {
             if !start.is_finite() {
                 let detail = format!("the coordinate is {start}, and it is a finite number");
-                mistakes.push(Mistake::at(SpecPart::Origin(Some(axis)), detail));
+                errors.push(ValidationError::at(SpecPart::Origin(Some(axis)), detail));
             }
         }
-        mistakes.or(Some(Self { spacing, origin }))
+        errors.or(Some(Self { spacing, origin }))
     }
 
     /// The points [x, y, z] of heights: x grows from column to column, and y from row to row.
-    pub(super) fn points(self, heights: PointGrid, is_closed: bool) -> Result<PointGrid, Mistake> {
-        let wrong = |detail: String| Mistake::at(SpecPart::Spacing(None), detail);
+    pub(super) fn points(
+        self,
+        heights: PointGrid,
+        is_closed: bool,
+    ) -> Result<PointGrid, ValidationError> {
+        let wrong = |detail: String| ValidationError::at(SpecPart::Spacing(None), detail);
         let dimension = heights.points.dimension();
         if dimension != 1 {
             let detail =

@@ -2,8 +2,8 @@
 
 use schemars::json_schema;
 
-use super::either::{Whole, number_or_word};
 use super::schema::schema_of;
+use super::serde_helpers::{Whole, number_or_word};
 
 number_or_word!(
     /// The level of another job to start from: a number or `"last"`.

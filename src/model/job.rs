@@ -5,11 +5,11 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::either::object;
+use super::errors::{OrErrors, SpecPart, ValidationError, ValidationErrors};
 use super::method::MethodInput;
-use super::mistakes::{Mistake, Mistakes, OrMistakes, SpecPart};
 use super::scattered::{FootPoints, no_base, on_surface};
 use super::schema;
+use super::serde_helpers::object;
 use super::shape::CurveInput;
 use super::stop::StopRules;
 use super::stream::StreamSpec;
@@ -100,23 +100,27 @@ impl JobRequest {
     }
 
     /// Validates the job. `base` is the surface of `Self::base`, or why there is none.
-    pub fn validate(self, limits: Limits, base: Result<&Nurbs, Mistake>) -> OrMistakes<ValidJob> {
-        let mut mistakes = Mistakes::default();
+    pub fn validate(
+        self,
+        limits: Limits,
+        base: Result<&Nurbs, ValidationError>,
+    ) -> OrErrors<ValidJob> {
+        let mut errors = ValidationErrors::default();
         let (name, stream) = (self.name.clone(), self.stream.clone());
-        mistakes.keep(check_name(name.as_deref()));
-        let request = self.problem(limits.points, limits.iterations, base, &mut mistakes);
+        errors.keep(check_name(name.as_deref()));
+        let request = self.problem(limits.points, limits.iterations, base, &mut errors);
         // The points and the basis may have further errors.
         let problem =
-            request.and_then(|request| mistakes.fit(request, &limits.admission, SpecPart::Fit));
-        ValidJob::new(name, stream, problem, mistakes)
+            request.and_then(|request| errors.fit(request, &limits.admission, SpecPart::Fit));
+        ValidJob::new(name, stream, problem, errors)
     }
 
     /// The problem of a job that was accepted before: no limit is checked.
-    pub(crate) fn request(self) -> OrMistakes<Request> {
-        let mut mistakes = Mistakes::default();
-        match self.problem(usize::MAX, usize::MAX, Err(no_base()), &mut mistakes) {
-            Some(request) => mistakes.or(request),
-            None => Err(mistakes),
+    pub(crate) fn request(self) -> OrErrors<Request> {
+        let mut errors = ValidationErrors::default();
+        match self.problem(usize::MAX, usize::MAX, Err(no_base()), &mut errors) {
+            Some(request) => errors.or(request),
+            None => Err(errors),
         }
     }
 
@@ -125,35 +129,35 @@ impl JobRequest {
         self,
         most_points: usize,
         most_iterations: usize,
-        base: Result<&Nurbs, Mistake>,
-        mistakes: &mut Mistakes,
+        base: Result<&Nurbs, ValidationError>,
+        errors: &mut ValidationErrors,
     ) -> Option<Request> {
         let (is_surface, has_base) = (self.surface.is_some(), self.base().is_some());
         let (grid, request) = match (self.curve, self.surface) {
             (Some(curve), None) => (
                 Some(curve.points.grid()),
-                curve.request(self.rational, mistakes),
+                curve.request(self.rational, errors),
             ),
-            (None, Some(surface)) => (surface.grid(), surface.request(self.rational, mistakes)),
+            (None, Some(surface)) => (surface.grid(), surface.request(self.rational, errors)),
             (None, None) => {
                 let detail = "a curve or a surface is needed";
-                mistakes.push(Mistake::at(SpecPart::Whole, detail));
+                errors.push(ValidationError::at(SpecPart::Whole, detail));
                 (None, None)
             }
             (Some(_), Some(_)) => {
                 let detail = "the job has a curve, so it cannot have a surface as well";
-                mistakes.push(Mistake::at_text("/surface", detail));
+                errors.push(ValidationError::at_text("/surface", detail));
                 (None, None)
             }
         };
         let count = grid.map_or(0, Grid::count);
-        let too_many = |detail| Mistake::at(SpecPart::Fit(fit::Place::Points), detail);
+        let too_many = |detail| ValidationError::at(SpecPart::Fit(fit::Place::Points), detail);
         let is_small = check_count(count, most_points).map_err(too_many);
-        let is_small = mistakes.keep(is_small).is_some();
+        let is_small = errors.keep(is_small).is_some();
         let stop = self.stop.unwrap_or_default();
-        let (tolerance, max_iterations) = stop.resolve(most_iterations, mistakes);
+        let (tolerance, max_iterations) = stop.resolve(most_iterations, errors);
         if let Some(stream) = &self.stream {
-            mistakes.keep(stream.check(is_surface));
+            errors.keep(stream.check(is_surface));
         }
         // Without points the method is not validated.
         let method = match self.method {
@@ -166,13 +170,13 @@ impl JobRequest {
             }
             method => method.unwrap_or_default().choice(grid?, is_surface),
         };
-        let method = mistakes.keep(method);
+        let method = errors.keep(method);
         let mut request = request.filter(|_| is_small)?;
         let method = method?;
         (request.method, request.selected) = (method.method, method.selected);
         (request.tolerance, request.max_iterations) = (tolerance, max_iterations);
         if has_base {
-            request.scattered = Some(mistakes.keep(on_surface(&request.points, base))?);
+            request.scattered = Some(errors.keep(on_surface(&request.points, base))?);
         }
         Some(request)
     }
@@ -194,14 +198,14 @@ impl ValidJob {
         name: Option<String>,
         stream: Option<StreamSpec>,
         problem: Option<Problem>,
-        mut mistakes: Mistakes,
-    ) -> OrMistakes<Self> {
-        let Some(problem) = problem.filter(|_| mistakes.none()) else {
-            return Err(mistakes);
+        mut errors: ValidationErrors,
+    ) -> OrErrors<Self> {
+        let Some(problem) = problem.filter(|_| errors.none()) else {
+            return Err(errors);
         };
         let fits = stream.as_ref().map(|stream| stream.check_range(&problem));
-        mistakes.keep(fits.transpose());
-        mistakes.or(Self {
+        errors.keep(fits.transpose());
+        errors.or(Self {
             name,
             stream: stream.map(Arc::new),
             problem,
@@ -209,11 +213,11 @@ impl ValidJob {
     }
 }
 
-pub(super) fn check_name(name: Option<&str>) -> OrMistakes<()> {
+pub(super) fn check_name(name: Option<&str>) -> OrErrors<()> {
     match name {
         Some(name) if name.chars().count() > LONGEST_NAME => {
             let detail = format!("the name is longer than {LONGEST_NAME} characters");
-            Err(Mistake::at(SpecPart::Name, detail).into())
+            Err(ValidationError::at(SpecPart::Name, detail).into())
         }
         _ => Ok(()),
     }

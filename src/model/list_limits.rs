@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 
-use super::either::below;
+use super::serde_helpers::below;
 use piad_files::json::ListLimits;
 use piad_fit::basis::MAX_DEGREE;
 
@@ -78,7 +78,7 @@ pub(super) fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<
     read(deserializer, most_numbers(current(), 1))
 }
 
-/// Reads a list of at most `MOST` elements.
+/// Reads a list of at most `MAX` elements.
 fn read<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     deserializer: D,
     most: usize,
@@ -112,7 +112,7 @@ fn read<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 
 #[cfg(test)]
 mod tests {
-    use piad_files::json::LONG;
+    use piad_files::json::LIMITED_LENGTH;
     use serde_json::Deserializer as Json;
 
     use super::*;
@@ -129,7 +129,7 @@ mod tests {
         let numbers = read_numbers(&text, 10_000).unwrap();
         assert_eq!((numbers.len(), numbers.capacity()), (10_000, 10_000));
         let limits = ListLimits::new(text.as_bytes(), 10_000);
-        let mut list = vec![0.0; LONG];
+        let mut list = vec![0.0; LIMITED_LENGTH];
         limits.make_room(&mut list, most_numbers(limits, 1));
         assert_eq!(list.capacity(), 10_000);
         // Without limits it grows freely.

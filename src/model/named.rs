@@ -10,7 +10,7 @@ use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, SeqAccess, Visitor};
 
 use super::list_limits;
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// A value with a name.
 pub(crate) trait Named: Copy + PartialEq + 'static {

@@ -13,7 +13,7 @@ use serde::de::value::{
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde_json::{Value, json};
 
-use super::either::{Peeked, below, step};
+use super::serde_helpers::{Peeked, below, step};
 use piad_fit::invalid::Axis;
 
 /// A value for both directions, or one for each: `X` or `{"u": X, "v": X}`.

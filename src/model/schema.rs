@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use super::named::Named;
 use piad_fit::basis::BASES;
-use piad_fit::engine::About;
+use piad_fit::engine::KindInfo;
 
 /// Gives a type, or the name of a schema, a schema written by hand.
 macro_rules! schema_of {
@@ -50,8 +50,9 @@ pub(super) fn basis(schema: &mut Schema) {
 }
 
 /// Adds what the kinds mean to the description of an object.
-pub(super) fn explain(schema: &mut Schema, kinds: &[&About]) {
-    let line = |about: &&About| format!("- `{}`: {}. {}", about.name, about.title, about.summary);
+pub(super) fn explain(schema: &mut Schema, kinds: &[&KindInfo]) {
+    let line =
+        |about: &&KindInfo| format!("- `{}`: {}. {}", about.name, about.title, about.summary);
     let lines: Vec<String> = kinds.iter().map(line).collect();
     if let Some(Value::String(description)) = schema.get_mut("description") {
         description.push_str(" The name of a kind is short for an object with nothing else.\n\n");

@@ -8,9 +8,9 @@ use schemars::json_schema;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::either::{AtMost, Whole, number_or_word};
 use super::lists::{Lists, PointNumbers};
 use super::schema::schema_of;
+use super::serde_helpers::{AtMost, Whole, number_or_word};
 use piad_fit::data::Grid;
 use piad_fit::method::{self as fit, LARGEST, Threshold};
 

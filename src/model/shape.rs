@@ -7,15 +7,15 @@ use serde::{Deserialize, Serialize};
 
 use super::basis::{Basis, ParametersInput};
 use super::corners::CornersInput;
-use super::either::{object, whole};
 use super::ends::{CurveEnds, EndsInput};
+use super::errors::{ValidationError, ValidationErrors};
 use super::lists::PointNumbers;
-use super::mistakes::{Mistake, Mistakes};
 use super::named::names;
 use super::numbers::CurveWeights;
 use super::per_direction::PerDirection;
 use super::points::PointList;
 use super::schema;
+use super::serde_helpers::{object, whole};
 use super::weights::{self, Rational, Resolved, check_unused};
 use piad_fit::basis::MAX_DEGREE;
 use piad_fit::data::{Grid, Points};
@@ -118,11 +118,11 @@ impl DirectionInput {
         axis: Axis,
         usual: Parametrization,
         is_surface: bool,
-        mistakes: &mut Mistakes,
+        errors: &mut ValidationErrors,
     ) -> Option<DirectionChoice> {
-        let basis = mistakes.keep(self.basis.unwrap_or_default().choice(axis));
+        let basis = errors.keep(self.basis.unwrap_or_default().choice(axis));
         let ends = self.ends.map(|ends| ends.ends(axis, is_surface));
-        let ends = mistakes.keep(ends.transpose());
+        let ends = errors.keep(ends.transpose());
         Some(DirectionChoice {
             closed: self.closed.unwrap_or(false),
             ends: ends?,
@@ -139,20 +139,20 @@ pub(super) fn resolved(
     weights: Option<PerDirection<PointNumbers>>,
     rational: Option<Rational>,
     (grid, is_surface): (Grid, bool),
-    mistakes: &mut Mistakes,
+    errors: &mut ValidationErrors,
 ) -> Resolved {
     let weights = match weights {
         None => check_unused(rational).map(|()| Weights::None.into()),
         Some(weights) => Resolved::new(weights, rational, grid, is_surface),
     };
-    mistakes.keep(weights).unwrap_or(Weights::None.into())
+    errors.keep(weights).unwrap_or(Weights::None.into())
 }
 
 /// Refuses a degree beside a basis.
-pub(super) fn check_degree(is_doubled: bool, root: &str, mistakes: &mut Mistakes) {
+pub(super) fn check_degree(is_doubled: bool, root: &str, errors: &mut ValidationErrors) {
     if is_doubled {
         let detail = "a basis is given, which has its degree itself";
-        mistakes.push(Mistake::at_text(format!("{root}/degree"), detail));
+        errors.push(ValidationError::at_text(format!("{root}/degree"), detail));
     }
 }
 
@@ -179,15 +179,15 @@ impl CurveInput {
     pub(super) fn request(
         self,
         rational: Option<Rational>,
-        mistakes: &mut Mistakes,
+        errors: &mut ValidationErrors,
     ) -> Option<Request> {
         let grid = self.points.grid();
         let weights = self.weights.map(PerDirection::Both);
-        let weights = resolved(weights, rational, (grid, false), mistakes);
+        let weights = resolved(weights, rational, (grid, false), errors);
         check_degree(
             self.degree.is_some() && self.basis.is_some(),
             "/curve",
-            mistakes,
+            errors,
         );
         let u = DirectionInput {
             basis: self.basis.or(self.degree.map(Basis::of_degree)),
@@ -195,7 +195,7 @@ impl CurveInput {
             closed: self.closed,
             ends: self.ends,
         };
-        let u = u.choice(Axis::U, Parametrization::ChordLength, false, mistakes)?;
+        let u = u.choice(Axis::U, Parametrization::ChordLength, false, errors)?;
         let u = DirectionChoice {
             corners: self.corners.map(|CornersInput(corners)| corners),
             ..u
@@ -210,7 +210,7 @@ impl CurveInput {
 
     /// The curve of a problem in the form of a request.
     pub(super) fn of(request: &Request) -> Self {
-        let weights = match weights::asked(request) {
+        let weights = match weights::requested(request) {
             Some(PerDirection::Both(weights)) => Some(weights),
             // Only a surface has a list for each direction.
             Some(PerDirection::Each { .. }) | None => None,

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::either::{object, whole};
-use super::mistakes::{Mistake, Mistakes, SpecPart};
+use super::errors::{SpecPart, ValidationError, ValidationErrors};
 use super::schema;
+use super::serde_helpers::{object, whole};
 use piad_fit::engine::{Request, Tolerance};
 use piad_fit::invalid as fit;
 
@@ -56,7 +56,7 @@ impl StopRules {
     pub(super) fn resolve(
         self,
         most_iterations: usize,
-        mistakes: &mut Mistakes,
+        errors: &mut ValidationErrors,
     ) -> (Option<Tolerance>, usize) {
         let tolerance = match (self.tolerance, self.relative_tolerance) {
             (None, relative) => relative.map(Tolerance::Relative),
@@ -64,7 +64,7 @@ impl StopRules {
             (Some(_), Some(_)) => {
                 let place = SpecPart::Fit(fit::Place::RelativeTolerance);
                 let detail = "tolerance is given, so relative_tolerance cannot be";
-                mistakes.push(Mistake::at(place, detail));
+                errors.push(ValidationError::at(place, detail));
                 None
             }
         };
@@ -74,7 +74,7 @@ impl StopRules {
             let detail = format!(
                 "{max_iterations} iterations are more than {most_iterations}, the limit of this server"
             );
-            mistakes.push(Mistake::at(SpecPart::MaxIterations, detail));
+            errors.push(ValidationError::at(SpecPart::MaxIterations, detail));
         }
         (tolerance, max_iterations)
     }

@@ -7,16 +7,16 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::basis::{Basis, Degree, ParametersInput};
 use super::corners::Creases;
-use super::either::{Whole, object};
 use super::ends::{DirectionEnds, EndsInput, SurfaceEnds};
+use super::errors::{ValidationError, ValidationErrors};
 use super::heights::Placement;
 use super::lists::PointNumbers;
-use super::mistakes::{Mistake, Mistakes};
 use super::numbers::{ScatteredPoints, SurfaceWeights};
 use super::per_direction::PerDirection;
 use super::points::{PointGrid, PointList, SectionList};
 use super::scattered::{FootPoints, SurfaceParameters};
 use super::schema;
+use super::serde_helpers::{Whole, object};
 use super::shape::{DirectionInput, check_degree, problem, resolved};
 use super::trim::TrimInput;
 use super::weights::{self, Rational};
@@ -113,9 +113,10 @@ impl SurfaceData {
         points: Option<PointGrid>,
         scattered: Option<PointList>,
         parameters: Option<SurfaceParameters>,
-    ) -> Result<Self, Mistake> {
+    ) -> Result<Self, ValidationError> {
         use SurfaceParameters as P;
-        let wrong = |place: &str, detail| Err(Mistake::at_text(format!("/surface{place}"), detail));
+        let wrong =
+            |place: &str, detail| Err(ValidationError::at_text(format!("/surface{place}"), detail));
         let (points, scattered, parameters) = match (points, scattered, parameters) {
             (Some(_), Some(_), _) => {
                 return wrong(
@@ -165,8 +166,8 @@ impl SurfaceInput {
     }
 
     /// The same with sections as scattered points, and with their defaults.
-    fn with_sections_scattered(mut self) -> Result<Self, Mistake> {
-        let wrong = |detail| Err(Mistake::at_text("/surface/sections", detail));
+    fn with_sections_scattered(mut self) -> Result<Self, ValidationError> {
+        let wrong = |detail| Err(ValidationError::at_text("/surface/sections", detail));
         if let Some(SectionList { points, counts }) = self.sections.take() {
             if self.points.is_some() || self.scattered.is_some() {
                 return wrong("the surface has other points, so it cannot have sections as well");
@@ -205,32 +206,32 @@ impl SurfaceInput {
     pub(super) fn request(
         self,
         rational: Option<Rational>,
-        mistakes: &mut Mistakes,
+        errors: &mut ValidationErrors,
     ) -> Option<Request> {
-        let surface = mistakes.keep(self.with_sections_scattered())?;
-        surface.scattered_request(rational, mistakes)
+        let surface = errors.keep(self.with_sections_scattered())?;
+        surface.scattered_request(rational, errors)
     }
 
     /// The same where sections are scattered points.
     fn scattered_request(
         self,
         rational: Option<Rational>,
-        mistakes: &mut Mistakes,
+        errors: &mut ValidationErrors,
     ) -> Option<Request> {
         let is_scattered = self.scattered.is_some();
-        let placement = mistakes.keep(Placement::new(self.spacing, self.origin, is_scattered))?;
+        let placement = errors.keep(Placement::new(self.spacing, self.origin, is_scattered))?;
         let data = SurfaceData::new(self.points, self.scattered, self.parameters);
         let SurfaceData {
             points: given,
             scattered,
             parameters,
-        } = mistakes.keep(data)?;
+        } = errors.keep(data)?;
         let grid = given.grid;
-        let weights = resolved(self.weights, rational, (grid, true), mistakes);
+        let weights = resolved(self.weights, rational, (grid, true), errors);
         check_degree(
             self.degree.is_some() && self.basis.is_some(),
             "/surface",
-            mistakes,
+            errors,
         );
         let of_degree = |Whole(degree)| Basis::of_degree(degree);
         let bases = self
@@ -254,14 +255,14 @@ impl SurfaceInput {
         };
         // Heights have the parameters of heights, wherever they are.
         let usual = || Parametrization::usual_of_surface(&given.points);
-        let u = u.choice(Axis::U, usual(), true, mistakes);
-        let v = v.choice(Axis::V, usual(), true, mistakes);
+        let u = u.choice(Axis::U, usual(), true, errors);
+        let v = v.choice(Axis::V, usual(), true, errors);
         let (mut u, mut v) = u.zip(v)?;
         [u.corners, v.corners] = self.creases.unwrap_or_default().corners();
         let is_closed = u.closed || v.closed;
         let placed = match placement {
             None => given,
-            Some(placement) => mistakes.keep(placement.points(given, is_closed))?,
+            Some(placement) => errors.keep(placement.points(given, is_closed))?,
         };
         Some(Request {
             missing: placed.missing,
@@ -313,7 +314,7 @@ impl SurfaceInput {
             )),
             degree: None,
             parameters: Some(parameters),
-            weights: weights::asked(request),
+            weights: weights::requested(request),
             closed: is_decided.then(|| PerDirection::of(u.closed, Some(v.closed))),
             creases: Creases::of(u, v),
             spacing: None,

@@ -2,8 +2,8 @@
 
 use schemars::JsonSchema;
 
+use super::errors::{OrErrors, SpecPart, ValidationError};
 use super::lists::PointNumbers;
-use super::mistakes::{Mistake, OrMistakes, SpecPart};
 use super::named::names;
 use super::per_direction::PerDirection;
 use piad_fit::data::Grid;
@@ -64,7 +64,7 @@ impl Resolved {
         rational: Option<Rational>,
         grid: Grid,
         is_surface: bool,
-    ) -> OrMistakes<Self> {
+    ) -> OrErrors<Self> {
         use PointNumbers::{Grid as Rows, Line};
         let fixed = rational == Some(Rational::Fixed);
         let of_directions = |u, v| Self {
@@ -111,12 +111,12 @@ impl Resolved {
                 "the weights of a surface are rows of numbers, or {\"u\": […], \"v\": […]}"
             }
         };
-        Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into())
+        Err(ValidationError::at(SpecPart::Fit(fit::Place::Weights), detail).into())
     }
 }
 
 /// The weights of a problem in the form of a request.
-pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
+pub(super) fn requested(request: &Request) -> Option<PerDirection<PointNumbers>> {
     let rows = |values: &Vec<f64>| match request.v {
         None => PointNumbers::Line(values.clone()),
         Some(_) => PointNumbers::Grid {
@@ -138,15 +138,15 @@ pub(super) fn asked(request: &Request) -> Option<PerDirection<PointNumbers>> {
 }
 
 /// Refuses a use of weights without any.
-pub(crate) fn check_unused(rational: Option<Rational>) -> OrMistakes<()> {
+pub(crate) fn check_unused(rational: Option<Rational>) -> OrErrors<()> {
     let detail = "rational says how weights are used, but there are no weights";
     match rational {
         None => Ok(()),
-        Some(_) => Err(Mistake::at(SpecPart::Rational, detail).into()),
+        Some(_) => Err(ValidationError::at(SpecPart::Rational, detail).into()),
     }
 }
 
-fn check_grid(values: &[f64], columns: usize, grid: Grid) -> OrMistakes<()> {
+fn check_grid(values: &[f64], columns: usize, grid: Grid) -> OrErrors<()> {
     let rows = values.len() / columns.max(1);
     if (rows, columns) == (grid.rows, grid.columns) {
         return Ok(());
@@ -155,13 +155,14 @@ fn check_grid(values: &[f64], columns: usize, grid: Grid) -> OrMistakes<()> {
         "{rows} rows of {columns} weights for {} rows of {} points: one for each is needed",
         grid.rows, grid.columns
     );
-    Err(Mistake::at(SpecPart::Fit(fit::Place::Weights), detail).into())
+    Err(ValidationError::at(SpecPart::Fit(fit::Place::Weights), detail).into())
 }
 
 /// Weights of both directions, one for each line of points.
-fn check_axes(u: &[f64], v: &[f64], grid: Grid) -> OrMistakes<()> {
+fn check_axes(u: &[f64], v: &[f64], grid: Grid) -> OrErrors<()> {
     let axes = [(Axis::U, u, grid.rows), (Axis::V, v, grid.columns)];
-    let wrong = |place, detail: String| Err(Mistake::at(SpecPart::Fit(place), detail).into());
+    let wrong =
+        |place, detail: String| Err(ValidationError::at(SpecPart::Fit(place), detail).into());
     for (axis, weights, expected) in axes {
         let given = weights.len();
         if given != expected {

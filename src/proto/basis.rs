@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::messages as pb;
 use super::values::{chosen, count, known, value};
 use crate::model::basis::{Basis, BasisKind, KnotsInput, ParametersInput};
-use crate::model::mistakes::Mistake;
+use crate::model::errors::ValidationError;
 use crate::model::named::{Named, Rule};
 use piad_fit::basis::{BasisChoice, Knots};
 use piad_fit::parameters::Parametrization;
@@ -18,7 +18,7 @@ const KINDS: [(BasisKind, pb::BasisKind); 4] = [
 ];
 
 /// The basis of a direction, which is this field.
-pub(crate) fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mistake> {
+pub(crate) fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, ValidationError> {
     let basis = basis.unwrap_or_default();
     let rule = match known(basis.knot_rule, &format!("{field}.knot_rule"))? {
         pb::KnotRule::Unspecified => Chosen::Any,
@@ -39,7 +39,7 @@ pub(crate) fn read(basis: Option<pb::Basis>, field: &str) -> Result<Basis, Mista
 pub(crate) fn read_parameters(
     parameters: Option<pb::Parameters>,
     field: &str,
-) -> Result<Option<ParametersInput>, Mistake> {
+) -> Result<Option<ParametersInput>, ValidationError> {
     let parameters = parameters.unwrap_or_default();
     let rule = match known(parameters.rule, &format!("{field}.rule"))? {
         pb::ParameterRule::Unspecified => Chosen::Any,
@@ -64,7 +64,7 @@ enum Chosen<R> {
 }
 
 impl<R: Rule> Chosen<R> {
-    fn of(self, numbers: Vec<f64>, field: &str) -> Result<Option<R>, Mistake> {
+    fn of(self, numbers: Vec<f64>, field: &str) -> Result<Option<R>, ValidationError> {
         match (self, numbers.is_empty()) {
             (Self::Any, true) => Ok(None),
             (Self::Any, false) | (Self::Explicit, _) => Ok(Some(R::explicit(Arc::new(numbers)))),
@@ -72,7 +72,7 @@ impl<R: Rule> Chosen<R> {
             (Self::Rule(rule), false) => {
                 let name = rule.name().unwrap_or_default();
                 let detail = format!("numbers are given, but the rule is {name:?}");
-                Err(Mistake::at_text(field, detail))
+                Err(ValidationError::at_text(field, detail))
             }
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::messages as pb;
 use super::values::known;
 use crate::model::ends::check_orders;
-use crate::model::mistakes::Mistake;
+use crate::model::errors::ValidationError;
 use piad_fit::basis::{End, Ends};
 use piad_fit::data::Points;
 use piad_fit::invalid::Side;
@@ -15,7 +15,7 @@ pub(super) fn read(
     ends: Option<pb::Ends>,
     boundary: (usize, usize),
     field: &str,
-) -> Result<Option<Ends>, Mistake> {
+) -> Result<Option<Ends>, ValidationError> {
     let Some(pb::Ends { start, end }) = ends else {
         return Ok(None);
     };
@@ -30,7 +30,7 @@ pub(super) fn read(
 }
 
 /// An end.
-fn one(end: &pb::End, boundary: (usize, usize), field: &str) -> Result<End, Mistake> {
+fn one(end: &pb::End, boundary: (usize, usize), field: &str) -> Result<End, ValidationError> {
     use pb::EndRule as R;
     let rule = known(end.rule, &format!("{field}.rule"))?;
     let (derivatives, tangents) = (&end.derivatives, &end.tangents);
@@ -41,7 +41,7 @@ fn one(end: &pb::End, boundary: (usize, usize), field: &str) -> Result<End, Mist
         (rule, true, true) => rule,
         (..) => {
             let detail = "vectors are given that its rule has no use for";
-            return Err(Mistake::at_text(field, detail));
+            return Err(ValidationError::at_text(field, detail));
         }
     };
     Ok(match rule {
@@ -60,7 +60,7 @@ fn one(end: &pb::End, boundary: (usize, usize), field: &str) -> Result<End, Mist
                 (Some(vectors), true) => End::Tangent(vectors),
                 _ => {
                     let detail = "one vector is needed for each data point of this boundary";
-                    return Err(Mistake::at_text(field, detail));
+                    return Err(ValidationError::at_text(field, detail));
                 }
             }
         }
@@ -72,17 +72,17 @@ fn vectors(
     flat: &[f64],
     (boundary, dimension): (usize, usize),
     field: &str,
-) -> Result<Vec<Arc<Points>>, Mistake> {
+) -> Result<Vec<Arc<Points>>, ValidationError> {
     let numbers = boundary * dimension;
     if numbers == 0 || flat.is_empty() || !flat.len().is_multiple_of(numbers) {
         let detail = format!(
             "{} numbers are not one vector of {dimension} coordinates for each of {boundary} data points of this boundary",
             flat.len()
         );
-        return Err(Mistake::at_text(field, detail));
+        return Err(ValidationError::at_text(field, detail));
     }
     let orders = flat.len() / numbers;
-    check_orders(orders).map_err(|detail| Mistake::at_text(field, detail))?;
+    check_orders(orders).map_err(|detail| ValidationError::at_text(field, detail))?;
     let order = |flat| Arc::new(Points::from_flat(dimension, flat));
     Ok(flat.chunks_exact(numbers).map(order).collect())
 }

@@ -11,14 +11,14 @@ use super::stream;
 use super::values::{MethodTarget, check_count, chosen, count, some, value};
 use crate::model::basis::ParametersInput;
 use crate::model::corners::{CornersInput, Creases};
-use crate::model::either::Whole;
 use crate::model::ends::{DirectionEnds, EndsInput};
+use crate::model::errors::{OrErrors, ValidationError, ValidationErrors};
 use crate::model::job::JobRequest;
 use crate::model::lists::PointNumbers;
-use crate::model::mistakes::{Mistake, Mistakes, OrMistakes};
 use crate::model::per_direction::PerDirection;
 use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::SurfaceParameters;
+use crate::model::serde_helpers::Whole;
 use crate::model::shape::{CurveInput, PointOrder, RepeatedPoints};
 use crate::model::stop::StopRules;
 use crate::model::stream::StreamSpec;
@@ -36,8 +36,8 @@ const RATIONALS: [(Rational, pb::Rational); 2] = [
 ];
 
 /// The job of a message, with at most this many points.
-pub(crate) fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<JobRequest> {
-    let mut mistakes = Mistakes::default();
+pub(crate) fn request(input: pb::JobInput, most_points: usize) -> OrErrors<JobRequest> {
+    let mut errors = ValidationErrors::default();
     let mut request = JobRequest {
         name: input.name,
         stop: input.stop.map(stop),
@@ -55,26 +55,26 @@ pub(crate) fn request(input: pb::JobInput, most_points: usize) -> OrMistakes<Job
         // Without points the rest is not validated.
         None => return Ok(request),
         Some(Geometry::Curve(it)) => {
-            request.curve = mistakes.keep(curve(it, most_points));
+            request.curve = errors.keep(curve(it, most_points));
             target.grid = request
                 .curve
                 .as_ref()
                 .map_or(target.grid, |it| it.points.grid());
         }
         Some(Geometry::Surface(it)) => {
-            request.surface = mistakes.keep(surface(it, most_points));
+            request.surface = errors.keep(surface(it, most_points));
             let grid = request.surface.as_ref().and_then(SurfaceInput::grid);
             (target.grid, target.surface) = (grid.unwrap_or(target.grid), true);
         }
     }
     let stream = input.stream.map(|it| stream::spec(it, "stream."));
-    request.stream = mistakes.keep(stream.transpose()).flatten();
-    request.rational = mistakes.keep(rational(input.rational)).flatten();
-    request.method = mistakes.keep(method::input(input.method, target)).flatten();
-    mistakes.or(request)
+    request.stream = errors.keep(stream.transpose()).flatten();
+    request.rational = errors.keep(rational(input.rational)).flatten();
+    request.method = errors.keep(method::input(input.method, target)).flatten();
+    errors.or(request)
 }
 
-fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, Mistake> {
+fn curve(curve: pb::Curve, most: usize) -> Result<CurveInput, ValidationError> {
     let points = points(curve.dimension, &curve.points, most, "curve")?;
     let boundary = (1, points.dimension());
     let ends = ends::read(curve.ends, boundary, "curve.ends")?;
@@ -126,7 +126,7 @@ fn corners_message(corners: &Corners) -> pb::Corners {
 /// The number of coordinates in space.
 const SPACE: usize = 3;
 
-fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
+fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, ValidationError> {
     let points = points(surface.dimension, &surface.points, most, "surface")?;
     let (rows, columns) = match (surface.rows, surface.columns, &surface.scattered) {
         (0, 0, Some(_)) => (points.len(), 1),
@@ -136,7 +136,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     if rows.checked_mul(columns) != Some(points.len()) {
         let given = points.len();
         let detail = format!("{given} points for {rows} rows of {columns} points");
-        return Err(Mistake::at_text("surface.points", detail));
+        return Err(ValidationError::at_text("surface.points", detail));
     }
     let missing = missing(&surface.missing, points.len())?;
     let (u, v) = (surface.u.unwrap_or_default(), surface.v.unwrap_or_default());
@@ -149,7 +149,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     let points = Arc::new(points);
     let ends = |ends, count, field| {
         let ends = ends::read(ends, (count, dimension), field)?;
-        Ok::<_, Mistake>(DirectionEnds(ends.map(|ends| EndsInput::of(&ends, true))))
+        Ok::<_, ValidationError>(DirectionEnds(ends.map(|ends| EndsInput::of(&ends, true))))
     };
     let has_basis = u.basis.is_some() || v.basis.is_some();
     let bases = PerDirection::Each {
@@ -183,7 +183,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
     if let Some(it) = surface.scattered {
         if given {
             let detail = "scattered points have no parameters of their directions";
-            return Err(Mistake::at_text("surface.scattered", detail));
+            return Err(ValidationError::at_text("surface.scattered", detail));
         }
         input.parameters = Some(scattered::read(it, grid)?);
         input.scattered = Some(PointList(points));
@@ -193,7 +193,7 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
         let usual = || ParametersInput(Parametrization::usual_of_surface(&points));
         let read = |parameters, field| {
             let parameters = basis::read_parameters(parameters, field)?;
-            Ok::<_, Mistake>(parameters.unwrap_or_else(usual))
+            Ok::<_, ValidationError>(parameters.unwrap_or_else(usual))
         };
         input.parameters = Some(SurfaceParameters::Grid(PerDirection::Each {
             u: read(u.parameters, "surface.u.parameters")?,
@@ -209,23 +209,31 @@ fn surface(surface: pb::Surface, most: usize) -> Result<SurfaceInput, Mistake> {
 }
 
 /// Flat coordinates as points.
-fn points(dimension: u32, flat: &[f64], most: usize, root: &str) -> Result<Points, Mistake> {
+fn points(
+    dimension: u32,
+    flat: &[f64],
+    most: usize,
+    root: &str,
+) -> Result<Points, ValidationError> {
     let dimension = dimension as usize;
     if !(1..=MAX_DIMENSION).contains(&dimension) {
         let detail = format!("points have 1 to {MAX_DIMENSION} coordinates, not {dimension}");
-        return Err(Mistake::at_text(format!("{root}.dimension"), detail));
+        return Err(ValidationError::at_text(
+            format!("{root}.dimension"),
+            detail,
+        ));
     }
     if !flat.len().is_multiple_of(dimension) {
         let count = flat.len();
         let detail = format!("{count} numbers are no points of {dimension} coordinates");
-        return Err(Mistake::at_text(format!("{root}.points"), detail));
+        return Err(ValidationError::at_text(format!("{root}.points"), detail));
     }
     let count = flat.len() / dimension;
     check_count(count, most, "points", &format!("{root}.points"))?;
     Ok(Points::from_flat(dimension, flat))
 }
 
-fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Mistake> {
+fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, ValidationError> {
     let mut missing = Vec::with_capacity(indices.len().min(count));
     for (k, &index) in indices.iter().enumerate() {
         let index = index as usize;
@@ -237,7 +245,10 @@ fn missing(indices: &[u32], count: usize) -> Result<Vec<usize>, Mistake> {
             missing.push(index);
             continue;
         };
-        return Err(Mistake::at_text(format!("surface.missing[{k}]"), wrong));
+        return Err(ValidationError::at_text(
+            format!("surface.missing[{k}]"),
+            wrong,
+        ));
     }
     Ok(missing)
 }
@@ -247,10 +258,10 @@ pub(crate) fn surface_weights(
     weights: pb::Weights,
     grid: Grid,
     field: &str,
-) -> Result<Option<PerDirection<PointNumbers>>, Mistake> {
+) -> Result<Option<PerDirection<PointNumbers>>, ValidationError> {
     let pb::Weights { values, u, v } = weights;
     let Grid { rows, columns } = grid;
-    let wrong = |detail: String| Err(Mistake::at_text(field, detail));
+    let wrong = |detail: String| Err(ValidationError::at_text(field, detail));
     match (values.is_empty(), u.is_empty() && v.is_empty()) {
         (true, true) => Ok(None),
         (false, false) => wrong("weights of points and of directions exclude each other".into()),
@@ -272,7 +283,7 @@ pub(crate) fn surface_weights(
 }
 
 /// The use of weights.
-pub(crate) fn rational(value: i32) -> Result<Option<Rational>, Mistake> {
+pub(crate) fn rational(value: i32) -> Result<Option<Rational>, ValidationError> {
     chosen(&RATIONALS, value, "rational")
 }
 
@@ -307,7 +318,11 @@ pub(crate) fn message(
             Some(v) => Geometry::Surface(surface_message(request, v)),
         }),
         rational: rational_message(request).into(),
-        method: Some(method::asked(&request.method, request.v.is_some(), indices)),
+        method: Some(method::requested(
+            &request.method,
+            request.v.is_some(),
+            indices,
+        )),
         stop: Some(pb::StopRules {
             rule: request.tolerance.map(|tolerance| match tolerance {
                 Tolerance::Absolute(value) => Rule::Tolerance(value),

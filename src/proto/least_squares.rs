@@ -2,13 +2,13 @@
 
 use super::messages::{method as m, method::constraint as c};
 use super::values::{MethodTarget, check_count, chosen, count, some, value};
-use crate::model::either::{AtMost, Whole};
+use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::method::counts::ControlPointCount;
 use crate::model::method::{
     ConstraintInput, EndPointsInput, FairnessInput, LeastSquaresInput, VariantKind,
 };
-use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::per_direction::PerDirection;
+use crate::model::serde_helpers::{AtMost, Whole};
 use piad_fit::data::Points;
 use piad_fit::invalid::{Axis, Place, Side};
 use piad_fit::method::{
@@ -43,11 +43,11 @@ const BOUNDARIES: [((Axis, Side), m::Boundary); 4] = [
 pub(super) fn input(
     settings: m::LeastSquares,
     target: MethodTarget,
-) -> Result<LeastSquaresInput, Mistake> {
+) -> Result<LeastSquaresInput, ValidationError> {
     let (u, v) = (settings.control_points_u, settings.control_points_v);
     let wrong = |axis, detail| {
         let place = SpecPart::Fit(Place::ControlPoints(axis));
-        Err(Mistake::at(place, detail))
+        Err(ValidationError::at(place, detail))
     };
     if v != 0 && !target.surface {
         return wrong(Axis::U, "a curve has one number of control points");
@@ -100,7 +100,7 @@ pub(super) fn input(
 fn constraints(
     messages: Vec<m::Constraint>,
     target: MethodTarget,
-) -> Result<Option<AtMost<ConstraintInput, MOST_CONDITIONS>>, Mistake> {
+) -> Result<Option<AtMost<ConstraintInput, MOST_CONDITIONS>>, ValidationError> {
     let field = "method.least_squares.constraints";
     check_count(messages.len(), MOST_CONDITIONS, "constraints", field)?;
     let one = |(index, message)| {
@@ -111,12 +111,17 @@ fn constraints(
             target.surface,
         ))
     };
-    let constraints: Result<Vec<_>, Mistake> = messages.into_iter().enumerate().map(one).collect();
+    let constraints: Result<Vec<_>, ValidationError> =
+        messages.into_iter().enumerate().map(one).collect();
     Ok(some(constraints?).map(AtMost))
 }
 
-fn constraint(message: m::Constraint, surface: bool, field: &str) -> Result<Constraint, Mistake> {
-    let wrong = |detail: &str| Mistake::at_text(field, detail);
+fn constraint(
+    message: m::Constraint,
+    surface: bool,
+    field: &str,
+) -> Result<Constraint, ValidationError> {
+    let wrong = |detail: &str| ValidationError::at_text(field, detail);
     let at = match message
         .at
         .ok_or_else(|| wrong("it says nowhere where it holds"))?

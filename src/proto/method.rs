@@ -3,13 +3,13 @@
 use super::least_squares;
 use super::messages::{self as pb, method as m, method::Kind};
 use super::values::{MethodTarget, check_count, chosen, some, value};
-use crate::model::either::AtMost;
+use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::method::{
     AdaptiveInput, ConvexInput, CustomInput, ExtendedInput, LocalInput, MethodInput, StartInput,
     SweepsInput, WeightedInput,
 };
-use crate::model::mistakes::{Mistake, SpecPart};
 use crate::model::per_direction::PerDirection;
+use crate::model::serde_helpers::AtMost;
 use crate::model::settings::{self, Matrix, Thresholds};
 use piad_fit::engine::Forecast;
 use piad_fit::invalid::{Axis, Place, Setting};
@@ -31,12 +31,12 @@ const SWEEPS: [(SweepsInput, m::Sweeps); 2] = [
 pub(crate) fn input(
     method: Option<pb::Method>,
     target: MethodTarget,
-) -> Result<Option<MethodInput>, Mistake> {
+) -> Result<Option<MethodInput>, ValidationError> {
     let Some(method) = method else {
         return Ok(None);
     };
     let Some(kind) = method.kind else {
-        return Err(Mistake::at_text("method", "it has no kind"));
+        return Err(ValidationError::at_text("method", "it has no kind"));
     };
     Ok(Some(match kind {
         Kind::Global(_) => MethodInput::Global,
@@ -62,13 +62,16 @@ pub(crate) fn input(
     }))
 }
 
-fn local(local: m::Local, target: MethodTarget) -> Result<LocalInput, Mistake> {
+fn local(local: m::Local, target: MethodTarget) -> Result<LocalInput, ValidationError> {
     let field = "method.local.indices";
     check_count(local.indices.len(), target.most, "indices", field)?;
     let omega = match (local.omega, local.auto_omega) {
         (Some(_), true) => {
             let place = SpecPart::Fit(Place::Setting(Setting::Omega));
-            return Err(Mistake::at(place, "a number is given beside auto_omega"));
+            return Err(ValidationError::at(
+                place,
+                "a number is given beside auto_omega",
+            ));
         }
         (None, false) => None,
         (omega, _) => Some(settings::Omega(omega)),
@@ -82,7 +85,7 @@ fn local(local: m::Local, target: MethodTarget) -> Result<LocalInput, Mistake> {
 }
 
 /// One threshold, or one for each point.
-fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput, Mistake> {
+fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput, ValidationError> {
     let field = "method.adaptive.thresholds";
     let m::Adaptive {
         threshold,
@@ -92,7 +95,7 @@ fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput
     check_count(thresholds.len(), target.most, "thresholds", field)?;
     if threshold != 0.0 && !thresholds.is_empty() {
         let detail = "one threshold is given for all points, and one for each";
-        return Err(Mistake::at_text(field, detail));
+        return Err(ValidationError::at_text(field, detail));
     }
     let each = target.numbers(thresholds).map(Thresholds::Each);
     Ok(AdaptiveInput {
@@ -102,7 +105,7 @@ fn adaptive(settings: m::Adaptive, target: MethodTarget) -> Result<AdaptiveInput
 }
 
 /// The matrices of a transform.
-fn custom(custom: &m::Custom) -> Result<CustomInput, Mistake> {
+fn custom(custom: &m::Custom) -> Result<CustomInput, ValidationError> {
     let u = matrix(&custom.transform_u, "method.custom.transform_u")?;
     let transform = match custom.transform_v.is_empty() {
         true => PerDirection::Both(u),
@@ -117,13 +120,13 @@ fn custom(custom: &m::Custom) -> Result<CustomInput, Mistake> {
 }
 
 /// The rows of a square matrix.
-fn matrix(entries: &[f64], field: &str) -> Result<Matrix, Mistake> {
+fn matrix(entries: &[f64], field: &str) -> Result<Matrix, ValidationError> {
     let count = entries.len();
     check_count(count, LARGEST * LARGEST, "entries", field)?;
     let rows = count.isqrt();
     if rows * rows != count || count == 0 {
         let detail = format!("{count} entries are no square matrix");
-        return Err(Mistake::at_text(field, detail));
+        return Err(ValidationError::at_text(field, detail));
     }
     let rows = entries.chunks_exact(rows).map(|row| AtMost(row.to_vec()));
     Ok(AtMost(rows.collect()))
@@ -213,7 +216,7 @@ pub(crate) fn field(place: Place, layout: SettingsLayout) -> String {
 }
 
 /// The method as requested, with its lists and the indices of the points that it selects.
-pub(crate) fn asked(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
+pub(crate) fn requested(method: &Method, surface: bool, indices: Vec<u32>) -> pb::Method {
     let mut message = message(method, surface, None);
     match (&mut message.kind, method) {
         (Some(Kind::Local(local)), _) => local.indices = indices,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::messages as pb;
 use super::values::{count, known};
+use crate::model::errors::ValidationError;
 use crate::model::iteration::IterationChoice;
-use crate::model::mistakes::Mistake;
 use crate::model::per_direction::PerDirection;
 use crate::model::scattered::{FootPoints, SurfaceParameters};
 use piad_fit::data::{Grid, Points};
@@ -30,7 +30,7 @@ pub(super) fn closed(
 pub(super) fn read(
     parameters: pb::ScatteredParameters,
     grid: Grid,
-) -> Result<SurfaceParameters, Mistake> {
+) -> Result<SurfaceParameters, ValidationError> {
     let pb::ScatteredParameters {
         projection,
         values,
@@ -46,14 +46,17 @@ pub(super) fn read(
     } = parameters;
     if grid.is_rows() {
         let detail = "scattered points have one column, or neither rows nor columns";
-        return Err(Mistake::at_text("surface.columns", detail));
+        return Err(ValidationError::at_text("surface.columns", detail));
     }
     if !sections.is_empty() {
         let others = foot_points.is_some() || !values.is_empty() || projection != 0;
         let others = others || !triangles.is_empty() || unfolding != 0;
         if others || !axis.is_empty() || !center.is_empty() || u.is_some() || v.is_some() {
             let detail = "sections have parameters of their own";
-            return Err(Mistake::at_text("surface.scattered.sections", detail));
+            return Err(ValidationError::at_text(
+                "surface.scattered.sections",
+                detail,
+            ));
         }
         let counts: Vec<usize> = sections.iter().map(|&count| count as usize).collect();
         return Ok(SurfaceParameters::Scattered(Scattered::Sections(
@@ -68,7 +71,10 @@ pub(super) fn read(
     let unfolding = known(unfolding, "surface.scattered.unfolding")?;
     if triangles.is_empty() && unfolding != pb::MeshUnfolding::Unspecified {
         let detail = "an unfolding is that of triangles";
-        return Err(Mistake::at_text("surface.scattered.unfolding", detail));
+        return Err(ValidationError::at_text(
+            "surface.scattered.unfolding",
+            detail,
+        ));
     }
     if !triangles.is_empty() {
         let is_alone = projection == pb::Projection::Unspecified
@@ -79,14 +85,20 @@ pub(super) fn read(
             && v.is_none();
         if !is_alone {
             let detail = "a mesh has triangles and an unfolding, and nothing else";
-            return Err(Mistake::at_text("surface.scattered.triangles", detail));
+            return Err(ValidationError::at_text(
+                "surface.scattered.triangles",
+                detail,
+            ));
         }
         return mesh(&triangles, unfolding);
     }
     if let Some(pb::FootPoints { job, iteration }) = foot_points {
         if projection != pb::Projection::Unspecified || !values.is_empty() {
             let detail = "scattered points have foot points, a projection or values, one of them";
-            return Err(Mistake::at_text("surface.scattered.foot_points", detail));
+            return Err(ValidationError::at_text(
+                "surface.scattered.foot_points",
+                detail,
+            ));
         }
         let iteration = iteration.map(IterationChoice::of);
         return Ok(SurfaceParameters::FootPoints(FootPoints { job, iteration }));
@@ -100,7 +112,7 @@ pub(super) fn read(
     };
     if domains.is_some() && values.is_empty() {
         let detail = "domains are those of values";
-        return Err(Mistake::at_text("surface.scattered.u", detail));
+        return Err(ValidationError::at_text("surface.scattered.u", detail));
     }
     let axis = vector(&axis, "surface.scattered.axis")?;
     let center = vector(&center, "surface.scattered.center")?;
@@ -110,14 +122,14 @@ pub(super) fn read(
     );
     if !has_axis && (axis.is_some() || center.is_some()) {
         let detail = "only a cylinder and a sphere have an axis and a center";
-        return Err(Mistake::at_text("surface.scattered.axis", detail));
+        return Err(ValidationError::at_text("surface.scattered.axis", detail));
     }
     let rule = match projection {
         pb::Projection::Unspecified if values.is_empty() => Scattered::Auto,
         pb::Projection::Unspecified if !values.len().is_multiple_of(2) => {
             let count = values.len();
             let detail = format!("{count} numbers are no pairs u, v");
-            return Err(Mistake::at_text(field, detail));
+            return Err(ValidationError::at_text(field, detail));
         }
         pb::Projection::Unspecified => {
             let values = Arc::new(Points::from_flat(2, &values));
@@ -136,18 +148,24 @@ pub(super) fn read(
         true => Ok(SurfaceParameters::Scattered(rule)),
         false => {
             let detail = "numbers are given, but there is a projection";
-            Err(Mistake::at_text(field, detail))
+            Err(ValidationError::at_text(field, detail))
         }
     }
 }
 
 /// The parameters of the vertices of a mesh.
-fn mesh(indices: &[u32], unfolding: pb::MeshUnfolding) -> Result<SurfaceParameters, Mistake> {
+fn mesh(
+    indices: &[u32],
+    unfolding: pb::MeshUnfolding,
+) -> Result<SurfaceParameters, ValidationError> {
     let (triangles, rest) = indices.as_chunks::<3>();
     if !rest.is_empty() {
         let count = indices.len();
         let detail = format!("{count} indices are no triangles: each has three");
-        return Err(Mistake::at_text("surface.scattered.triangles", detail));
+        return Err(ValidationError::at_text(
+            "surface.scattered.triangles",
+            detail,
+        ));
     }
     Ok(SurfaceParameters::Scattered(Scattered::Mesh(Mesh {
         triangles: Arc::new(triangles.to_vec()),
@@ -159,7 +177,7 @@ fn mesh(indices: &[u32], unfolding: pb::MeshUnfolding) -> Result<SurfaceParamete
 }
 
 /// The extent of a direction of explicit parameters.
-fn domain(domain: Option<pb::ParameterDomain>, field: &str) -> Result<Domain, Mistake> {
+fn domain(domain: Option<pb::ParameterDomain>, field: &str) -> Result<Domain, ValidationError> {
     let Some(domain) = domain else {
         return Ok(Domain::Data);
     };
@@ -180,7 +198,7 @@ fn domain(domain: Option<pb::ParameterDomain>, field: &str) -> Result<Domain, Mi
         (None, None, None) if poles == [false; 2] => Ok(Domain::Data),
         _ => {
             let detail = "a direction has a period, or low and high with their poles";
-            Err(Mistake::at_text(field, detail))
+            Err(ValidationError::at_text(field, detail))
         }
     }
 }
@@ -206,7 +224,7 @@ fn domain_message(domain: Domain) -> Option<pb::ParameterDomain> {
 }
 
 /// Three numbers, or none.
-fn vector(numbers: &[f64], field: &str) -> Result<Option<[f64; 3]>, Mistake> {
+fn vector(numbers: &[f64], field: &str) -> Result<Option<[f64; 3]>, ValidationError> {
     match numbers {
         [] => Ok(None),
         &[x, y, z] => Ok(Some([x, y, z])),
@@ -215,7 +233,7 @@ fn vector(numbers: &[f64], field: &str) -> Result<Option<[f64; 3]>, Mistake> {
                 "{} numbers are no direction or place of space",
                 numbers.len()
             );
-            Err(Mistake::at_text(field, detail))
+            Err(ValidationError::at_text(field, detail))
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::messages as pb;
 use super::values::{check_count, chosen, value};
-use crate::model::mistakes::Mistake;
+use crate::model::errors::ValidationError;
 use crate::model::named::Named;
 use crate::model::stream::{
     Choice, Describe, Digits, Encoding, MOST_MILESTONES, OnDisconnect, Pace, Samples, StreamSpec,
@@ -51,10 +51,14 @@ pub(crate) fn field(choice: Choice) -> &'static str {
 }
 
 /// The choices of a message, which is a field with this name and a dot.
-pub(crate) fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpec, Mistake> {
+pub(crate) fn spec(
+    options: pb::StreamOptions,
+    within: &str,
+) -> Result<StreamSpec, ValidationError> {
     let every = options.every.map(|every| {
         let detail = "it is larger than any number of iterations";
-        usize::try_from(every).map_err(|_| Mistake::at_text(format!("{within}every"), detail))
+        usize::try_from(every)
+            .map_err(|_| ValidationError::at_text(format!("{within}every"), detail))
     });
     let milestones = options.milestones.map(|milestones| milestones.distances);
     let count = milestones.as_ref().map_or(0, Vec::len);
@@ -84,7 +88,7 @@ pub(crate) fn spec(options: pb::StreamOptions, within: &str) -> Result<StreamSpe
 }
 
 /// The choices of the message of a call. JSON options are ignored.
-pub(crate) fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, Mistake> {
+pub(crate) fn of_call(options: Option<pb::StreamOptions>) -> Result<StreamSpec, ValidationError> {
     let options = options.unwrap_or_default();
     let is_delta = options.json_encoding == i32::from(pb::JsonEncoding::Delta);
     let options = pb::StreamOptions {
@@ -120,13 +124,13 @@ pub(crate) fn options(spec: &StreamSpec) -> pb::StreamOptions {
     }
 }
 
-fn samples(u: u32, v: u32, field: &str) -> Result<Option<Samples>, Mistake> {
+fn samples(u: u32, v: u32, field: &str) -> Result<Option<Samples>, ValidationError> {
     match (u as usize, v as usize) {
         (0, 0) => Ok(None),
         (u, 0) => Ok(Some(Samples::Count(u))),
         (0, _) => {
             let detail = "samples_v is given, so samples_u is needed as well";
-            Err(Mistake::at_text(field, detail))
+            Err(ValidationError::at_text(field, detail))
         }
         (u, v) => Ok(Some(Samples::Grid(u, v))),
     }

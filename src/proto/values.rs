@@ -1,7 +1,7 @@
 //! Numbers, lists and enumerations of messages.
 
+use crate::model::errors::ValidationError;
 use crate::model::lists::PointNumbers;
-use crate::model::mistakes::Mistake;
 use crate::model::settings::Index;
 use piad_fit::data::Grid;
 
@@ -40,10 +40,10 @@ pub(crate) fn some<T>(list: Vec<T>) -> Option<Vec<T>> {
 }
 
 /// The value of an enumeration; unknown values are errors of this field.
-pub(crate) fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, Mistake> {
+pub(crate) fn known<E: TryFrom<i32>>(value: i32, field: &str) -> Result<E, ValidationError> {
     E::try_from(value).map_err(|_| {
         let detail = format!("{value} is no value of this enumeration");
-        Mistake::at_text(field, detail)
+        ValidationError::at_text(field, detail)
     })
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn chosen<T: Copy, E: Copy + PartialEq + TryFrom<i32>>(
     table: &[(T, E)],
     value: i32,
     field: &str,
-) -> Result<Option<T>, Mistake> {
+) -> Result<Option<T>, ValidationError> {
     let value: E = known(value, field)?;
     let found = table.iter().find(|(_, known)| *known == value);
     Ok(found.map(|(chosen, _)| *chosen))
@@ -73,10 +73,10 @@ pub(crate) fn check_count(
     most: usize,
     things: &str,
     field: &str,
-) -> Result<(), Mistake> {
+) -> Result<(), ValidationError> {
     if count > most {
         let detail = format!("{count} {things} are more than {most}, the limit here");
-        return Err(Mistake::at_text(field, detail));
+        return Err(ValidationError::at_text(field, detail));
     }
     Ok(())
 }

@@ -12,13 +12,13 @@ use tokio::task::{JoinError, JoinSet};
 use tokio::time::{Duration, sleep, timeout};
 use tracing::{debug, error, warn};
 
-use super::activity::Times;
 use super::connection::Caller;
-use super::conversation;
-use super::doors::Doors;
+use super::context::ServerContext;
+use super::idle_tracking::Times;
 use super::limits::Admission;
 use super::listener::{Incoming, Listener, Stream};
 use super::proxy;
+use super::serve_http;
 use super::tls::Tls;
 use crate::job::peer::Peer;
 use crate::log_throttle::LogThrottle;
@@ -36,17 +36,17 @@ const BEYOND: Times = Times {
     write: Duration::from_secs(2),
 };
 
-impl Doors {
+impl ServerContext {
     /// Accepts connections until the server stops; returns when all of them have ended.
     pub(super) async fn serve(self, mut listeners: Vec<Listener>) {
         let mut tasks = JoinSet::new();
         let mut failures = LogThrottle::new(TELLING);
         let mut stopping = self.stopping.clone();
-        let doors = Arc::new(self);
+        let context = Arc::new(self);
         loop {
             let (accepted, room) = tokio::select! {
                 next = async {
-                    let room = doors.connections.room().await;
+                    let room = context.connections.room().await;
                     (next(&mut listeners).await, room)
                 } => next,
                 Some(ended) = tasks.join_next() => {
@@ -57,9 +57,9 @@ impl Doors {
             };
             match accepted {
                 Ok(incoming) => {
-                    let doors = Arc::clone(&doors);
+                    let context = Arc::clone(&context);
                     tasks.spawn(async move {
-                        doors.take_in(incoming).await;
+                        context.take_in(incoming).await;
                         drop(room);
                     });
                 }
@@ -83,7 +83,7 @@ impl Doors {
         let _open = self.counters.open_connection();
         let proxy = Peer::at(incoming.address);
         if !proxy::is_trusted(&self.proxies, incoming.address) {
-            return self.converse(incoming, Caller::direct(proxy)).await;
+            return self.admit(incoming, Caller::direct(proxy)).await;
         }
         let stream = &mut incoming.stream;
         let begun = timeout(self.times.head, proxy::read(stream)).await;
@@ -99,19 +99,19 @@ impl Doors {
         };
         let (input, output) = split(incoming.stream);
         incoming.stream = Box::new(join(Cursor::new(rest).chain(input), output));
-        self.converse(incoming, caller).await;
+        self.admit(incoming, caller).await;
     }
 
-    async fn converse(self: &Arc<Self>, incoming: Incoming, mut caller: Caller) {
+    async fn admit(self: &Arc<Self>, incoming: Incoming, mut caller: Caller) {
         let admission = self.connections.admit(caller.limited());
         match admission {
             Admission::Within(_slot) => self.serve_connection(incoming, caller, self.times).await,
-            Admission::Beyond(crowded, ended) => {
-                if let Some(times) = self.crowds.lock().record(Instant::now()) {
+            Admission::Beyond(exceeded, ended) => {
+                if let Some(times) = self.overloads.lock().record(Instant::now()) {
                     let peer = caller.peer;
-                    warn!(%peer, times, "{crowded}: only /livez, /readyz and /metrics are answered");
+                    warn!(%peer, times, "{exceeded}: only /livez, /readyz and /metrics are answered");
                 }
-                caller.crowded = Some(crowded);
+                caller.exceeded = Some(exceeded);
                 tokio::select! {
                     () = self.serve_connection(incoming, caller, BEYOND) => {}
                     // It makes room for another one.
@@ -131,7 +131,7 @@ impl Doors {
             _ => Ok(incoming.stream),
         };
         match stream {
-            Ok(stream) => conversation::serve(stream, caller, Arc::clone(self), times).await,
+            Ok(stream) => serve_http::serve(stream, caller, Arc::clone(self), times).await,
             Err(reason) => {
                 self.counters.handshakes_failed.inc();
                 debug!(peer = %caller.peer, "a connection is closed: {reason}");
@@ -154,7 +154,7 @@ impl Doors {
 }
 
 /// Log lines about connections beyond the limits.
-pub(super) fn crowds() -> Mutex<LogThrottle> {
+pub(super) fn overloads() -> Mutex<LogThrottle> {
     Mutex::new(LogThrottle::new(TELLING))
 }
 

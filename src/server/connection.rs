@@ -8,12 +8,12 @@ use axum::http::{HeaderValue, Request, Version, header};
 use hyper::body::Incoming;
 use tower::Service;
 
-use super::activity::Activity;
-use super::doors::Doors;
+use super::context::ServerContext;
+use super::idle_tracking::Activity;
 use super::proxy;
 use super::request_body::RequestBody;
 use super::response_body::{ResponseBody, Served};
-use crate::api::http::overload::Crowded;
+use crate::api::http::overload::LimitExceeded;
 use crate::job::peer::Peer;
 
 /// The origin of a connection.
@@ -23,7 +23,7 @@ pub(super) struct Caller {
     /// True if it is a trusted proxy, whose requests name their clients.
     is_proxy: bool,
     /// The limit that it exceeds, if any.
-    pub(super) crowded: Option<Crowded>,
+    pub(super) exceeded: Option<LimitExceeded>,
 }
 
 impl Caller {
@@ -32,7 +32,7 @@ impl Caller {
         Self {
             peer,
             is_proxy: false,
-            crowded: None,
+            exceeded: None,
         }
     }
 
@@ -52,7 +52,7 @@ impl Caller {
 
 /// Answers a request.
 pub(super) async fn answer(
-    doors: Arc<Doors>,
+    context: Arc<ServerContext>,
     activity: Arc<Activity>,
     caller: Caller,
     request: Request<Incoming>,
@@ -62,19 +62,19 @@ pub(super) async fn answer(
     let (mut head, body) = request.into_parts();
     let expects = head.headers.contains_key(header::EXPECT);
     let peer = match caller.is_proxy {
-        true => proxy::origin(&head.headers, &doors.proxies).peer(caller.peer),
+        true => proxy::origin(&head.headers, &context.proxies).peer(caller.peer),
         false => caller.peer,
     };
-    let mut crowded = caller.crowded;
+    let mut exceeded = caller.exceeded;
     // Connections limit the other requests of a peer.
-    let slot = (multiplexed || caller.is_proxy).then(|| doors.connections.admit_request(peer));
-    let slot = slot.and_then(|slot| slot.map_err(|reason| crowded = Some(reason)).ok());
-    if let Some(reason) = crowded {
+    let slot = (multiplexed || caller.is_proxy).then(|| context.connections.admit_request(peer));
+    let slot = slot.and_then(|slot| slot.map_err(|reason| exceeded = Some(reason)).ok());
+    if let Some(reason) = exceeded {
         head.extensions.insert(reason);
     }
     let (body, unread) = RequestBody::new(body);
     let request = Request::from_parts(head, Body::new(body));
-    let routed = doors.router.clone().call(request);
+    let routed = context.router.clone().call(request);
     let mut response = Peer::scope(Some(peer), routed).await?;
     // In HTTP/2 an unread body does not block other streams.
     if !multiplexed && !(unread.is_out_of_the_way(expects).await) {

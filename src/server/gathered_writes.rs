@@ -11,7 +11,7 @@ use bytes::{Buf, BytesMut};
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 
 /// Writes are passed on when there are this many bytes.
-const ENOUGH: usize = 64 * 1024;
+const PASSED_ON_BYTES: usize = 64 * 1024;
 
 /// Writes of this many bytes are likely to be followed by others; smaller ones are passed on with their flush.
 const LARGE: usize = 8 * 1024;
@@ -39,7 +39,7 @@ impl<S: AsyncWrite + Unpin> GatheredWrites<S> {
         context: &mut Context<'_>,
         parts: impl Iterator<Item = &'a [u8]>,
     ) -> Poll<io::Result<usize>> {
-        if self.gathered.len() >= ENOUGH {
+        if self.gathered.len() >= PASSED_ON_BYTES {
             ready!(self.pass_on(context))?;
         }
         let before = self.gathered.len();
@@ -94,7 +94,7 @@ impl<S: AsyncWrite + Unpin> AsyncWrite for GatheredWrites<S> {
     }
 
     fn poll_flush(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<io::Result<()>> {
-        if std::mem::take(&mut self.is_followed) && self.gathered.len() < ENOUGH {
+        if std::mem::take(&mut self.is_followed) && self.gathered.len() < PASSED_ON_BYTES {
             // If nothing follows, the task flushes when it is polled again.
             context.waker().wake_by_ref();
             return Poll::Ready(Ok(()));
@@ -161,7 +161,7 @@ mod tests {
         assert_eq!(passed_on(&[frame, frame, 100]), [2 * frame + 100]);
         assert_eq!(passed_on(&[frame, 0]), [frame]);
         assert_eq!(passed_on(&[100, frame, 0, 100]), [100, frame, 100]);
-        let count = ENOUGH / frame;
-        assert_eq!(passed_on(&vec![frame; count + 1]), [ENOUGH]);
+        let count = PASSED_ON_BYTES / frame;
+        assert_eq!(passed_on(&vec![frame; count + 1]), [PASSED_ON_BYTES]);
     }
 }

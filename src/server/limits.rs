@@ -11,7 +11,7 @@ use std::sync::Arc;
 use parking_lot::Mutex;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot};
 
-use crate::api::http::overload::Crowded;
+use crate::api::http::overload::LimitExceeded;
 use crate::config::Config;
 use crate::job::peer::Peer;
 use crate::job::slots::{NoSlot, PerPeer, Slot, Slots};
@@ -74,7 +74,7 @@ pub(super) enum Admission {
     /// Within the limits, until the slot is dropped.
     Within(Slot),
     /// Beyond the limits, until the receiver completes.
-    Beyond(Crowded, oneshot::Receiver<()>),
+    Beyond(LimitExceeded, oneshot::Receiver<()>),
 }
 
 impl Connections {
@@ -95,9 +95,9 @@ impl Connections {
 
     /// Admits a connection of a peer, or of a proxy with many peers behind it.
     pub(super) fn admit(&self, peer: Option<Peer>) -> Admission {
-        let crowded = match self.slots.take(peer) {
+        let exceeded = match self.slots.take(peer) {
             Ok(slot) => return Admission::Within(slot),
-            Err(no_slot) => Crowded::Connections(no_slot),
+            Err(no_slot) => LimitExceeded::Connections(no_slot),
         };
         let mut beyond = self.beyond.lock();
         beyond.retain(|connection| !connection.is_closed());
@@ -106,15 +106,15 @@ impl Connections {
         }
         let (end, ended) = oneshot::channel();
         beyond.push_back(end);
-        Admission::Beyond(crowded, ended)
+        Admission::Beyond(exceeded, ended)
     }
 
     /// Admits a request of a peer.
-    pub(super) fn admit_request(&self, peer: Peer) -> Result<Slot, Crowded> {
+    pub(super) fn admit_request(&self, peer: Peer) -> Result<Slot, LimitExceeded> {
         self.requests
             .take(Some(peer))
             .map_err(|no_slot| match no_slot {
-                NoSlot::All(most) | NoSlot::PerPeer(most) => Crowded::Requests(most),
+                NoSlot::All(most) | NoSlot::PerPeer(most) => LimitExceeded::Requests(most),
             })
     }
 }
@@ -159,16 +159,19 @@ mod tests {
         });
         let admit = |last| match connections.admit(Some(peer(last))) {
             Admission::Within(place) => Ok(place),
-            Admission::Beyond(crowded, _) => Err(crowded),
+            Admission::Beyond(exceeded, _) => Err(exceeded),
         };
         let first = admit(1).unwrap();
         let second = admit(1).unwrap();
         assert_eq!(
             admit(1).unwrap_err(),
-            Crowded::Connections(NoSlot::PerPeer(2))
+            LimitExceeded::Connections(NoSlot::PerPeer(2))
         );
         let third = admit(2).unwrap();
-        assert_eq!(admit(2).unwrap_err(), Crowded::Connections(NoSlot::All(3)));
+        assert_eq!(
+            admit(2).unwrap_err(),
+            LimitExceeded::Connections(NoSlot::All(3))
+        );
         drop(first);
         let again = admit(1).unwrap();
         drop((second, third, again));

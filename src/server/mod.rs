@@ -3,18 +3,17 @@
 //! - `local`: the same without a port, for programs that send requests to themselves;
 //! - [`listen`]: the addresses and sockets of the server; [`listener`]: their connections; `tls`: their encryption;
 //! - `accept`: accepts connections; `connection`: serves one;
-//! - `activity`: the activity on a connection, and its timeouts; `write_timeout`: bytes that the client does not read;
+//! - `idle_tracking`: the activity on a connection, and its timeouts; `write_timeout`: bytes that the client does not read;
 //! - `limits`: limits of the number of connections; [`proxy`]: clients behind trusted proxies;
 //! - `request_body`: the bodies of requests; `response_body`: those of answers; `stream_timeout`: those of HTTP/2 that
 //!   the client does not read;
 //! - [`probe`]: asks a server whether it is ready;
 
 mod accept;
-mod activity;
 mod connection;
-mod conversation;
-mod doors;
+mod context;
 mod gathered_writes;
+mod idle_tracking;
 pub(crate) mod limits;
 pub mod listen;
 pub mod listener;
@@ -23,6 +22,7 @@ pub mod probe;
 pub mod proxy;
 mod request_body;
 mod response_body;
+mod serve_http;
 mod stream_timeout;
 pub(crate) mod tls;
 mod write_timeout;
@@ -50,8 +50,8 @@ use crate::job::service::{JobLimits, Jobs};
 use crate::job::slots::PerPeer;
 use crate::job::store::{OpenError, Retention, Store};
 use crate::reload::keep_current;
-use activity::Times;
-use doors::Doors;
+use context::ServerContext;
+use idle_tracking::Times;
 use limits::{ConnectionLimits, Connections};
 use listener::Listener;
 use tls::Tls;
@@ -115,7 +115,7 @@ pub async fn serve(
     if let Some(tokens) = tokens {
         tokio::spawn(keep_current(tokens, counters.reloads_failed.clone()));
     }
-    let doors = Doors {
+    let context = ServerContext {
         router,
         times,
         connections: Connections::new(most),
@@ -123,10 +123,10 @@ pub async fn serve(
         tls,
         counters,
         stopping,
-        crowds: accept::crowds(),
+        overloads: accept::overloads(),
     };
     tokio::select! {
-        () = doors.serve(listeners) => {}
+        () = context.serve(listeners) => {}
         () = async {
             shutdown.await;
             info!("stopping: no new requests, event streams end");

@@ -22,9 +22,9 @@ use super::listener::Stream;
 use crate::config::listen::Listen;
 
 /// Asks the server at this address, perhaps behind TLS, whether it is ready; the error says why not.
-pub async fn probe(listen: &Listen, is_secure: bool, patience: Duration) -> Result<(), String> {
-    match timeout(patience, ask(listen, is_secure)).await {
-        Err(_) => Err(format!("no answer within {patience:?}")),
+pub async fn probe(listen: &Listen, is_secure: bool, limit: Duration) -> Result<(), String> {
+    match timeout(limit, ask(listen, is_secure)).await {
+        Err(_) => Err(format!("no answer within {limit:?}")),
         Ok(answer) => answer,
     }
 }
@@ -43,13 +43,13 @@ async fn ask(listen: &Listen, is_secure: bool) -> Result<(), String> {
         }
     };
     let stream = TokioIo::new(stream.map_err(|reason| reason.to_string())?);
-    let told = |reason: hyper::Error| reason.to_string();
-    let (mut requests, connection) = http1::handshake(stream).await.map_err(told)?;
+    let message = |reason: hyper::Error| reason.to_string();
+    let (mut requests, connection) = http1::handshake(stream).await.map_err(message)?;
     tokio::spawn(connection);
     let request = Request::get("/readyz").header(header::HOST, host);
     let request = request.body(Empty::<Bytes>::new());
     let request = request.map_err(|reason| reason.to_string())?;
-    let answer = requests.send_request(request).await.map_err(told)?;
+    let answer = requests.send_request(request).await.map_err(message)?;
     match answer.status().is_success() {
         true => Ok(()),
         false => Err(format!("it answers {}", answer.status())),

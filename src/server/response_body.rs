@@ -7,7 +7,7 @@ use axum::body::Body;
 use bytes::Bytes;
 use http_body::{Body as HttpBody, Frame, SizeHint};
 
-use super::activity::OpenRequest;
+use super::idle_tracking::OpenRequest;
 use super::stream_timeout;
 use crate::job::peer::Peer;
 use crate::job::slots::Slot;
@@ -59,7 +59,7 @@ impl HttpBody for ResponseBody {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        stream_timeout::asked();
+        stream_timeout::requested();
         if self.rest.is_empty() {
             let peer = Some(self.request.peer);
             let body = Pin::new(&mut self.body);

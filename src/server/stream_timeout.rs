@@ -22,14 +22,14 @@ enum BodyStep {
     /// Nothing: it is preparing the answer, or waits for window.
     Untouched,
     /// It polled the body, which had nothing ready.
-    Asked,
+    Requested,
     /// It got something to send.
     Given,
 }
 
 /// Notes that the body is polled.
-pub(super) fn asked() {
-    set(BodyStep::Asked);
+pub(super) fn requested() {
+    set(BodyStep::Requested);
 }
 
 /// Notes that the body has returned something.
@@ -56,7 +56,7 @@ pub(super) async fn unless_stalled(limit: Duration, task: impl Future<Output = (
         }
         match step {
             BodyStep::Untouched => {}
-            BodyStep::Asked => stalled = false,
+            BodyStep::Requested => stalled = false,
             BodyStep::Given => {
                 stalled = true;
                 timer.as_mut().reset(Instant::now() + limit);

@@ -83,8 +83,8 @@ async fn refuse_plain(mut stream: Stream, first: [u8; 1]) -> io::Error {
             "HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain\r\nContent-Length: {}\r\nConnection: close\r\n\r\n{body}",
             body.len()
         );
-        let told = stream.write_all(answer.as_bytes()).await;
-        if told.is_ok() && stream.shutdown().await.is_ok() {
+        let sent = stream.write_all(answer.as_bytes()).await;
+        if sent.is_ok() && stream.shutdown().await.is_ok() {
             let _ = copy(&mut stream.take(IGNORED), &mut sink()).await;
         }
     }

@@ -9,7 +9,7 @@ use bytes::Bytes;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, ReadBuf};
 use tokio::time::{Duration, Sleep, sleep};
 
-use super::activity::Activity;
+use super::idle_tracking::Activity;
 
 /// A stream of bytes that records its activity. Writing fails when the other side has read nothing for `limit`.
 pub(super) struct TimedStream<S> {

@@ -105,7 +105,7 @@ fn needed(operation: &Value) -> Option<String> {
 
 /// Every route with every kind of token.
 #[tokio::test]
-async fn every_route_asks_for_its_token() {
+async fn every_route_requires_its_token() {
     let file = TokensFile::new();
     let cases = cases(&file);
     let scopes = ["jobs:read", "jobs:write", "metrics"];
@@ -177,28 +177,28 @@ async fn every_route_asks_for_its_token() {
         }
     }
     assert!(guarded >= 20, "{guarded}");
-    // Nowhere is any token told.
+    // No output contains a token.
     let metrics = ask(&server, Method::GET, "/metrics", Some(&right)).await;
-    let told = server.log() + &metrics.text().await.unwrap();
+    let reported = server.log() + &metrics.text().await.unwrap();
     for token in cases
         .iter()
         .filter_map(|it| it.token.as_ref())
         .chain(&too_small)
     {
-        assert!(token.is_empty() || !told.contains(token.as_str()));
+        assert!(token.is_empty() || !reported.contains(token.as_str()));
     }
     for reason in ["missing", "unknown", "expired", "scope"] {
         assert!(
-            told.contains(&format!("piad_denied_total{{reason=\"{reason}\"}}")),
+            reported.contains(&format!("piad_denied_total{{reason=\"{reason}\"}}")),
             "{reason}"
         );
     }
-    assert!(told.contains("a request was denied"));
+    assert!(reported.contains("a request was denied"));
 }
 
 /// Every call with every kind of token, as bytes: what is denied is denied before a message is read.
 #[tokio::test]
-async fn every_call_asks_for_its_token() {
+async fn every_call_requires_its_token() {
     let file = TokensFile::new();
     let cases = cases(&file);
     let reader = file.token("a", "jobs:read");
@@ -366,7 +366,7 @@ async fn a_tenant_knows_of_its_own_jobs_alone() {
     }
     assert_eq!(seen.len(), 5);
     assert!(!seen.contains(mine["id"].as_str().unwrap()));
-    // A cursor that is the id of a job of another tenant is a place in time, and tells nothing of it.
+    // A cursor that is the id of a job of another tenant is a point in time, and reveals nothing about it.
     let path = format!("/v1/jobs?cursor={}", mine["id"].as_str().unwrap());
     let page: Value = ask(&server, Method::GET, &path, Some(&b))
         .await
@@ -379,7 +379,7 @@ async fn a_tenant_knows_of_its_own_jobs_alone() {
         .as_str()
         .unwrap()
         .replace(|c: char| c.is_ascii_digit(), "0");
-    let told = async |id: &str| {
+    let reported = async |id: &str| {
         let path = format!("/v1/jobs/{id}");
         let problem: Value = ask(&server, Method::GET, &path, Some(&b))
             .await
@@ -389,8 +389,8 @@ async fn a_tenant_knows_of_its_own_jobs_alone() {
         problem["detail"].as_str().unwrap().replace(id, "ID")
     };
     assert_eq!(
-        told(mine["id"].as_str().unwrap()).await,
-        told(&nobody).await
+        reported(mine["id"].as_str().unwrap()).await,
+        reported(&nobody).await
     );
     // What it made is still its own after a restart, and the other's is not.
     drop(server);
@@ -534,7 +534,7 @@ async fn a_server_for_the_network_needs_tokens() {
     let short = start(&[], Some("too short"));
     assert!(short.contains("at least 32 characters"), "{short}");
     assert!(start(&["--insecure-no-auth"], None).contains("listening on"));
-    let long = "a-token-that-nobody-guesses-as-it-is-long";
+    let long = "a-token-that-cannot-be-guessed-as-it-is-long";
     let said = start(&[], Some(long));
     assert!(
         said.contains("listening on") && said.contains("tokens are sent over the network"),
@@ -543,7 +543,7 @@ async fn a_server_for_the_network_needs_tokens() {
     assert!(!said.contains(long));
 
     let file = folder.path().join("tokens.toml");
-    for (content, told) in [
+    for (content, reported) in [
         ("token = 5", "tokens.toml"),
         ("[[token]]\nid = 'a'", "missing field"),
         ("other = 5", "unknown field"),
@@ -551,7 +551,7 @@ async fn a_server_for_the_network_needs_tokens() {
         fs::write(&file, content).unwrap();
         let said = start(&["--tokens", file.to_str().unwrap()], None);
         assert!(
-            said.contains("--tokens") && said.contains(told),
+            said.contains("--tokens") && said.contains(reported),
             "{content}: {said}"
         );
     }
@@ -565,7 +565,7 @@ async fn a_server_for_the_network_needs_tokens() {
 #[tokio::test]
 async fn a_token_of_the_variable_is_good_for_everything() {
     let folder = tempfile::tempdir().unwrap();
-    let token = "a-token-that-nobody-guesses-as-it-is-long";
+    let token = "a-token-that-cannot-be-guessed-as-it-is-long";
     let script = format!("export PIAD_TOKEN={token}; exec \"$@\"");
     let server = Program::in_shell(&script, folder.path());
     for path in ["/v1/jobs", "/metrics", "/v1/capabilities"] {
@@ -588,7 +588,7 @@ async fn a_token_of_the_variable_is_good_for_everything() {
 }
 
 #[test]
-fn tokens_are_told_once_and_kept_as_hashes() {
+fn tokens_are_printed_once_and_stored_as_hashes() {
     let file = TokensFile::new();
     let output = file.run(
         "create",
@@ -604,13 +604,16 @@ fn tokens_are_told_once_and_kept_as_hashes() {
     assert!(output.status.success());
     let token = String::from_utf8(output.stdout).unwrap().trim().to_owned();
     assert!(token.starts_with("piad_") && token.len() == 48, "{token}");
-    let told = String::from_utf8(output.stderr).unwrap();
+    let reported = String::from_utf8(output.stderr).unwrap();
     assert!(
-        told.contains("jobs:read,jobs:write") && told.contains("of the lab"),
-        "{told}"
+        reported.contains("jobs:read,jobs:write") && reported.contains("of the lab"),
+        "{reported}"
     );
     let kept = fs::read_to_string(file.path()).unwrap();
-    assert!(!kept.contains(&token) && !told.contains(&token), "{kept}");
+    assert!(
+        !kept.contains(&token) && !reported.contains(&token),
+        "{kept}"
+    );
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -637,7 +640,7 @@ fn tokens_are_told_once_and_kept_as_hashes() {
     let again = file.run("revoke", &[id]);
     assert_eq!(again.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&again.stderr).contains(&format!("there is no token {id}")));
-    for (arguments, told) in [
+    for (arguments, reported) in [
         (["--tenant", "a b"], "the name of a tenant"),
         (["--expires", "soon"], "not a time such as 720h, or never"),
         (["--expires", "0h"], "not a time such as 720h, or never"),
@@ -646,7 +649,7 @@ fn tokens_are_told_once_and_kept_as_hashes() {
         let output = file.run("create", &arguments);
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(
-            !output.status.success() && said.contains(told),
+            !output.status.success() && said.contains(reported),
             "{arguments:?}: {said}"
         );
     }

@@ -88,14 +88,14 @@ async fn every_event_is_the_curve_that_it_says_it_is() {
         assert_eq!(story.state(), "converged");
         let mut knots = numbers(&story.job["knots"]);
         let t = numbers(&story.job["parameters"]);
-        let mut told = 0;
+        let mut reported = 0;
         let mut before = f64::INFINITY;
         for iteration in &story.iterations {
             let new = iteration.get("knots").map(numbers);
             if let Some(new) = new {
-                assert_ne!(new, knots, "knots are told where they change");
+                assert_ne!(new, knots, "knots are reported where they change");
                 knots = new;
-                told += 1;
+                reported += 1;
                 before = f64::INFINITY;
             }
             let said = iteration["error"]["max"].as_f64().unwrap();
@@ -110,16 +110,16 @@ async fn every_event_is_the_curve_that_it_says_it_is() {
         }
         let first = story.iterations[0]["control_points"].as_array().unwrap();
         assert_eq!(first.len(), if is_closed { 7 } else { 4 });
-        assert!(told > 5, "{told}");
+        assert!(reported > 5, "{reported}");
         let last = story.iterations.last().unwrap();
         assert!(last["error"]["max"].as_f64().unwrap() <= 1e-5);
     }
 }
 
-/// The knots of the event that a client sees next are always those of its curve: whichever events it
-/// leaves out, and wherever its stream goes on.
+/// The knots of the next event of a client are always those of its curve, also after skipped events and resumed
+/// streams.
 #[tokio::test]
-async fn whoever_leaves_out_events_or_resumes_has_the_knots() {
+async fn streams_that_skip_or_resume_have_the_knots() {
     let server = Server::start().await;
     let curve = json!({"points": points(300)});
     let job = server.fit(&automatic(curve, 1e-4, json!({}))).await;
@@ -344,9 +344,9 @@ async fn few_points_are_fitted() {
     assert_eq!(last["control_points"].as_array().unwrap().len(), 4);
 }
 
-/// An edit goes on from the knots and the control points of its parent.
+/// An edit starts from the knots and the control points of its parent.
 #[tokio::test]
-async fn edits_go_on_from_the_knots_of_their_parent() {
+async fn edits_start_from_the_knots_of_their_parent() {
     let server = Server::start().await;
     let job = server
         .fit(&automatic(json!({"points": points(300)}), 1e-4, json!({})))
@@ -379,7 +379,7 @@ async fn edits_go_on_from_the_knots_of_their_parent() {
 
 /// The same for surfaces, of a grid and of scattered points.
 #[tokio::test]
-async fn edits_of_surfaces_go_on_from_their_knots() {
+async fn edits_of_surfaces_start_from_their_knots() {
     let server = Server::start().await;
     let golden: Value = serde_json::from_str(include_str!("../golden/scattered.json")).unwrap();
     let scattered = json!({"scattered": golden["points"], "parameters": {"project": "xy"}});

@@ -539,17 +539,17 @@ async fn bodies() {
         }
     }
     assert!(surprises.is_empty(), "{}", surprises.join("\n\n"));
-    // None of them left anything behind, and the server goes on.
+    // None of them left anything behind, and the server continues.
     assert_eq!(server.json("/v1/jobs").await["jobs"], json!([]));
     let job = server.fit(&data::small_job()).await;
     assert_eq!(job["state"], "converged");
 }
 
-/// The most mistakes that are told of one body.
+/// The maximum number of reported errors of a body.
 const MOST_TOLD: usize = 16;
 
-/// Posts what must be refused; gives the places that the answer tells. Its text, which ends somewhere
-/// if there are too many, has each of them, too.
+/// Posts an invalid request and returns the locations of its errors. The detail, which is cut if there are too many,
+/// names each of them, too.
 async fn refused(server: &Server, path: &str, body: &Value) -> Vec<String> {
     let response = server.post(path).json(body).send().await.unwrap();
     let (status, problem) = problem(response).await;
@@ -572,31 +572,31 @@ async fn edits(server: &Server) -> String {
     format!("{}/edits", base(&parent))
 }
 
-/// Of what cannot be read the first is told, wherever it stands.
+/// The first unreadable value is reported, at any location.
 #[tokio::test]
-async fn the_first_value_that_cannot_be_read_is_told() {
+async fn the_first_unreadable_value_is_reported() {
     let server = Server::start().await;
     let job = json!({
         "curve": {"points": [[0, 0], [1, "1"], [2, 0], [null, 0], [4, 4]], "parametrs": "uniform"},
         "stop": {"tolerance": "small"},
     });
-    let told = refused(&server, "/v1/jobs", &job).await;
-    assert_eq!(told, ["/curve/points/1/1"]);
+    let reported = refused(&server, "/v1/jobs", &job).await;
+    assert_eq!(reported, ["/curve/points/1/1"]);
     // Before the kind of a method, too.
     let late = json!({"method": {"indices": [1, 2.5], "kind": "local"}});
-    let told = refused(&server, "/v1/jobs", &late).await;
-    assert_eq!(told, ["/method/indices/1"]);
+    let reported = refused(&server, "/v1/jobs", &late).await;
+    assert_eq!(reported, ["/method/indices/1"]);
     let edit = json!({
         "points": [{"index": 1, "point": [1, 2]}, {"point": {"x": 1, "y": 2}}],
         "method": {"kind": "weighted", "omega": "most"},
     });
-    let told = refused(&server, &edits(&server).await, &edit).await;
-    assert_eq!(told, ["/points/1/point"]);
+    let reported = refused(&server, &edits(&server).await, &edit).await;
+    assert_eq!(reported, ["/points/1/point"]);
 }
 
 /// What can be read, but is no fit, in several ways.
 #[tokio::test]
-async fn several_mistakes_of_the_mathematics_are_told_at_once() {
+async fn several_errors_of_the_fit_are_reported_together() {
     let server = Server::start().await;
     let curve = json!({
         "curve": {
@@ -608,22 +608,22 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
         "stop": {"tolerance": -1, "max_iterations": 2_000_000_000},
         "stream": {"every": 0},
     });
-    let told = refused(&server, "/v1/jobs", &curve).await;
+    let reported = refused(&server, "/v1/jobs", &curve).await;
     let expected = ["/stop/max_iterations", "/stream/every", "/method"];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     // Without those the numbers are looked at.
     let mut curve = curve;
     curve["method"] = json!({"kind": "weighted", "omega": 3});
     curve["stop"] = json!({"tolerance": -1});
     curve["stream"] = json!({});
-    let told = refused(&server, "/v1/jobs", &curve).await;
+    let reported = refused(&server, "/v1/jobs", &curve).await;
     let expected = [
         "/stop/tolerance",
         "/method/omega",
         "/curve/parameters/2",
         "/curve/weights/2",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     let surface = json!({
         "surface": {
             "points": data::peaks(4),
@@ -632,21 +632,21 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
         },
         "stop": {"tolerance": 1, "relative_tolerance": 1},
     });
-    let told = refused(&server, "/v1/jobs", &surface).await;
+    let reported = refused(&server, "/v1/jobs", &surface).await;
     let expected = [
         "/surface/weights",
         "/surface/basis/u/degree",
         "/surface/basis/u/knots",
         "/stop/relative_tolerance",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
 
     let edit = json!({
         "points": [{"index": 1, "point": [1]}, {"index": 9999, "point": [1, 2]}, {"index": 2}],
         "method": {"kind": "adaptive"},
         "stop": {"tolerance": 1, "relative_tolerance": 1},
     });
-    let told = refused(&server, &edits(&server).await, &edit).await;
+    let reported = refused(&server, &edits(&server).await, &edit).await;
     let expected = [
         "/points/0/point",
         "/points/1/index",
@@ -654,41 +654,41 @@ async fn several_mistakes_of_the_mathematics_are_told_at_once() {
         "/method",
         "/stop/relative_tolerance",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
 }
 
 /// All neighbours that are equal, and all else that is wrong, in one answer.
 #[tokio::test]
-async fn all_equal_neighbours_are_told_at_once() {
+async fn all_equal_neighbours_are_reported_together() {
     let server = Server::start().await;
     let job = json!({
         "curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [3, 0], [3, 0], [3, 0], [4, 1]]},
         "method": {"kind": "weighted", "omega": 7},
     });
-    let told = refused(&server, "/v1/jobs", &job).await;
+    let reported = refused(&server, "/v1/jobs", &job).await;
     let expected = [
         "/method/omega",
         "/curve/points/2",
         "/curve/points/5",
         "/curve/points/6",
     ];
-    assert_eq!(told, expected);
+    assert_eq!(reported, expected);
     let closed =
         json!({"curve": {"points": [[0, 0], [1, 1], [1, 1], [2, 0], [0, 0]], "closed": true}});
-    let told = refused(&server, "/v1/jobs", &closed).await;
-    assert_eq!(told, ["/curve/points/2", "/curve/points/4"]);
-    // Lines of a surface, and what is wrong with the other direction.
+    let reported = refused(&server, "/v1/jobs", &closed).await;
+    assert_eq!(reported, ["/curve/points/2", "/curve/points/4"]);
+    // Lines of a surface, and the error of the other direction.
     let row = |x: f64| -> Vec<[f64; 3]> { (0..4).map(|j| [x, f64::from(j), 0.0]).collect() };
     let rows: Vec<_> = [0.0, 0.0, 1.0, 2.0, 2.0].into_iter().map(row).collect();
     let job = json!({"surface": {"points": rows, "degree": {"u": 3, "v": 0}}});
-    let told = refused(&server, "/v1/jobs", &job).await;
+    let reported = refused(&server, "/v1/jobs", &job).await;
     let expected = [
         "/surface/points/1",
         "/surface/points/4",
         "/surface/degree/v",
     ];
-    assert_eq!(told, expected);
-    // However many points there are, and as many mistakes as are told.
+    assert_eq!(reported, expected);
+    // With any number of points, and up to the limit of errors.
     let points: Vec<[f64; 2]> = (0..40_000).map(|i| [f64::from(i / 2 * 2), 0.0]).collect();
     let response = server
         .post("/v1/jobs")
@@ -701,7 +701,7 @@ async fn all_equal_neighbours_are_told_at_once() {
     assert!(last.ends_with("there are more of them"), "{last}");
 }
 
-/// What is wrong with a setting says what there is, and what to write instead.
+/// Errors of a setting list the known ones and a correction.
 #[tokio::test]
 async fn refusals_say_what_to_write_instead() {
     let server = Server::start().await;

@@ -135,15 +135,15 @@ async fn items_are_what_fits_of_their_own_are() {
             converged += 1;
             continue;
         }
-        let (_, told) = problem(response).await;
+        let (_, reported) = problem(response).await;
         let found = &item["problem"];
         for name in ["type", "title", "status"] {
-            assert_eq!(found[name], told[name], "{name} of item {index}");
+            assert_eq!(found[name], reported[name], "{name} of item {index}");
         }
         let prefix =
             |pointer: &Value| json!(format!("/items/{index}{}", pointer.as_str().unwrap()));
-        match told.get("errors") {
-            None => assert_eq!(found["detail"], told["detail"]),
+        match reported.get("errors") {
+            None => assert_eq!(found["detail"], reported["detail"]),
             Some(errors) => {
                 let errors = errors.as_array().unwrap();
                 assert_eq!(found["errors"].as_array().unwrap().len(), errors.len());
@@ -159,7 +159,7 @@ async fn items_are_what_fits_of_their_own_are() {
     assert_eq!(batch.items[5]["name"], "long");
     let states = batch.states();
     assert_eq!(states[3], "exhausted");
-    // How near a fit has come is told, and shown.
+    // The achieved distance and the geometry are returned.
     assert_eq!(batch.items[3]["iteration"], 3);
     assert!(batch.items[3]["curve"]["control_points"].is_array());
     assert_eq!(&states[9..], ["failed"; 4]);
@@ -226,22 +226,22 @@ async fn items_have_the_defaults_that_they_do_not_change() {
     let in_lines = in_lines(&[&first[..], &items].concat());
     let in_lines = Lines::of(post_lines(&server, in_lines).await).await;
     assert_eq!(in_lines.without_requests(), batch.without_requests());
-    // What is wrong with them is said of them.
+    // Their errors name them.
     let negative = json!({"defaults": {"stop": {"tolerance": -1}}, "items": [curve(1)]});
     let negative = lines(&server, &negative).await;
     let errors = &negative.items[0]["problem"]["errors"];
     assert_eq!(errors[0]["pointer"], "/defaults/stop/tolerance");
     let unknown = json!({"defaults": {"tolerance": 1}, "items": [curve(1)]});
-    let (status, told) = problem(post(&server, &unknown).await).await;
+    let (status, reported) = problem(post(&server, &unknown).await).await;
     assert_eq!(
-        (status, &told["errors"][0]["pointer"]),
+        (status, &reported["errors"][0]["pointer"]),
         (422, &json!("/defaults/tolerance"))
     );
 }
 
 /// What is no batch is answered as usual, before anything is computed.
 #[tokio::test]
-async fn what_is_no_batch_is_refused() {
+async fn invalid_batches_are_rejected() {
     let server = Server::start().await;
     for (body, status, detail) in [
         ("", 400, "the body is empty"),
@@ -268,11 +268,11 @@ async fn what_is_no_batch_is_refused() {
         let request = request
             .header("content-type", "application/json")
             .body(body);
-        let (found, told) = problem(request.send().await.unwrap()).await;
-        assert_eq!(found, status, "{body}: {told:#}");
+        let (found, reported) = problem(request.send().await.unwrap()).await;
+        assert_eq!(found, status, "{body}: {reported:#}");
         assert!(
-            told["detail"].as_str().unwrap().contains(detail),
-            "{body}: {told:#}"
+            reported["detail"].as_str().unwrap().contains(detail),
+            "{body}: {reported:#}"
         );
     }
     let batch = json!({"items": [curve(1)]});
@@ -288,15 +288,15 @@ async fn what_is_no_batch_is_refused() {
         ("dots=none", "dots"),
     ] {
         let request = server.post(&format!("/v1/batch?{query}")).json(&batch);
-        let (status, told) = problem(request.send().await.unwrap()).await;
+        let (status, reported) = problem(request.send().await.unwrap()).await;
         assert_eq!(
-            (status, &told["errors"][0]["parameter"]),
+            (status, &reported["errors"][0]["parameter"]),
             (400, &json!(parameter))
         );
     }
 }
 
-/// A body that breaks off or is no JSON ends the batch where it does.
+/// A truncated or invalid body ends the batch at that point.
 #[tokio::test]
 async fn a_broken_body_ends_the_batch() {
     let server = Server::start().await;
@@ -325,8 +325,8 @@ async fn a_broken_body_ends_the_batch() {
         let batch = Lines::of(request.send().await.unwrap()).await;
         assert_eq!(batch.items[0]["state"], "converged");
         assert_eq!(batch.last.get("totals"), None);
-        let told = batch.last["problem"]["detail"].as_str().unwrap();
-        assert!(told.contains(detail), "{rest}: {told}");
+        let reported = batch.last["problem"]["detail"].as_str().unwrap();
+        assert!(reported.contains(detail), "{rest}: {reported}");
         assert!(batch.last["problem"]["request_id"].is_string());
     }
     // A connection that is cut off, of which the client may see nothing more.
@@ -353,7 +353,7 @@ async fn a_broken_body_ends_the_batch() {
 }
 
 #[tokio::test]
-async fn answers_have_the_form_that_is_asked_for() {
+async fn answers_have_the_requested_form() {
     let server = Server::start().await;
     let batch = json!({"items": [curve(1), {"surface": {"points": data::peaks(5)}}, {}]});
     let request = server
@@ -568,9 +568,9 @@ async fn limits_hold_for_each_item() {
     // A batch is one job of its client.
     let server = Server::with(|config| config.max_jobs = 1).await;
     let running = server.create(&data::endless_job()).await;
-    let (status, told) = problem(post(&server, &json!({"items": []})).await).await;
+    let (status, reported) = problem(post(&server, &json!({"items": []})).await).await;
     assert_eq!(
-        (status, &told["type"]),
+        (status, &reported["type"]),
         (503, &json!("/problems/queue-full"))
     );
     server

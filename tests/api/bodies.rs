@@ -15,7 +15,7 @@ use tokio::time::{sleep, timeout};
 use crate::data;
 use crate::support::{PATIENCE, Server, eventually};
 
-/// A byte now and then does not hold a request for ever, however short it is.
+/// A slow body does not keep a request open forever, even if it is short.
 #[tokio::test]
 async fn small_bodies_that_trickle_in_are_given_up() {
     let server = Server::with(|config| config.body_timeout = Duration::from_secs(1)).await;
@@ -82,7 +82,7 @@ pub struct Http2 {
     url: String,
 }
 
-/// A request whose body does not go on; gives the status of its answer.
+/// A request whose body stalls; returns the status of its response.
 pub type Halted = JoinHandle<Result<u16, h2::Error>>;
 
 impl Http2 {

@@ -72,7 +72,7 @@ async fn a_clock_that_is_set_right_makes_nothing_old() {
 
 /// A replica of a database whose own clock is behind.
 #[tokio::test(flavor = "multi_thread")]
-async fn the_clock_of_the_database_says_what_is_old() {
+async fn the_clock_of_the_database_determines_ages() {
     let Some(library) = library() else { return };
     let data = tempfile::tempdir().unwrap();
     let url = database::new();

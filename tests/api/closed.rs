@@ -69,7 +69,7 @@ async fn the_limit_is_that_of_scipy() {
     }
 }
 
-/// As CAD kernels store it: p control points are repeated, and the knots go on periodically.
+/// As CAD kernels store it: p control points are repeated, and the knots continue periodically.
 #[tokio::test]
 async fn geometry_is_complete_for_every_degree() {
     let server = Server::start().await;

@@ -34,7 +34,7 @@ impl Cluster {
         self.directory.join(".s.PGSQL.5432")
     }
 
-    /// Ends without a word to anybody; starts again soon, or when it is told to.
+    /// Is killed; restarts soon, or on request.
     pub fn stop(&self, stays_away: bool) {
         if stays_away {
             fs::write(self.directory.join("away"), "").unwrap();

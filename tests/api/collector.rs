@@ -131,7 +131,7 @@ impl Collector {
         self.got.lock().unwrap().resources.clone()
     }
 
-    /// The spans of this name, once there are so many.
+    /// Waits for this number of spans with this name.
     pub async fn wait_for(&self, name: &str, count: usize) -> Vec<Span> {
         let named = || {
             let spans = self.spans().into_iter();

@@ -80,7 +80,7 @@ fn varies(response: &Response) -> bool {
     names.any(|name| name.trim().eq_ignore_ascii_case("accept-encoding"))
 }
 
-/// A curve through so many points, as a job.
+/// A job of a curve through this number of points.
 fn long_job(count: usize) -> Value {
     let point = |i: usize| {
         let t = i as f64 * 0.01;
@@ -178,8 +178,8 @@ async fn damaged_bodies_are_refused() {
             let (status, answer) = problem(post_json(&server, coding, body).await).await;
             assert_eq!(status, 400, "{coding} {index}: {answer}");
             let detail = answer["detail"].as_str().unwrap();
-            let told = format!("the body cannot be unpacked as {coding}");
-            assert!(detail.starts_with(&told), "{detail}");
+            let reported = format!("the body cannot be unpacked as {coding}");
+            assert!(detail.starts_with(&reported), "{detail}");
         }
     }
     // Compressed twice is compressed still, and no JSON.
@@ -193,7 +193,7 @@ async fn damaged_bodies_are_refused() {
 
 /// The limit is for what is in a body, to the byte.
 #[tokio::test]
-async fn bodies_are_as_large_as_what_is_in_them() {
+async fn bodies_are_limited_by_their_unpacked_size() {
     let text = long_job(3000).to_string().into_bytes();
     for (limit, status) in [(text.len(), 201), (text.len() - 1, 413)] {
         let server =
@@ -215,7 +215,7 @@ async fn bodies_are_as_large_as_what_is_in_them() {
     assert_eq!(problem(response).await.0, 413);
 }
 
-/// A gigabyte of zeros in some kilobytes is refused, and nobody pays for it.
+/// A gigabyte of zeros in some kilobytes is refused without using memory.
 #[tokio::test]
 async fn bombs_do_not_go_off() {
     let directory = tempfile::tempdir().unwrap();
@@ -249,7 +249,7 @@ async fn bombs_do_not_go_off() {
 }
 
 #[tokio::test]
-async fn answers_are_compressed_for_those_who_take_it() {
+async fn answers_are_compressed_for_clients_that_accept_it() {
     let server = Server::start().await;
     let job = server.fit(&long_job(20_000)).await;
     let job = base(&job);
@@ -267,7 +267,7 @@ async fn answers_are_compressed_for_those_who_take_it() {
         assert_eq!(header(&plain, "content-encoding"), None);
         assert!(varies(&plain), "{path}");
         let names = ["content-type", "content-disposition", "cache-control"];
-        let told = names.map(|name| header(&plain, name).map(str::to_owned));
+        let reported = names.map(|name| header(&plain, name).map(str::to_owned));
         let plain = plain.bytes().await.unwrap();
         for coding in ["gzip", "zstd"] {
             let response = get(&server, Method::GET, &path, coding).await;
@@ -280,7 +280,7 @@ async fn answers_are_compressed_for_those_who_take_it() {
             assert!(varies(&response), "{path}");
             assert_eq!(
                 names.map(|name| header(&response, name).map(str::to_owned)),
-                told
+                reported
             );
             let bytes = response.bytes().await.unwrap();
             assert!(unpacked(coding, &bytes) == plain, "{path}");

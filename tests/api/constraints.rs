@@ -433,7 +433,7 @@ async fn constraints_come_before_end_points() {
 
 /// Control points without data that a constraint needs move with it, and all variants agree.
 #[tokio::test]
-async fn constraints_reach_where_no_data_are() {
+async fn constraints_apply_without_data() {
     let server = Server::start().await;
     let t: Vec<f64> = (0..40)
         .map(|i| f64::from(i) / 39.0)
@@ -457,7 +457,7 @@ async fn constraints_reach_where_no_data_are() {
     }
 }
 
-/// What is asked for comes back as it was asked for, as JSON and as a message, and is kept by edits.
+/// The request is returned unchanged, as JSON and as a message, and is kept by edits.
 #[tokio::test]
 async fn the_input_has_the_settings() {
     let server = Server::start().await;

@@ -1,4 +1,4 @@
-//! What least squares obeys, in messages: what is wrong is named, and jobs leave lists out.
+//! Constraints of least squares in messages: errors name fields, and jobs omit lists.
 
 use serde_json::{Value, json};
 
@@ -317,7 +317,7 @@ async fn jobs_leave_lists_out() {
     assert_eq!(kind, Kind::LeastSquares(asked));
 }
 
-/// In JSON the mistake is at the part of the constraint that is wrong, whichever it is.
+/// In JSON the error is located at the invalid part of the constraint.
 #[tokio::test]
 async fn parts_of_constraints_are_named() {
     let server = Server::start().await;

@@ -46,7 +46,7 @@ async fn ends_count() {
     for (a, b) in twice.iter().zip(&once) {
         assert!((a - b).abs() < 1e-13, "{twice:?} {once:?}");
     }
-    // Ends that are asked for by name are not replaced.
+    // Explicitly requested ends are not replaced.
     let other =
         json!({"constraints": [{"at": "end", "point": [9, 0]}], "end_points": "interpolated"});
     let asked = server.post("/v1/jobs").json(&job(other));
@@ -58,7 +58,7 @@ async fn ends_count() {
     );
 }
 
-/// Mistakes name the constraint and say what would do.
+/// Errors name the constraint and a remedy.
 #[tokio::test]
 async fn constraints_that_cannot_be_are_refused() {
     let server = Server::start().await;

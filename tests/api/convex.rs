@@ -40,7 +40,7 @@ async fn fit(points: &[[f64; 2]], method: &str, ends: &str) -> Story {
 /// Five points of an ellipse over three quarters of a half turn. The interpolant's control polygon
 /// is not convex, so that the fit ends with the error that convexity costs.
 #[tokio::test]
-async fn a_fit_that_cannot_go_on_says_so() {
+async fn a_fit_that_cannot_continue_has_a_reason() {
     let points: Vec<[f64; 2]> = (0..5)
         .map(|i| 0.75 * PI * f64::from(i) / 4.0)
         .map(|a| [2.0 * a.cos(), a.sin()])
@@ -157,7 +157,7 @@ async fn a_threshold_says_how_near_bisection_goes() {
     assert_eq!(default.job["method"], given.job["method"]);
 }
 
-/// As it was asked for; edits take it, too.
+/// The request is returned unchanged; edits accept it, too.
 #[tokio::test]
 async fn a_threshold_is_kept() {
     let server = Server::start().await;

@@ -85,7 +85,7 @@ async fn stores_that_cannot_be_copied_are_refused() {
         let said = String::from_utf8(done.stderr).unwrap();
         assert!(!done.status.success() && said.contains(reason), "{said}");
     };
-    refused(":memory:", path, "no store that lasts");
+    refused(":memory:", path, "not a persistent store");
     refused(path, path, "are the same");
     refused(&format!("{path}/none"), &url, "there is no store");
     refused("mysql://x", path, "begins with postgres://");

@@ -224,8 +224,8 @@ async fn closed_curves_begin_at_their_first_corner() {
     assert_eq!(net[0], net[net.as_array().unwrap().len() - 1]);
 }
 
-/// Fits that choose their knots do so between corners: three control points more for each straight edge, one edge in each
-/// export, and edits that go on from the knots there are.
+/// Fits that choose their knots do so between corners: three control points more for each straight edge, one edge in
+/// each export, and edits that start from the existing knots.
 #[tokio::test]
 async fn as_few_control_points_as_pieces_need() {
     let server = Server::start().await;
@@ -280,7 +280,7 @@ async fn as_few_control_points_as_pieces_need() {
     assert_eq!(edited.state(), "converged", "{}", edited.end);
     let first = edited.iterations[0]["control_points"].as_array().unwrap();
     assert_eq!(first.len(), counts[counts.len() - 1]);
-    // A stream that is taken up in the middle tells the same.
+    // A stream that is resumed in the middle has the same content.
     let middle = parent.iterations.len() / 2;
     let path = format!("{}/iterations/{middle}", base(&parent.job));
     let again = server.json(&path).await;

@@ -1,4 +1,4 @@
-//! What browsers are told about pages of other origins. `tests/python/cors_check.py` asks a browser.
+//! CORS headers for pages of other origins. `tests/python/cors_check.py` tests a browser.
 
 use reqwest::{Method, RequestBuilder, Response};
 use serde_json::json;
@@ -61,7 +61,7 @@ async fn pages_of_given_origins_are_let_in() {
 }
 
 #[tokio::test]
-async fn browsers_are_told_beforehand_what_pages_may_send() {
+async fn preflights_list_what_pages_may_send() {
     let server = start(&[PAGE]).await;
     let url = format!("{}/v1/jobs", server.url);
     let preflight = server.client.request(Method::OPTIONS, &url);

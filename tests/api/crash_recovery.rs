@@ -8,7 +8,7 @@ use crate::data;
 use crate::program::Program;
 use crate::support::eventually;
 
-/// They go on four a second.
+/// Jobs with four iterations per second.
 const JOBS: usize = 24;
 
 fn start(data: &std::path::Path) -> Program {
@@ -39,7 +39,7 @@ async fn becomes(program: &Program, job: &str, wanted: &str) -> bool {
 
 /// Requests that bring the server down are not the fault of the jobs that run meanwhile.
 #[tokio::test(flavor = "multi_thread")]
-async fn a_job_that_runs_beside_requests_that_crash_the_server_goes_on() {
+async fn a_job_survives_requests_that_crash_the_server() {
     let data = tempfile::tempdir().unwrap();
     let mut program = start(data.path());
     let request = program.post("/v1/jobs").json(&data::endless_job());
@@ -58,7 +58,7 @@ async fn a_job_that_runs_beside_requests_that_crash_the_server_goes_on() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_job_that_crashes_the_server_fails_and_the_others_go_on() {
+async fn a_job_that_crashes_the_server_fails_and_others_continue() {
     let data = tempfile::tempdir().unwrap();
     let mut program = start(data.path());
     let mut jobs = Vec::new();

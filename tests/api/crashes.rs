@@ -1,5 +1,5 @@
-//! `kill -9` at random moments under load: nothing that was acknowledged is lost, done twice or
-//! done otherwise, and streams go on where they were.
+//! `kill -9` at random moments under load: nothing that was acknowledged is lost, repeated or changed, and streams
+//! resume.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ async fn kills_lose_nothing() {
     }
     let program = Program::with(data.path(), &["--retain-jobs", "1000000"]);
     place.send_replace(Some(program.address.clone()));
-    // Workers end when nobody can change the address any more, with what they are at.
+    // Workers finish their current job and end when the sender of addresses is dropped.
     drop(place);
     let paths: Vec<String> = workers.join_all().await.concat();
     assert!(paths.len() >= 2 * kills(), "only {} jobs", paths.len());

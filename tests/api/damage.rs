@@ -21,7 +21,7 @@ async fn store(data: &Path, in_order: bool) -> Vec<u8> {
     std::fs::read(data.join("piad.redb")).unwrap()
 }
 
-/// Starts the program with this file: it works, or it says in a line what is wrong and what to do.
+/// Starts the program with this file: it works, or reports the error and a remedy in one line.
 async fn try_file(data: &Path, bytes: &[u8], what: &str) -> bool {
     std::fs::write(data.join("piad.redb"), bytes).unwrap();
     match Program::attempt(data) {

@@ -52,7 +52,7 @@ pub fn small_job() -> Value {
     json!({"curve": {"points": wave(100)}, "stop": {"relative_tolerance": 1e-9}})
 }
 
-/// A job that goes on until it is stopped: its tolerance cannot be reached.
+/// A job that runs until it is cancelled: its tolerance cannot be reached.
 pub fn endless_job() -> Value {
     json!({"curve": {"points": wave(100)}, "stop": {"tolerance": 0, "max_iterations": 1_000_000_000}})
 }

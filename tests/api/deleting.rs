@@ -16,7 +16,7 @@ const ROUNDS: usize = 60;
 async fn durable() -> (tempfile::TempDir, Server) {
     let data = tempfile::tempdir().unwrap();
     let directory = data.path().to_owned();
-    // Nothing is at hand once nobody holds it: everything is read from the store.
+    // Nothing is cached without references: everything is read from the store.
     let server = Server::with(|config| {
         config.store = Storage::Directory(directory);
         config.recent = bytesize::ByteSize::b(0);

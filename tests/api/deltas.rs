@@ -304,7 +304,7 @@ async fn knots_come_with_complete_events() {
 }
 
 #[tokio::test]
-async fn whoever_comes_back_gets_a_complete_event_first() {
+async fn resumed_streams_start_with_a_complete_event() {
     let server = Server::start().await;
     let story = server.stream(&data::small_job()).await;
     let path = format!("{}/events?encoding=", base(&story.job));
@@ -351,9 +351,9 @@ async fn streams_may_leave_out_iterations() {
     }
 }
 
-/// Readers that go together and readers that lag behind are told the same.
+/// Readers in step and readers that lag behind get the same content.
 #[tokio::test]
-async fn readers_at_any_pace_are_told_the_same() {
+async fn readers_at_any_pace_get_the_same() {
     let server = Server::start().await;
     let mut job = data::endless_job();
     job["stream"] = json!({"encoding": "delta"});
@@ -363,23 +363,24 @@ async fn readers_at_any_pace_are_told_the_same() {
     for _ in 0..4 {
         readers.push(events(server.get(&path).send().await.unwrap()));
     }
-    let mut told: Vec<Vec<Value>> = vec![Vec::new(); readers.len()];
+    let mut reported: Vec<Vec<Value>> = vec![Vec::new(); readers.len()];
     for round in 0..60 {
         for (index, reader) in readers.iter_mut().enumerate() {
             // Some read several at once, and some later.
             let pace = index + 1;
             let count = if round % pace == index { pace } else { 0 };
             for _ in 0..count {
-                told[index].push(reader.next().await.unwrap().data);
+                reported[index].push(reader.next().await.unwrap().data);
             }
         }
     }
     assert!(
-        told.iter()
+        reported
+            .iter()
             .all(|it| encoding(it.last().unwrap()) == "delta")
     );
-    for other in &told[1..] {
-        assert_eq!(other, &told[0][..other.len()]);
+    for other in &reported[1..] {
+        assert_eq!(other, &reported[0][..other.len()]);
     }
     let cancel = server.post(&format!("{}/cancel", base(&created)));
     cancel.send().await.unwrap();

@@ -45,8 +45,8 @@ async fn distances_are_those_from_the_nearest_points() {
         "method": {"kind": "least_squares", "control_points": 2, "variant": "direct"},
     });
     let job = server.fit(&line).await;
-    let told = deviation(&server, &job, "?list=true").await;
-    let distances: Vec<f64> = told["distances"]
+    let reported = deviation(&server, &job, "?list=true").await;
+    let distances: Vec<f64> = reported["distances"]
         .as_array()
         .unwrap()
         .iter()
@@ -56,17 +56,17 @@ async fn distances_are_those_from_the_nearest_points() {
         assert!((distance - height.abs()).abs() < 1e-14, "{distances:?}");
     }
     assert_eq!(
-        (number(&told["max"]), &told["at"]),
+        (number(&reported["max"]), &reported["at"]),
         (distances[3], &json!(3))
     );
     let mean = heights.iter().map(|y| y * y).sum::<f64>() / 6.0;
-    assert!((number(&told["rms"]) - mean.sqrt()).abs() < 1e-14);
+    assert!((number(&reported["rms"]) - mean.sqrt()).abs() < 1e-14);
     // Of 0, 0, 0.5, 1, 2, 3: half way between the third and the fourth; 95 % of the way to the last.
-    assert!((number(&told["percentiles"]["50"]) - 0.75).abs() < 1e-14);
-    assert!((number(&told["percentiles"]["95"]) - 2.75).abs() < 1e-14);
+    assert!((number(&reported["percentiles"]["50"]) - 0.75).abs() < 1e-14);
+    assert!((number(&reported["percentiles"]["95"]) - 2.75).abs() < 1e-14);
     let short = deviation(&server, &job, "").await;
     assert_eq!(short["distances"], Value::Null);
-    assert_eq!(short["max"], told["max"]);
+    assert_eq!(short["max"], reported["max"]);
 }
 
 /// They are at most the errors, at each iteration, and no other point of the curve is nearer.
@@ -78,22 +78,22 @@ async fn they_are_at_most_the_errors() {
     let job = json!({"curve": {"points": points}, "method": few, "stop": {"max_iterations": 20}});
     let job = server.fit(&job).await;
     for k in ["0", "5", "last"] {
-        let told = deviation(&server, &job, &format!("?iteration={k}&list=true")).await;
+        let reported = deviation(&server, &job, &format!("?iteration={k}&list=true")).await;
         let iteration = server.json(&format!("{}/iterations/{k}", base(&job))).await;
-        assert_eq!(told["iteration"], iteration["iteration"]);
+        assert_eq!(reported["iteration"], iteration["iteration"]);
         for name in ["max", "rms"] {
-            assert!(number(&told[name]) <= number(&iteration["error"][name]) * (1.0 + 1e-12));
+            assert!(number(&reported[name]) <= number(&iteration["error"][name]) * (1.0 + 1e-12));
         }
         let view = "view=samples&samples=20001";
         let samples = server
             .json(&format!("{}/iterations/{k}?{view}", base(&job)))
             .await;
         let samples = samples["samples"].as_array().unwrap();
-        for (point, told) in points
+        for (point, reported) in points
             .as_array()
             .unwrap()
             .iter()
-            .zip(told["distances"].as_array().unwrap())
+            .zip(reported["distances"].as_array().unwrap())
         {
             let [x, y] = [0, 1].map(|c| number(&point[c]));
             let distances = samples
@@ -102,8 +102,8 @@ async fn they_are_at_most_the_errors() {
             let nearest = distances.fold(f64::INFINITY, f64::min);
             // Samples lie 2e-4 apart.
             assert!(
-                (0.0..2e-4).contains(&(nearest - number(told) + 1e-13)),
-                "{nearest} {told}"
+                (0.0..2e-4).contains(&(nearest - number(reported) + 1e-13)),
+                "{nearest} {reported}"
             );
         }
     }
@@ -119,14 +119,14 @@ async fn surfaces_are_measured() {
     let job = server
         .fit(&json!({"surface": {"points": grid}, "method": few}))
         .await;
-    let told = deviation(&server, &job, "?list=true").await;
-    let rows = told["distances"].as_array().unwrap();
+    let reported = deviation(&server, &job, "?list=true").await;
+    let rows = reported["distances"].as_array().unwrap();
     assert_eq!((rows.len(), rows[0].as_array().unwrap().len()), (12, 12));
     assert_eq!(rows[3][4], Value::Null);
-    let at = &told["at"];
+    let at = &reported["at"];
     let [i, j] = [0, 1].map(|axis| at[axis].as_u64().unwrap() as usize);
-    assert_eq!(rows[i][j], told["max"]);
-    assert!(number(&told["max"]) <= number(&job["error"]["max"]));
+    assert_eq!(rows[i][j], reported["max"]);
+    assert!(number(&reported["max"]) <= number(&job["error"]["max"]));
 
     let points: Value = (0..300)
         .map(|i| {
@@ -139,9 +139,9 @@ async fn surfaces_are_measured() {
         .collect();
     let few = json!({"kind": "least_squares", "control_points": 6, "variant": "direct"});
     let job = json!({"surface": {"scattered": points, "parameters": "project"}, "method": few});
-    let told = deviation(&server, &server.fit(&job).await, "?list=true").await;
-    assert_eq!(told["distances"].as_array().unwrap().len(), 300);
-    assert!(told["at"].is_u64());
+    let reported = deviation(&server, &server.fit(&job).await, "?list=true").await;
+    assert_eq!(reported["distances"].as_array().unwrap().len(), 300);
+    assert!(reported["at"].is_u64());
 }
 
 /// Noise and close knots bend a surface to and fro within its spans.
@@ -161,9 +161,9 @@ async fn bent_surfaces_are_measured() {
         "method": auto, "stop": {"tolerance": 0.15},
     });
     let job = server.fit(&job).await;
-    let told = deviation(&server, &job, "").await;
+    let reported = deviation(&server, &job, "").await;
     for name in ["max", "rms"] {
-        let (distance, error) = (number(&told[name]), number(&job["error"][name]));
+        let (distance, error) = (number(&reported[name]), number(&job["error"][name]));
         assert!(
             distance <= error * (1.0 + 1e-12),
             "{name}: {distance} {error}"
@@ -190,8 +190,8 @@ async fn all_kinds_of_curves_are_measured() {
         let job = server
             .fit(&json!({"curve": curve, "method": "direct"}))
             .await;
-        let told = deviation(&server, &job, "").await;
-        assert!(number(&told["max"]) < 1e-13, "{told}");
+        let reported = deviation(&server, &job, "").await;
+        assert!(number(&reported["max"]) < 1e-13, "{reported}");
     }
 }
 
@@ -240,7 +240,7 @@ async fn what_has_no_nearest_points_is_said() {
 async fn messages_say_it_too() {
     let server = Server::start().await;
     let job = server.fit(&data::small_job()).await;
-    let told = deviation(&server, &job, "?iteration=1&list=true").await;
+    let reported = deviation(&server, &job, "?iteration=1&list=true").await;
     let mut client = connect(&server).await;
     let request = |list| pb::GetDeviationRequest {
         id: job["id"].as_str().unwrap().to_owned(),
@@ -252,11 +252,17 @@ async fn messages_say_it_too() {
         .await
         .unwrap()
         .into_inner();
-    assert_eq!((message.iteration, message.max), (1, number(&told["max"])));
-    assert_eq!(message.rms, number(&told["rms"]));
-    assert_eq!(json!(message.at), told["at"]);
-    assert_eq!(json!(message.distances), told["distances"]);
-    assert_eq!(message.percentiles[3], number(&told["percentiles"]["99"]));
+    assert_eq!(
+        (message.iteration, message.max),
+        (1, number(&reported["max"]))
+    );
+    assert_eq!(message.rms, number(&reported["rms"]));
+    assert_eq!(json!(message.at), reported["at"]);
+    assert_eq!(json!(message.distances), reported["distances"]);
+    assert_eq!(
+        message.percentiles[3],
+        number(&reported["percentiles"]["99"])
+    );
     let short = client.get_deviation(request(false)).await.unwrap();
     assert!(short.into_inner().distances.is_empty());
     let unknown = pb::GetDeviationRequest {

@@ -53,7 +53,7 @@ async fn a_helix_takes_a_third_fewer_bytes() {
     };
     let (auto, full) = (size("digits=auto").await, size("digits=full").await);
     assert!(auto * 3 < full * 2, "{auto} of {full} bytes");
-    // The last one is exact however it is asked for.
+    // The last one is exact for each kind of request.
     let single = format!("{}/iterations/last?digits=auto", base(&story.job));
     assert_eq!(&server.json(&single).await, last);
 }
@@ -94,7 +94,7 @@ async fn surfaces_samples_weights_and_units() {
     }
 }
 
-/// Nobody knew while it ran that this would be the last level.
+/// While it ran, this was not known to be the last level.
 #[tokio::test]
 async fn the_last_level_of_a_cancelled_job_is_full() {
     let server = Server::start().await;

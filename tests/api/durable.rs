@@ -123,7 +123,7 @@ fn long_job(iterations: usize) -> Value {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_stream_goes_on_after_a_restart_where_it_was() {
+async fn a_stream_resumes_after_a_restart() {
     let undisturbed = Server::start().await.stream(&long_job(60)).await;
     for signal in ["-TERM", "-KILL"] {
         let data = tempfile::tempdir().unwrap();
@@ -215,7 +215,7 @@ async fn a_commit_that_is_cut_off_has_not_happened() {
         let before = written(&program);
         let request = program.post("/v1/jobs").json(&large).send();
         let posted = tokio::spawn(request);
-        // The input of the job is 10 MB: the commit has begun, and goes on.
+        // The input of the job is 10 MB: the commit has begun, and continues.
         while written(&program) < before + 100_000 && !posted.is_finished() {
             std::thread::yield_now();
         }

@@ -97,7 +97,7 @@ async fn moved_points_are_interpolated_with_the_parameters_of_the_parent() {
     }
 }
 
-/// Classical PIA has no memory: it goes on as if it had not been interrupted, bit for bit.
+/// Classical PIA has no memory: it continues as if it had not been interrupted, bit for bit.
 #[tokio::test]
 async fn an_edit_starts_at_any_iteration_of_its_parent() {
     let server = Server::start().await;
@@ -244,7 +244,7 @@ async fn weights_are_added_and_changed() {
 }
 
 #[tokio::test]
-async fn what_is_wrong_with_an_edit_is_said() {
+async fn errors_of_edits_are_reported() {
     let server = Server::start().await;
     let curve = server
         .stream(&json!({"curve": {"points": wave(6)}}))
@@ -394,7 +394,7 @@ async fn what_is_wrong_with_an_edit_is_said() {
 }
 
 #[tokio::test]
-async fn a_fit_that_runs_is_edited_where_it_is() {
+async fn a_running_fit_is_edited_at_its_level() {
     let server = Server::start().await;
     let parent = server.create(&data::endless_job()).await;
     let body = json!({"stop": {"tolerance": 0, "max_iterations": 2}});

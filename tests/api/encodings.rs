@@ -126,9 +126,9 @@ async fn base64_holds_the_numbers_of_json() {
             assert!(plain[0].get("encoding").is_none() && plain[0].get("shape").is_none());
             for encoding in ["base64", "base64_f32"] {
                 let path = format!("{events}&encoding={encoding}");
-                let told = Story::read(server.get(&path).send().await.unwrap()).await;
-                assert_same_job(&told.job, &story.job);
-                let binary = told.iterations;
+                let reported = Story::read(server.get(&path).send().await.unwrap()).await;
+                assert_same_job(&reported.job, &story.job);
+                let binary = reported.iterations;
                 assert_eq!(binary.len(), plain.len());
                 for (binary, plain) in binary.iter().zip(&plain) {
                     assert_eq!(binary["encoding"], encoding);
@@ -146,7 +146,7 @@ async fn base64_holds_the_numbers_of_json() {
 }
 
 #[tokio::test]
-async fn the_job_event_tells_the_shape_beforehand() {
+async fn the_job_event_describes_the_shape() {
     let server = Server::start().await;
     for job in shapes() {
         let story = server.stream(&job).await;

@@ -13,7 +13,7 @@ fn helix_points(count: usize) -> Vec<[f64; 3]> {
     (0..count).map(|i| point(angle(i))).collect()
 }
 
-/// The helix of LBW05, with these ends, for so many levels.
+/// The helix of LBW05, with these end conditions and number of levels.
 async fn helix(ends: Value, levels: usize) -> Story {
     let server = Server::start().await;
     let job = json!({
@@ -81,7 +81,7 @@ fn from_helix(point: &[f64]) -> f64 {
     squared(low).sqrt()
 }
 
-/// How far limits are from what was sampled: the table of docs/METHODS.md.
+/// How far limits are from what was sampled: the table of docs/explanation/methods.md.
 #[tokio::test]
 async fn regular_ends_are_near_to_what_was_sampled() {
     let server = Server::start().await;
@@ -322,7 +322,7 @@ async fn edits_keep_the_ends() {
     }
 }
 
-/// What is asked for comes back as it was asked for, as JSON and as a message.
+/// The request is returned unchanged, as JSON and as a message.
 #[tokio::test]
 async fn the_input_has_the_ends() {
     let server = Server::start().await;
@@ -355,7 +355,7 @@ async fn the_input_has_the_ends() {
     }
 }
 
-/// Mistakes name the field and say what would do.
+/// Errors name the field and a remedy.
 #[tokio::test]
 async fn ends_that_cannot_be_are_refused() {
     let server = Server::start().await;

@@ -187,7 +187,7 @@ async fn an_edit_replaces_the_one_before_of_its_session() {
         (last.name.as_str(), &last.data["state"]),
         ("end", &json!("cancelled"))
     );
-    // Nobody else has ended.
+    // No other stream has ended.
     server.until("piad_jobs_running", 3.0).await;
     for stream in [&mut elsewhere, &mut different, &mut second] {
         assert_eq!(stream.next().await.unwrap().name, "iteration");
@@ -224,11 +224,11 @@ async fn an_edit_ends_with_its_connection() {
     assert!(waiting.iter().all(|it| !it.is_finished()));
     assert_eq!(server.metrics().await["piad_jobs_running"], 1.0);
     waiting.iter().for_each(|it| it.abort());
-    // A newer edit of the session gets the memory of the one before, which its stream tells.
+    // A newer edit of the session takes over the memory of the previous one, whose stream ends with a reason.
     let newer = send(&server, &job, "?pace=latest", &endless("a")).await;
     assert_eq!(newer.status(), 200);
-    let told = timeout(PATIENCE, running).await.unwrap().unwrap().unwrap();
-    assert!(String::from_utf8_lossy(&told).contains("\"state\":\"cancelled\""));
+    let reported = timeout(PATIENCE, running).await.unwrap().unwrap().unwrap();
+    assert!(String::from_utf8_lossy(&reported).contains("\"state\":\"cancelled\""));
     server.until("piad_jobs_running", 1.0).await;
     drop(newer);
     server.until("piad_jobs_running", 0.0).await;
@@ -242,7 +242,7 @@ async fn an_edit_ends_with_its_connection() {
 
 #[tokio::test]
 async fn a_server_that_stops_ends_them() {
-    // Who waits for the grace period waits for ever.
+    // Waiting for the grace period would take forever.
     let server = Server::with(|config| config.grace = NEVER).await;
     let job = server.fit(&parent()).await;
     let mut events = events(send(&server, &job, "?pace=latest", &endless("a")).await);
@@ -251,7 +251,7 @@ async fn a_server_that_stops_ends_them() {
 }
 
 #[tokio::test]
-async fn what_is_not_streamed_is_refused() {
+async fn ephemeral_edits_must_be_streamed() {
     let server = Server::start().await;
     let job = server.fit(&parent()).await;
     let path = format!("{}/edits", base(&job));

@@ -95,7 +95,7 @@ async fn files_have_the_numbers_of_the_iteration() {
 }
 
 #[tokio::test]
-async fn samples_are_as_many_as_asked_for() {
+async fn samples_have_the_requested_number() {
     let server = Server::start().await;
     let curve = server
         .fit(&json!({"curve": {"points": data::helix()}}))
@@ -137,7 +137,7 @@ async fn samples_are_as_many_as_asked_for() {
 
 /// A drawing goes through the samples: pieces of a curve between them, faces of a surface.
 #[tokio::test]
-async fn drawings_have_as_many_samples_as_asked_for() {
+async fn drawings_have_the_requested_samples() {
     let server = Server::start().await;
     let curve = server
         .fit(&json!({"curve": {"points": data::helix()}}))
@@ -276,7 +276,7 @@ async fn drawings_show_how_far_the_data_are() {
 
 /// Triangles and vertices of meshes are as many as the samples give, down to the least there can be.
 #[tokio::test]
-async fn meshes_have_as_many_samples_as_asked_for() {
+async fn meshes_have_the_requested_samples() {
     let server = Server::start().await;
     let peaks = server
         .fit(&json!({"surface": {"points": data::peaks(9)}}))
@@ -327,7 +327,7 @@ async fn meshes_have_as_many_samples_as_asked_for() {
     );
 }
 
-/// Files declare the unit that is asked for; their coordinates are the same in any.
+/// Files declare the requested unit; their coordinates are the same in each.
 #[tokio::test]
 async fn units_are_declared() {
     let server = Server::start().await;
@@ -519,7 +519,7 @@ async fn downloads_are_named_after_the_job() {
 }
 
 #[tokio::test]
-async fn files_are_as_they_are_asked_for() {
+async fn files_follow_the_options() {
     let server = Server::start().await;
     let curve = server
         .fit(&json!({"curve": {"points": data::helix()}}))
@@ -564,12 +564,12 @@ async fn files_are_as_they_are_asked_for() {
             Some(query) => format!("{}/result?{query}", path(job)),
             None => format!("{}/result/{file}", path(job)),
         };
-        let (status, told) = problem(server.get(&address).send().await.unwrap()).await;
-        assert!(status == 400 || status == 409, "{file}: {told:#}");
+        let (status, reported) = problem(server.get(&address).send().await.unwrap()).await;
+        assert!(status == 400 || status == 409, "{file}: {reported:#}");
         if status == 400 {
             assert_eq!(
-                told["errors"][0]["parameter"], parameter,
-                "{file}: {told:#}"
+                reported["errors"][0]["parameter"], parameter,
+                "{file}: {reported:#}"
             );
         }
     }

@@ -203,8 +203,8 @@ fn nulls(value: &Value, path: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Texts that are null where there are none, arrays where there is no such thing, numbers of methods
-/// that were never computed, rates of fits that are exact, and forecasts where nobody knows.
+/// Fields that may be null: missing texts and arrays, values of methods that are not computed, rates of exact fits, and
+/// unknown predictions.
 const ABSENT: [&str; 18] = [
     "/name",
     "/reason",
@@ -234,7 +234,7 @@ fn not_finite(value: &Value) -> Vec<String> {
     found
 }
 
-/// Whether a text has a word for what is not finite where a number could be.
+/// True if a text has NaN or infinity in place of a number.
 fn has_words(text: &str) -> bool {
     let words = text.split(|c: char| !c.is_ascii_alphanumeric());
     words
@@ -370,7 +370,7 @@ async fn weights_that_lose_the_data_are_refused() {
         .await;
 }
 
-/// The eigenvalues of such a matrix are not found, which must not take for ever.
+/// The eigenvalues of such a matrix are not found, which must be detected in bounded time.
 #[tokio::test]
 async fn extreme_weights_are_answered() {
     let server = Server::start().await;

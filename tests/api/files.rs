@@ -114,7 +114,7 @@ async fn outlines_that_come_back_are_closed() {
         let asked = job["curve"].get("closed").filter(|it| **it == true);
         assert_eq!(asked.is_some(), closed == true, "{query}: {job:#}");
     }
-    // The same as a JSON array, in which the point comes again but for rounding.
+    // The same as a JSON array, in which the point recurs up to rounding.
     let array = "[[2,0],[3,1],[3,2],[2,3],[1,3],[0,2],[0,1],[1,0],[2,2.4e-16]]";
     let shown = read(&server, array).await;
     assert_eq!(shown["curve"]["closed"], true, "{shown:#}");
@@ -129,7 +129,7 @@ async fn outlines_that_come_back_are_closed() {
 }
 
 #[tokio::test]
-async fn mistakes_are_told_at_their_lines() {
+async fn errors_name_their_lines() {
     let server = Server::start().await;
     for path in ["/v1/points", "/v1/jobs"] {
         let response = send(&server, path, "text/csv", "x,y\n1,2\n\n3,oops\n4,5,6\n").await;
@@ -277,9 +277,9 @@ async fn files_are_fitted_like_json() {
     assert_eq!(story.state(), "converged");
 }
 
-/// What is wrong is told where it was written: in a line, or in the query.
+/// Errors are located where the value was written: in a line, or in the query.
 #[tokio::test]
-async fn mistakes_of_jobs_are_told_where_they_stand() {
+async fn errors_of_jobs_have_locations() {
     let server = Server::start().await;
     let near = "# too near for chord lengths\n0,0\n1e17,1\n# another\n1e17,2\n2e17,0\n3e17,1\n";
     let response = send(&server, "/v1/jobs", "text/csv", near).await;
@@ -350,7 +350,7 @@ async fn keys_know_the_query() {
 
 /// Browsers send plain texts for any page without asking; such a page makes no jobs.
 #[tokio::test]
-async fn pages_of_other_origins_make_no_jobs_unasked() {
+async fn pages_of_other_origins_create_no_jobs_without_permission() {
     let server = Server::start().await;
     for (origin, media_type, status) in [
         ("https://evil.example", "text/plain", 415),
@@ -443,7 +443,7 @@ async fn the_parts_of_a_file_are_a_batch() {
     for item in &items[..2] {
         assert!(item["notices"].to_string().contains(column), "{item}");
     }
-    // What is wrong with a part is told in its line.
+    // Errors of a part are reported in its line.
     let near = TWO.replace("2,1\n", "1e17,0\n1e17,1\n");
     let text = send(&server, "/v1/batch", "text/csv", &near).await;
     let text = text.text().await.unwrap();
@@ -452,7 +452,7 @@ async fn the_parts_of_a_file_are_a_batch() {
     let pointer = first["problem"]["errors"][0]["pointer"].as_str().unwrap();
     assert!(pointer.starts_with("/items/0/curve/points"), "{text}");
     assert!(text.contains("\"converged\":1"), "{text}");
-    // And what is wrong with the file instead of an answer.
+    // And errors of the file instead of a response.
     for (query, status) in [
         ("?part=3", 422),
         ("?curve.degree=x", 200),
@@ -464,7 +464,7 @@ async fn the_parts_of_a_file_are_a_batch() {
 }
 
 #[tokio::test]
-async fn a_batch_is_one_file_if_that_is_asked_for() {
+async fn a_batch_is_one_file_on_request() {
     let server = Server::start().await;
     let ask = async |query: &str, format: &str, body: &str| {
         let request = server.post(&format!("/v1/batch{query}"));
@@ -493,10 +493,10 @@ async fn a_batch_is_one_file_if_that_is_asked_for() {
         ("?style=path", "model/step", TWO, 400, "style"),
         ("", "image/png", TWO, 406, ""),
     ] {
-        let (found, told) = problem(ask(query, format, body).await).await;
-        assert_eq!(found, status, "{format}: {told:#}");
-        let told = told["detail"].as_str().unwrap();
-        assert!(told.contains(detail), "{told}");
+        let (found, reported) = problem(ask(query, format, body).await).await;
+        assert_eq!(found, status, "{format}: {reported:#}");
+        let reported = reported["detail"].as_str().unwrap();
+        assert!(reported.contains(detail), "{reported}");
     }
     // The items of a batch in JSON likewise.
     let curve = json!({"name": "wing", "curve": {"points": [[0, 0], [1, 2], [3, 3], [5, 2]]}});

@@ -42,7 +42,7 @@ async fn the_answer_is_the_result_of_a_job() {
 
 /// Files, messages and encodings, by the Accept header and the query.
 #[tokio::test]
-async fn the_answer_has_the_form_that_is_asked_for() {
+async fn the_answer_has_the_requested_form() {
     let server = Server::start().await;
     let job = json!({"name": "a wave", "curve": {"points": data::wave(40)}});
     let step = answer(&server, "model/step", &job).await;
@@ -68,15 +68,15 @@ async fn the_answer_has_the_form_that_is_asked_for() {
 
 /// What does not come within its tolerance is no answer, and says how near it came.
 #[tokio::test]
-async fn what_does_not_converge_is_told() {
+async fn fits_that_do_not_converge_are_reported() {
     let server = Server::start().await;
     let short = json!({"curve": {"points": data::helix()}, "stop": {"tolerance": 1e-9, "max_iterations": 3}});
-    let (status, told) = problem(answer(&server, "*/*", &short).await).await;
+    let (status, reported) = problem(answer(&server, "*/*", &short).await).await;
     assert_eq!(
-        (status, &told["type"]),
+        (status, &reported["type"]),
         (422, &json!("/problems/not-converged"))
     );
-    let detail = told["detail"].as_str().unwrap();
+    let detail = reported["detail"].as_str().unwrap();
     for part in [
         "exhausted after iteration 3",
         "a distance of",
@@ -85,17 +85,17 @@ async fn what_does_not_converge_is_told() {
         assert!(detail.contains(part), "{detail}");
     }
     let wrong = json!({"curve": {"points": [[0, 0], [1, 1], [1, 1]]}});
-    let (status, told) = problem(answer(&server, "*/*", &wrong).await).await;
+    let (status, reported) = problem(answer(&server, "*/*", &wrong).await).await;
     assert_eq!(
-        (status, &told["errors"][0]["pointer"]),
+        (status, &reported["errors"][0]["pointer"]),
         (422, &json!("/curve/points/2"))
     );
     let (status, _) = problem(answer(&server, "text/html", &data::small_job()).await).await;
     assert_eq!(status, 406);
     let request = server.post("/v1/fit?every=2").json(&data::small_job());
-    let (status, told) = problem(request.send().await.unwrap()).await;
+    let (status, reported) = problem(request.send().await.unwrap()).await;
     assert_eq!(
-        (status, &told["errors"][0]["parameter"]),
+        (status, &reported["errors"][0]["parameter"]),
         (400, &json!("every"))
     );
 }
@@ -115,9 +115,13 @@ async fn files_that_cannot_be_written_are_refused_before_the_fit() {
         ("image/svg+xml", &heights),
         ("model/iges", &steep),
     ] {
-        let (status, told) = problem(answer(&server, media_type, job).await).await;
+        let (status, reported) = problem(answer(&server, media_type, job).await).await;
         let expected = (409, &json!("/problems/no-export"));
-        assert_eq!((status, &told["type"]), expected, "{media_type}: {told:#}");
+        assert_eq!(
+            (status, &reported["type"]),
+            expected,
+            "{media_type}: {reported:#}"
+        );
     }
     let (status, _) = problem(answer(&server, "text/csv", &heights).await).await;
     assert_eq!(status, 422);
@@ -138,6 +142,9 @@ async fn it_ends_with_its_request() {
     let waiting = ask();
     server.until("piad_jobs_running", 1.0).await;
     server.stop().await;
-    let (status, told) = problem(waiting.await.unwrap().unwrap()).await;
-    assert_eq!((status, &told["type"]), (503, &json!("/problems/stopping")));
+    let (status, reported) = problem(waiting.await.unwrap().unwrap()).await;
+    assert_eq!(
+        (status, &reported["type"]),
+        (503, &json!("/problems/stopping"))
+    );
 }

@@ -1,4 +1,4 @@
-//! Floods of frames of HTTP/2, with TLS and without: they cost bounded memory, and nobody else is kept waiting.
+//! Floods of frames of HTTP/2, with TLS and without: they use bounded memory, and do not delay others.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -26,8 +26,8 @@ const CONTINUATION: u8 = 9;
 const END_STREAM: u8 = 1;
 const END_HEADERS: u8 = 4;
 
-/// So many bytes are sent at most, in rounds of so many frames.
-const MOST: usize = 50_000_000;
+/// The maximum number of bytes, sent in rounds of this number of frames.
+const MAX_BYTES: usize = 50_000_000;
 const FRAMES: u32 = 200;
 
 /// A server that takes nothing for so long holds back.
@@ -154,7 +154,7 @@ async fn send<T: AsyncRead + AsyncWrite + Send + 'static>(stream: T, flood: &Flo
             Ok(Ok(())) => {}
         }
         sent += bytes.len();
-        if sent > MOST {
+        if sent > MAX_BYTES {
             break Outcome::Taken;
         }
         bytes = (flood.round)(round);

@@ -293,7 +293,7 @@ async fn messages_say_it_too() {
     }
 }
 
-/// What is wrong is said at its place.
+/// Errors have locations.
 #[tokio::test]
 async fn what_cannot_be_is_refused() {
     let server = Server::start().await;
@@ -359,7 +359,7 @@ async fn what_cannot_be_is_refused() {
     server
         .assert_refused(&on_grid, "/surface/parameters", reason)
         .await;
-    // Beside other mistakes.
+    // Together with other errors.
     let mut both = at(json!({"job": unknown}), &points);
     both["rational"] = json!("fixed");
     let answer = server.post("/v1/jobs").json(&both).send().await.unwrap();

@@ -285,7 +285,7 @@ fn cell(factors: Vec<f64>) -> String {
     }
 }
 
-/// Prints the table of docs/VALIDATION.md.
+/// Prints the table of docs/evidence/validation.md.
 #[allow(clippy::print_stdout, reason = "the table is for people")]
 #[tokio::test]
 async fn forecasts_are_within_a_factor_of_three() {
@@ -308,7 +308,7 @@ async fn forecasts_are_within_a_factor_of_three() {
         println!("| {group} | {} | {} |", factors.len(), cells.join(" | "));
     }
     let fits: usize = groups.values().map(Vec::len).sum();
-    // Most are foretold at the start, and nearly all of these within the factor.
+    // Most are predicted at the start, and nearly all of these within the factor.
     let start = Summary::of(all[0].clone()).unwrap();
     assert!(start.count * 5 > 4 * fits && start.within * 20 > 19 * start.count);
     println!("| all | {fits} | {} |", all.map(cell).join(" | "));
@@ -337,11 +337,11 @@ async fn forecasts_do_not_wait_for_the_end_of_the_spectrum() {
 /// A fit that is too long to be tried: nothing is said at the start but what its block says, and soon
 /// it is known.
 #[tokio::test]
-async fn long_fits_are_foretold_while_they_run() {
+async fn long_fits_are_predicted_while_they_run() {
     let server = Server::start().await;
     let (points, basis) = (curve(120_000, true), Basis::UniformSpline(3));
     let mut global = job(&points, basis, &of_kind("global"), 1e-9);
-    // Estimated ends leave so little that the fit has ended before anything can be foretold.
+    // With estimated ends the fit ends before anything can be predicted.
     global["curve"]["ends"] = json!("repeated");
     let story = server.stream(&global).await;
     assert_eq!(story.state(), "converged");

@@ -115,7 +115,7 @@ async fn lines_without_a_point_count() {
     }
 }
 
-/// What else a fit is asked for is about the points that are there.
+/// Other settings of a fit apply to the existing points.
 #[tokio::test]
 async fn constraints_and_weights_are_those_of_the_grid() {
     let server = Server::start().await;

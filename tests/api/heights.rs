@@ -192,7 +192,7 @@ async fn heights_are_a_surface() {
     missing[2][3] = Value::Null;
     let holed = json!({"surface": {"points": missing}, "method": {"kind": "least_squares", "control_points": 5}});
     assert_eq!(server.fit(&holed).await["state"], "converged");
-    // Other parameters if they are asked for, and either heights or points.
+    // Other parameters if requested, with heights or points.
     let mut chords = job(json!([[0, 1, 3, 4], [1, 2, 4, 6], [3, 5, 9, 1]]));
     chords["surface"]["parameters"] = json!("chord_length");
     let chords = server.fit(&chords).await;

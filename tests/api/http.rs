@@ -90,7 +90,7 @@ async fn a_client_may_name_its_request() {
 }
 
 #[tokio::test]
-async fn a_wrong_method_is_told_the_right_ones() {
+async fn a_wrong_method_gets_the_allowed_ones() {
     let server = Server::start().await;
     for (path, allowed) in [
         ("/v1/jobs", "GET, HEAD, POST"),
@@ -110,10 +110,10 @@ async fn a_wrong_method_is_told_the_right_ones() {
         let (status, answer) = problem(response).await;
         assert_eq!(status, 405);
         let detail = answer["detail"].as_str().unwrap();
-        let (_, told) = detail
+        let (_, reported) = detail
             .split_once(" does not support PATCH; allowed: ")
             .unwrap();
-        assert_eq!(sorted(told), allowed, "{path}");
+        assert_eq!(sorted(reported), allowed, "{path}");
     }
 }
 
@@ -159,9 +159,9 @@ async fn json_ends_with_a_newline() {
         );
         let head = server.client.head(format!("{}{path}", server.url));
         let head = head.send().await.unwrap();
-        let told = head.headers().get("content-length");
-        let told = told.map(|value| value.to_str().unwrap().parse::<u64>().unwrap());
-        assert_eq!(told, length, "{path}");
+        let reported = head.headers().get("content-length");
+        let reported = reported.map(|value| value.to_str().unwrap().parse::<u64>().unwrap());
+        assert_eq!(reported, length, "{path}");
     }
     // Lines of streams have theirs already; messages are no text.
     let request = server
@@ -218,7 +218,7 @@ async fn iterations_are_waited_for_as_long_as_the_client_wants() {
 
 /// An iteration far behind is not computed from the start each time, and is the same to the last bit.
 #[tokio::test]
-async fn iterations_far_back_go_on_from_checkpoints() {
+async fn early_iterations_are_recomputed_from_checkpoints() {
     let server = Server::with(|config| config.ring = "1B".parse().unwrap()).await;
     let points = data::wave(300);
     let selected: Vec<usize> = (0..300).step_by(2).collect();

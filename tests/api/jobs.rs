@@ -251,7 +251,7 @@ async fn a_full_server_says_when_to_come_back() {
 }
 
 #[tokio::test]
-async fn only_so_many_ended_jobs_are_kept() {
+async fn the_number_of_ended_jobs_is_limited() {
     let server = Server::with(|config| config.retain_jobs = 3).await;
     let running = server.create(&data::endless_job()).await;
     let mut ended = Vec::new();

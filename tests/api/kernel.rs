@@ -12,8 +12,8 @@ use crate::messages as pb;
 use crate::replicas::Replicas;
 use crate::support::events;
 
-/// Programs of another arithmetic do not go on with each other's iterations: a stream begins again there, and
-/// ids tell whose an iteration is.
+/// Programs with different arithmetic do not continue each other's iterations: a stream restarts, and ids identify the
+/// program of an iteration.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn iterations_of_another_kernel_come_again() {
     let all = Replicas::start(2).await;
@@ -43,14 +43,14 @@ async fn iterations_of_another_kernel_come_again() {
     assert!(all_ids.len() > 3);
     let expected = (0..all_ids.len()).map(|k| format!("{k}@{KERNEL}"));
     assert!(expected.eq(all_ids.iter().cloned()), "{all_ids:?}");
-    // What it has sent itself it goes on with.
+    // It continues after its own iterations.
     let (after, resumed, ids) = read(&format!("2@{KERNEL}")).await;
     assert_eq!(
         (after.unwrap(), resumed),
         ("2".parse().unwrap(), Value::Null)
     );
     assert_eq!(ids, all_ids[3..]);
-    // What a program of the kernel of the job has sent, and of any other, comes again.
+    // Iterations of other programs are sent again.
     for last in ["2", "2@7", &format!("2@{}", KERNEL + 1)] {
         let (after, resumed, ids) = read(last).await;
         assert_eq!((after, resumed), (None, json!("restarted")), "{last}");

@@ -72,7 +72,7 @@ async fn a_curve_of_a_million_points() {
     let path = job["links"]["self"].as_str().unwrap();
     let error = server.json(path).await["error"]["max"].as_f64().unwrap();
     assert!(error <= 1e-9);
-    // Any iteration of it is computed again when it is asked for.
+    // Any of its iterations is recomputed on request.
     let first: Value = server.json(&format!("{path}/iterations/1")).await;
     assert_eq!(first["control_points"].as_array().unwrap().len(), 1_000_002);
 }

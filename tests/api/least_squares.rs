@@ -254,7 +254,7 @@ async fn nearly_as_many_control_points_as_data() {
                 _ => Value::Null,
             };
             assert_eq!(job["reason"], reason, "{count} {variant}: {job:#}");
-            // The curve is smooth, and these are a thousand points of it: more digits than asked for.
+            // The curve is smooth with a thousand points: more digits than requested.
             let most = if variant == "direct" { 1e-8 } else { 5e-6 };
             assert!(number(&job["error"]["max"]) < most, "{count} {variant}");
         }

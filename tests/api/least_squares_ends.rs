@@ -10,7 +10,7 @@ fn number(value: &Value) -> f64 {
         .unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// A noisy curve whose points crowd at one end: the columns of A differ by far.
+/// A noisy curve with dense points at one end: the columns of A differ by far.
 fn uneven() -> Vec<[f64; 2]> {
     (0..400)
         .map(|i| (f64::from(i) / 399.0).powi(4) * 12.0 + f64::from(i) * 1e-3)
@@ -46,7 +46,7 @@ async fn direct_is_at_the_minimum_at_once() {
 
 /// `minimum` is said where the gradient says so, however unlike the columns of A are.
 #[tokio::test]
-async fn slow_variants_go_on_to_the_minimum() {
+async fn slow_variants_reach_the_minimum() {
     let server = Server::start().await;
     let points = uneven();
     let least = server.fit(&job(&points, 120, "direct")).await;

@@ -131,8 +131,8 @@ async fn follow(client: &reqwest::Client, address: &Address, path: &str) -> (Vec
     }
 }
 
-/// One client: creates jobs one after the other and follows each to its end, until nobody can change the
-/// address any more; gives the paths of its jobs.
+/// One client: creates jobs one after the other and watches each to its end, until the sender of addresses is dropped;
+/// returns the paths of its jobs.
 pub async fn work(worker: usize, expected: Arc<Vec<Expected>>, address: Address) -> Vec<String> {
     // Each request has a connection of its own, which may lead to another server.
     let client = client().pool_max_idle_per_host(0).build().unwrap();

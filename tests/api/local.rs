@@ -21,7 +21,7 @@ fn distance(a: &Value, b: &Value) -> f64 {
 }
 
 #[tokio::test]
-async fn fixed_points_do_not_move_by_a_bit_and_end_where_the_theorem_says() {
+async fn fixed_points_do_not_move_and_limits_follow_the_theorem() {
     let server = Server::start().await;
     let points = data::helix();
     let adjusted = [3, 4, 5, 17, 22];
@@ -82,7 +82,7 @@ async fn a_single_point_converges_with_its_own_rate() {
     }
 }
 
-/// Lin 2010, Fig. 5: `peaks(11)`, threshold 1e-2: 18 levels, and so many active points at each.
+/// Lin 2010, Fig. 5: `peaks(11)`, threshold 1e-2: 18 levels, with these numbers of active points.
 #[tokio::test]
 async fn adaptive_peaks_take_the_published_levels() {
     let active = [

@@ -7,7 +7,7 @@
     clippy::print_stderr,
     missing_docs,
     unreachable_pub,
-    reason = "tests fail by panicking, and nobody links to them"
+    reason = "tests fail by panicking, and have no users"
 )]
 
 mod access;
@@ -27,6 +27,7 @@ mod closed;
 mod cluster;
 mod collector;
 mod compressed;
+mod constrained_surfaces;
 mod constraints;
 mod constraints_messages;
 mod constraints_refused;
@@ -37,7 +38,6 @@ mod cors;
 mod crash_recovery;
 mod crashes;
 mod creases;
-mod crowd;
 mod custom;
 mod damage;
 mod data;
@@ -49,7 +49,6 @@ mod dense_curves;
 mod description;
 mod deviation;
 mod digits;
-mod doors;
 mod durable;
 mod edits;
 mod encodings;
@@ -58,7 +57,7 @@ mod ephemeral;
 mod examples;
 mod exports;
 mod extremes;
-mod facts;
+mod fault_proxy;
 mod file_answers;
 mod files;
 mod fit_once;
@@ -66,22 +65,22 @@ mod floods;
 mod foot_points;
 mod forecasts;
 mod gaps;
+mod generated;
 mod goldens;
-mod heads;
+mod headers;
 mod heights;
-mod honest_ends;
 mod http;
 mod jobs;
 mod kernel;
 mod large;
-mod large_mistakes;
 mod least_squares;
 mod least_squares_ends;
 mod least_squares_knots;
 mod load;
 mod local;
-mod made_up;
 mod many_coordinates;
+mod many_errors;
+mod many_readers;
 mod meshes;
 mod messages_over_rest;
 mod methods;
@@ -92,7 +91,6 @@ mod moved;
 mod nets;
 mod noise;
 mod numbers;
-mod obeying_surfaces;
 mod omega;
 mod one_answer;
 mod openapi;
@@ -130,15 +128,17 @@ mod streams;
 mod support;
 mod sweeps;
 mod telemetry;
+mod termination;
 mod texts;
+mod theory;
 mod thresholds;
+mod timeouts;
 mod tokens_file;
 mod transformed;
 mod trims;
 mod unfolding;
 mod views;
 mod warnings;
-mod wires;
 
 /// The messages and the client that the contract gives to everybody.
 #[allow(clippy::all, reason = "generated")]

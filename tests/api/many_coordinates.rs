@@ -145,7 +145,10 @@ async fn what_has_no_place_for_them_is_refused_by_name() {
         let answer = server.get(&format!("{}/result/{format}", base(&job)));
         let (status, problem) = problem(answer.send().await.unwrap()).await;
         assert_eq!(status, 409, "{format}");
-        let told = problem.to_string();
-        assert!(told.contains("these points have 4 coordinates"), "{told}");
+        let reported = problem.to_string();
+        assert!(
+            reported.contains("these points have 4 coordinates"),
+            "{reported}"
+        );
     }
 }

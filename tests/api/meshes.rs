@@ -200,7 +200,7 @@ async fn messages_have_triangles() {
     }
 }
 
-/// What is wrong is refused where it stands.
+/// Errors have locations.
 #[tokio::test]
 async fn wrong_meshes_are_refused() {
     let server = Server::start().await;

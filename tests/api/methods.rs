@@ -2,6 +2,7 @@
 //! converges to the interpolant, or it is refused with a reason.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde_json::{Value, json};
 
@@ -238,7 +239,7 @@ async fn try_all(server: &Server) -> Outcomes {
     outcomes
 }
 
-/// Whether the fit ends at the limit; if not, it must have been refused.
+/// True if the fit ends at the limit; otherwise it must have been refused.
 async fn converges(server: &Server, job: &Value, expected: &[f64]) -> bool {
     let request = server.post("/v1/jobs").header("prefer", "wait=100");
     let response = request.json(job).send().await.unwrap();
@@ -285,7 +286,7 @@ async fn every_combination_converges_or_is_refused() {
             Some(bases) => bases.join(", "),
         }
     };
-    let documentation = include_str!("../../docs/METHODS.md");
+    let documentation = include_str!("../../docs/explanation/methods.md");
     let mut names: Vec<&str> = methods(true).iter().map(|(name, _)| *name).collect();
     names.dedup();
     let rows: Vec<String> = names
@@ -347,10 +348,10 @@ async fn methods_that_cannot_converge_are_refused_beforehand() {
     }
 }
 
-/// What the server announces is what docs/JOBS.md describes and what it accepts.
+/// What the server announces is what docs/reference/job.md describes and what it accepts.
 #[tokio::test]
 async fn capabilities_documentation_and_code_agree() {
-    let documented = include_str!("../../docs/JOBS.md");
+    let documented = include_str!("../../docs/reference/job.md");
     let (settings_of_any, settings_of_least_squares) = documented
         .split_once("Settings of `least_squares`:")
         .unwrap();
@@ -371,6 +372,9 @@ async fn capabilities_documentation_and_code_agree() {
             .collect();
         let has_row = |text: &str, start: &str| text.lines().any(|line| line.starts_with(start));
         assert!(has_row(settings_of_any, &format!("| `{kind}` |")), "{kind}");
+        let page = format!("docs/explanation/methods/{kind}.md");
+        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join(page);
+        assert!(page.is_file(), "{kind} has no page");
         for setting in &settings {
             let row = format!("| `{setting}` |");
             let is_there = match kind {

@@ -1,4 +1,4 @@
-//! What `/metrics` tells: facts that the test brings about, in the format of OpenMetrics.
+//! The content of `/metrics` after known events, in the format of OpenMetrics.
 
 use futures_util::StreamExt;
 use reqwest::Method;
@@ -7,7 +7,7 @@ use crate::data;
 use crate::support::{Server, base, events};
 
 #[tokio::test]
-async fn jobs_and_what_is_open_are_counted() {
+async fn jobs_and_open_connections_are_counted() {
     // There is memory for one of these jobs at a time.
     let server = Server::with(|config| config.memory = Some(bytesize::ByteSize::kib(240))).await;
     let names = ["piad_jobs_running", "piad_jobs_queued", "piad_streams_open"];

@@ -61,14 +61,14 @@ async fn a_minimum_above_the_tolerance_is_stalled() {
 }
 
 #[tokio::test]
-async fn without_a_tolerance_the_minimum_is_what_was_asked_for() {
+async fn without_a_tolerance_the_minimum_converges() {
     let server = Server::start().await;
     for stop in [None, Some(json!({"max_iterations": 500}))] {
         let found = server.fit(&job(least_squares("cg"), stop)).await;
         assert_eq!(ended(&found), ("converged", Some("minimum")));
         let detail = found["detail"].as_str().unwrap();
         assert!(detail.contains("no tolerance was requested"), "{detail}");
-        // Its input asks for the same, also of a message, and edits go on like this.
+        // Its input is the same, also as a message, and edits keep it.
         let input = server.json(&format!("{}/input", base(&found))).await;
         assert_eq!(input["stop"].get("tolerance"), None);
         assert_eq!(input["stop"].get("relative_tolerance"), None);
@@ -109,7 +109,7 @@ async fn messages_say_the_same() {
     }
 }
 
-/// As few control points as a tolerance needs have one, whether or not it was asked for.
+/// Automatic numbers of control points have a tolerance, even if none was requested.
 #[tokio::test]
 async fn automatic_fits_that_cannot_get_there_are_stalled() {
     let server = Server::start().await;

@@ -44,7 +44,7 @@ fn complaints(program: &Program) -> usize {
 type Mishap = (fn(&Path), &'static str);
 
 #[tokio::test(flavor = "multi_thread")]
-async fn no_job_is_accepted_that_nobody_would_find() {
+async fn no_job_is_accepted_that_cannot_be_found() {
     let mishaps: [Mishap; 3] = [
         (|file| fs::remove_file(file).unwrap(), "cannot be found"),
         (

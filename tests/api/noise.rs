@@ -48,8 +48,8 @@ fn rms(result: &Value, from: &[[f64; 2]]) -> f64 {
     (squares.sum::<f64>() / from.len() as f64).sqrt()
 }
 
-/// The fit is much nearer to the truth than its data are, and as near as the best of ten values of fairness; the choice
-/// is told.
+/// The fit is much nearer to the truth than its data are, and as near as the best of ten values of fairness; the chosen
+/// value is reported.
 #[tokio::test]
 async fn fairness_follows_the_noise() {
     let server = Server::start().await;
@@ -72,7 +72,7 @@ async fn fairness_follows_the_noise() {
         let chosen = result["fairness"].as_f64().unwrap();
         assert!((1e-9..1e-3).contains(&chosen), "{chosen}");
         assert_eq!(job["method"]["fairness"], chosen);
-        // The input says what was asked for.
+        // The input has the requested value.
         let input = server.json(&format!("{}/input", base(&job))).await;
         assert_eq!(input["method"]["fairness"], "auto");
     }

@@ -178,7 +178,7 @@ async fn many_points_have_the_relaxation_of_the_matrix() {
     iterations(&rows);
 }
 
-/// As it was asked for, stored, resumed and edited.
+/// The requested value is returned, stored, resumed and edited.
 #[tokio::test]
 async fn relaxations_are_kept_and_edited() {
     let server = Server::start().await;

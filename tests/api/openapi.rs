@@ -124,7 +124,7 @@ async fn references_resolve_and_components_are_used() {
         }
         for name in components.as_object().unwrap().keys() {
             let reference = format!("#/components/{section}/{name}");
-            assert!(references.contains(&reference), "nobody uses {reference}");
+            assert!(references.contains(&reference), "{reference} is not used");
         }
     }
 }
@@ -334,7 +334,7 @@ async fn fields_and_names_are_those_that_are_read() {
     }
 }
 
-/// The names that an error tells, in whatever way.
+/// The names listed by an error.
 async fn known(server: &Server, path: &str, body: &Value) -> BTreeSet<String> {
     let response = server.post(path).json(body).send().await.unwrap();
     let (status, problem) = problem(response).await;
@@ -375,7 +375,7 @@ async fn methods_have_the_settings_that_capabilities_tell() {
     let schema = description.component("schemas", "Method");
     let fields = schema["properties"].as_object().unwrap();
     let capabilities = server.json("/v1/capabilities").await;
-    let mut told = BTreeSet::from(["kind"]);
+    let mut reported = BTreeSet::from(["kind"]);
     let (mut owned, mut count) = (BTreeMap::new(), 0);
     for method in capabilities["methods"].as_array().unwrap() {
         let kind = method["kind"].as_str().unwrap();
@@ -387,16 +387,16 @@ async fn methods_have_the_settings_that_capabilities_tell() {
             let (_, owners) = setting.rsplit_once("Only with ").unwrap();
             assert!(owners.contains(&format!("`{kind}`")), "{setting}");
             owned.insert(name, owners);
-            told.insert(name);
+            reported.insert(name);
             count += 1;
         }
     }
-    // And with no other: each name that is told is one of those above.
+    // And no other: each listed name is one of those above.
     let named = owned
         .values()
         .map(|owners| owners.matches(", ").count() + 1);
     assert_eq!(named.sum::<usize>(), count);
-    assert_eq!(told, fields.keys().map(String::as_str).collect());
+    assert_eq!(reported, fields.keys().map(String::as_str).collect());
 }
 
 /// The reference is built from this server alone, and says so to browsers.

@@ -175,7 +175,7 @@ async fn far_outliers_of_scans_do_not_choose_the_parameters() {
 }
 
 #[tokio::test]
-async fn what_is_not_robust_is_refused_by_name() {
+async fn fits_that_cannot_be_robust_are_rejected_by_name() {
     let server = Server::start().await;
     let robust = json!({"kind": "least_squares", "control_points": 5, "robust": true});
     let auto = json!({"kind": "least_squares", "control_points": "auto", "robust": true});

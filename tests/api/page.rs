@@ -1,4 +1,4 @@
-//! The page at `/`: who gets it, what browsers are told about it, and that it is small on the wire.
+//! The page at `/`: who gets it, its headers for browsers, and its size.
 
 use std::io::Read;
 
@@ -191,7 +191,7 @@ async fn files_that_a_browser_has_are_not_sent_again() {
 }
 
 #[tokio::test]
-async fn files_are_compressed_for_those_who_take_it() {
+async fn files_are_compressed_for_clients_that_accept_it() {
     let server = Server::start().await;
     for path in ["/docs/swagger-ui-bundle.js", "/docs/swagger-ui.css"] {
         let plain = get(&server, path, &[("accept-encoding", "gzip;q=0, br")]).await;

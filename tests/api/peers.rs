@@ -20,7 +20,7 @@ async fn one_client_does_not_fill_the_queue() {
     assert_eq!(capabilities["limits"]["jobs_per_peer"], 2);
     let first = server.create(&data::endless_job()).await;
     server.create(&data::endless_job()).await;
-    // Edits go on from an iteration, so there must be one.
+    // Edits start from an iteration, so there must be one.
     let path = format!("{}/events", base(&first));
     let mut stream = events(server.get(&path).send().await.unwrap());
     while stream.next().await.unwrap().name != "iteration" {}
@@ -143,7 +143,7 @@ fn is_ok(answer: &(String, String)) -> bool {
 }
 
 #[tokio::test]
-async fn idle_connections_lock_nobody_out() {
+async fn idle_connections_do_not_block_others() {
     // 192 connections in all, 96 of an address.
     let mut program = Program::in_shell(
         r#"ulimit -n 256; exec "$@" --header-timeout 3600"#,
@@ -170,7 +170,7 @@ async fn idle_connections_lock_nobody_out() {
         "{body}"
     );
 
-    // Others take the rest; then nobody has more than the state of the server.
+    // Others take the rest; then only the state of the server is available.
     for last in 2..=4 {
         for _ in 0..100 {
             idle.push(connect_from(&program, last).await);
@@ -188,13 +188,13 @@ async fn idle_connections_lock_nobody_out() {
     let open: u32 = open.expect(&metrics).parse().unwrap();
     assert!((193..=192 + 32 + 1).contains(&open), "{open}");
 
-    // It is told once in a while, not each time.
+    // It is logged occasionally, not each time.
     let log = program.log();
-    let told = log
+    let reported = log
         .lines()
         .filter(|line| line.contains("connections from one address are open"));
-    assert!((1..=12).contains(&told.count()), "{log}");
-    // That so much is asked for is no error of the server.
+    assert!((1..=12).contains(&reported.count()), "{log}");
+    // High demand is not an error of the server.
     assert!(!log.contains(r#""level":"ERROR""#), "{log}");
 
     // When they have gone everything is as before.

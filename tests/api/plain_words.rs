@@ -61,10 +61,10 @@ const FOREIGN_PHRASES: [&str; 7] = [
     "`",
 ];
 
-/// The most characters about one mistake.
+/// The maximum length of an error in characters.
 const LONGEST: usize = 420;
 
-/// What is wrong with an answer, if it is about something wrong.
+/// The error in a response, if there is one.
 async fn complaint(response: Response, body: Option<&Value>) -> Option<String> {
     if response.status().is_success() {
         return None;

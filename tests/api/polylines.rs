@@ -93,7 +93,7 @@ async fn polylines_keep_their_corners() {
 }
 
 #[tokio::test]
-async fn what_is_no_polyline_is_named() {
+async fn invalid_polylines_are_named() {
     let server = Server::start().await;
     let bend = json!([[0, 0], [1, 0], [1, 1]]);
     let with = |points: &Value, method: Value| {

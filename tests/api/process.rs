@@ -39,7 +39,7 @@ async fn signals_end_it_with_open_streams() {
     }
 }
 
-/// How far the threads of a process give way whose names begin like that, as the operating system tells it.
+/// The niceness of the threads of a process with this name prefix, read from the operating system.
 fn niceness(process: u32, name: &str) -> Vec<i32> {
     let tasks = std::fs::read_dir(format!("/proc/{process}/task")).unwrap();
     // A thread may end meanwhile.
@@ -54,7 +54,7 @@ fn niceness(process: u32, name: &str) -> Vec<i32> {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn each_lane_and_the_loops_have_so_many_threads() {
+async fn each_lane_and_the_loops_have_their_threads() {
     let program = Program::with(Path::new(":memory:"), &["--workers", "3"]);
     let lanes = [
         ("quick", 0),
@@ -110,7 +110,7 @@ fn help_names_every_flag_and_its_variable() {
     ] {
         assert!(help.contains(&format!("--{name} ")), "{name}\n{help}");
         let variable = name.to_uppercase().replace('-', "_");
-        // Values are told, but for a URL that may have a password.
+        // Values are shown, except a URL that may have a password.
         assert!(
             help.contains(&format!("[env: PIAD_{variable}")),
             "{variable}"
@@ -158,7 +158,7 @@ fn a_port_in_use_is_an_error() {
 }
 
 #[test]
-fn the_version_is_told() {
+fn the_version_is_printed() {
     let version = Command::new(PROGRAM).arg("--version").output().unwrap();
     let version = String::from_utf8(version.stdout).unwrap();
     // With the commit, if the build knew it.
@@ -184,8 +184,8 @@ async fn names_are_resolved() {
         .unwrap();
     let log = BufReader::new(child.stderr.take().unwrap());
     // One line for each of the addresses, all of them on the same port.
-    let told = log.lines().map_while(Result::ok);
-    let address = told
+    let reported = log.lines().map_while(Result::ok);
+    let address = reported
         .filter_map(|line| Some(line.split_once("listening on http://")?.1.to_owned()))
         .next()
         .unwrap();
@@ -208,7 +208,7 @@ async fn it_starts_without_proc() {
         .args(["-rm", "mount", "-t", "tmpfs", "none", "/proc"])
         .status();
     if !hidden.is_ok_and(|status| status.success()) {
-        eprintln!("nobody may hide /proc here");
+        eprintln!("hiding /proc is not permitted here");
         return;
     }
     let program = Program::in_shell(
@@ -250,7 +250,7 @@ impl Drop for MemoryGroup {
 #[tokio::test]
 async fn the_memory_is_that_of_its_own_group() {
     let Some(group) = MemoryGroup::new(512 << 20) else {
-        eprintln!("nobody may limit memory here");
+        eprintln!("limiting memory is not permitted here");
         return;
     };
     let script = format!("echo $$ > {}/cgroup.procs; exec \"$@\"", group.0.display());

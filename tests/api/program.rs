@@ -80,7 +80,7 @@ impl Program {
             Ok(address) => address,
             Err(said) => return Err((child.wait().unwrap().code(), said)),
         };
-        // A pipe that nobody reads would fill up.
+        // An unread pipe would fill up.
         let lines = Arc::new(Mutex::new(String::new()));
         let kept = Arc::clone(&lines);
         std::thread::spawn(move || {
@@ -127,7 +127,7 @@ impl Program {
         std::fs::write(format!("/proc/{}/clear_refs", self.id()), "5").unwrap();
     }
 
-    /// A size that the operating system tells about the process, in bytes.
+    /// A size of the process in bytes, read from the operating system.
     fn status(&self, name: &str) -> usize {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.id())).unwrap();
         let line = status.lines().find_map(|line| line.strip_prefix(name));
@@ -213,7 +213,7 @@ impl Drop for Program {
     }
 }
 
-/// Reads the log up to the line that tells the address; or what it says instead, without warnings.
+/// Reads the log up to the line with the address; returns other output instead, without warnings.
 fn address(log: &mut impl BufRead) -> Result<String, String> {
     let mut said = String::new();
     loop {

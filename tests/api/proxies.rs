@@ -29,7 +29,7 @@ async fn status(request: RequestBuilder) -> u16 {
 }
 
 #[tokio::test]
-async fn a_trusted_proxy_tells_whose_a_request_is() {
+async fn a_trusted_proxy_names_the_client_of_a_request() {
     let server = server(&["127.0.0.0/8", "10.0.0.0/8"]).await;
     let from = |name, value| status(post(&server).header(name, value));
     assert_eq!(from("x-forwarded-for", "192.0.2.1").await, 201);
@@ -64,7 +64,7 @@ async fn a_trusted_proxy_tells_whose_a_request_is() {
 }
 
 #[tokio::test]
-async fn nobody_else_is_believed() {
+async fn other_proxies_are_not_trusted() {
     let server = server(&["10.0.0.0/8"]).await;
     assert_eq!(status(post(&server)).await, 201);
     let other = post(&server).header("x-forwarded-for", "192.0.2.1");
@@ -99,7 +99,7 @@ async fn over_tcp_with(server: &Server, begin: &[u8], headers: &str) -> String {
 }
 
 #[tokio::test]
-async fn a_trusted_proxy_tells_whose_a_connection_is() {
+async fn a_trusted_proxy_names_the_client_of_a_connection() {
     let server = server(&["127.0.0.1"]).await;
     for (begin, status) in [
         (&b"PROXY TCP4 192.0.2.1 127.0.0.1 4711 80\r\n"[..], "201"),
@@ -133,7 +133,7 @@ async fn a_trusted_proxy_tells_whose_a_connection_is() {
             assert!(answer.starts_with("HTTP/1.1 429 "), "{begin:?}: {answer}");
         }
     }
-    let cut_off = over_tcp(&server, b"PROXY TCP4 nobody\r\n").await;
+    let cut_off = over_tcp(&server, b"PROXY TCP4 unknown\r\n").await;
     assert_eq!(cut_off, "");
 }
 

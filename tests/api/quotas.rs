@@ -15,7 +15,7 @@ use crate::tokens_file::TokensFile;
 
 const SCOPES: &str = "jobs:read,jobs:write";
 
-/// So many requests come at the same time.
+/// The number of simultaneous requests.
 const CROWD: usize = 100;
 
 /// Two tenants, of which the first one has a quota.
@@ -52,7 +52,7 @@ async fn create(server: &Program, token: &str, job: &Value) -> Response {
     request.json(job).send().await.unwrap()
 }
 
-/// Creates many jobs at the same time; gives those that were made. The others were told why not.
+/// Creates many jobs at the same time; returns those that were created. The others were rejected with a reason.
 async fn crowd(server: &Program, token: &str, job: &Value, detail: &str) -> Vec<Value> {
     let answers = join_all((0..CROWD).map(|_| create(server, token, job))).await;
     let mut made = Vec::new();
@@ -73,8 +73,8 @@ async fn refused(answer: Response, detail: &str) {
         (status, &problem["type"]),
         (429, &json!("/problems/quota-exceeded"))
     );
-    let told = problem["detail"].as_str().unwrap();
-    assert!(told.contains(detail), "{told}");
+    let reported = problem["detail"].as_str().unwrap();
+    assert!(reported.contains(detail), "{reported}");
 }
 
 async fn delete(server: &Program, token: &str, job: &Value) {
@@ -245,9 +245,12 @@ async fn quotas_are_loaded_again() {
     let list = tenants.file.run("list", &[]);
     let list = String::from_utf8(list.stdout).unwrap();
     assert!(list.contains("quota of limited: jobs = 1\n"), "{list}");
-    // What is not valid changes nothing, and is told.
+    // Invalid values change nothing, and are reported.
     tenants.append("[tenant.other]\njob = 3\n");
-    eventually("it is told", async || server.log().contains("stay in use")).await;
+    eventually("it is reported", async || {
+        server.log().contains("stay in use")
+    })
+    .await;
     assert!(
         server.log().contains("unknown field `job`"),
         "{}",

@@ -103,7 +103,7 @@ async fn rates_are_those_of_fits() {
 
 /// What rounding hides, and what would take too long, is left out.
 #[tokio::test]
-async fn what_is_not_known_is_null() {
+async fn unknown_rates_are_null() {
     let server = Server::start().await;
     let bases = bases(&server, "points=60&parameters=uniform").await;
     assert!(bases[0]["lambda_min"].is_number() && bases[0]["iterations"].is_null());

@@ -7,9 +7,20 @@ use std::process::{Command, Output};
 use crate::program::{PROGRAM, Program};
 
 const README: &str = include_str!("../../README.md");
-const CALLS: &str = include_str!("../../docs/CALLS.md");
-const CLIENTS: &str = include_str!("../../docs/CLIENTS.md");
-const JOBS: &str = include_str!("../../docs/JOBS.md");
+const CALLS: &str = include_str!("../../docs/tutorials/http-api.md");
+const CLIENTS: &str = include_str!("../../docs/reference/clients.md");
+const JOBS: &str = include_str!("../../docs/reference/job.md");
+
+/// The folders of documents.
+const DOCS: [&str; 7] = [
+    "docs",
+    "docs/evidence",
+    "docs/explanation",
+    "docs/explanation/methods",
+    "docs/how-to",
+    "docs/reference",
+    "docs/tutorials",
+];
 
 /// The blocks of code in a language.
 fn code(text: &str, language: &str) -> Vec<String> {
@@ -61,9 +72,9 @@ fn problems(printed: &str) -> Vec<&str> {
 }
 
 #[test]
-fn each_command_works_and_shows_what_it_says() {
+fn each_command_works_and_prints_its_output() {
     let folder = clone();
-    let (printed, told) = run_all(README, folder.path());
+    let (printed, reported) = run_all(README, folder.path());
     // Only the points that are equal are refused, as it says there.
     assert_eq!(problems(&printed), ["invalid-fit"]);
     for file in ["wing", "airfoil", "peaks", "naca"] {
@@ -72,7 +83,7 @@ fn each_command_works_and_shows_what_it_says() {
     }
     assert!(folder.path().join("scan.iges").is_file());
     // "16 instead of 121", and "four times the noise" is the tolerance.
-    assert!(told.contains("121 points, 16 control points, method least_squares"));
+    assert!(reported.contains("121 points, 16 control points, method least_squares"));
 
     let shown = code(README, "");
     let summary = shown.iter().find(|block| block.contains("wrote")).unwrap();
@@ -84,7 +95,7 @@ fn each_command_works_and_shows_what_it_says() {
             None => (line, ""),
         };
         let is_told = |it: &str| it.starts_with(begin) && it.ends_with(end);
-        assert!(told.lines().any(is_told), "{line}\n{told}");
+        assert!(reported.lines().any(is_told), "{line}\n{reported}");
     }
     let stream = shown.iter().find(|block| block.contains("event:")).unwrap();
     for part in [
@@ -114,7 +125,8 @@ fn anchor(heading: &str) -> String {
 #[test]
 fn links_lead_somewhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let docs = std::fs::read_dir(root.join("docs")).unwrap();
+    let docs = DOCS.map(|folder| std::fs::read_dir(root.join(folder)).unwrap());
+    let docs = docs.into_iter().flatten();
     let docs = docs.map(|entry| entry.unwrap().path());
     let pages = docs.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
     for page in pages.chain([root.join("README.md")]) {

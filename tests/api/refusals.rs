@@ -1,4 +1,4 @@
-//! Requests beyond the limits, and what is wrong with paths, methods, headers and parameters.
+//! Requests beyond the limits, and errors of paths, methods, headers and parameters.
 
 use serde_json::{Value, json};
 

@@ -13,10 +13,10 @@ use tokio::time::{sleep, timeout};
 
 use crate::cluster::Cluster;
 use crate::data;
+use crate::fault_proxy::{FaultProxy, Target};
 use crate::load::{all_jobs, random, undisturbed, work};
 use crate::program::Program;
 use crate::support::{PATIENCE, Story, client, events, eventually};
-use crate::wires::{Target, Wire};
 
 /// How many times something happens; `PIAD_TEST_ROUNDS` sets another number.
 fn rounds() -> usize {
@@ -29,7 +29,7 @@ fn rounds() -> usize {
 /// A replica with its own way to the database.
 pub struct Replica {
     pub program: Program,
-    wire: Wire,
+    wire: FaultProxy,
 }
 
 /// Some replicas behind a proxy.
@@ -37,11 +37,11 @@ pub struct Replicas {
     pub cluster: Cluster,
     pub replicas: Vec<Replica>,
     addresses: watch::Sender<Vec<String>>,
-    front: Wire,
+    front: FaultProxy,
     client: reqwest::Client,
 }
 
-fn launch(wire: &Wire) -> Program {
+fn launch(wire: &FaultProxy) -> Program {
     let url = format!("postgres://piad@{}/postgres?sslmode=disable", wire.address);
     Program::with(Path::new(&url), &["--retain-jobs", "1000000"])
 }
@@ -51,13 +51,13 @@ impl Replicas {
         let cluster = Cluster::start();
         let mut replicas = Vec::new();
         for _ in 0..count {
-            let wire = Wire::to(Target::Socket(cluster.socket())).await;
+            let wire = FaultProxy::to(Target::Socket(cluster.socket())).await;
             let program = launch(&wire);
             replicas.push(Replica { program, wire });
         }
         let all = replicas.iter().map(|it| it.program.address.clone());
         let (addresses, servers) = watch::channel(all.collect());
-        let front = Wire::to(Target::Servers(servers)).await;
+        let front = FaultProxy::to(Target::Servers(servers)).await;
         let client = client().pool_max_idle_per_host(0).build().unwrap();
         Self {
             cluster,
@@ -97,7 +97,7 @@ impl Replicas {
         }
     }
 
-    /// What is there, asked for until there is an answer.
+    /// Requests a resource until there is a response.
     async fn json(&self, url: &str) -> Value {
         loop {
             if let Ok(response) = self.client.get(url).send().await
@@ -157,7 +157,7 @@ async fn whatever_happens_nothing_is_lost() {
     let kept = all_jobs(&all.client, &all.base()).await;
     let missing: Vec<_> = acknowledged.difference(&kept).collect();
     assert!(missing.is_empty(), "{missing:?}");
-    // One that was stored without an answer was asked for again with its key.
+    // A job that was stored without a response was requested again with its key.
     assert_eq!(kept, acknowledged, "none lost, none twice");
     eprintln!("{} rounds, {} jobs", rounds(), paths.len());
 }
@@ -203,9 +203,9 @@ async fn a_job_is_read_and_ended_at_any_replica() {
         }
     }
     assert_eq!(seen, ["8", "9", "10", "11", "12"]);
-    // How far it has come is told wherever it is asked for, as of the last renewal of its lease.
+    // Each replica reports its progress, as of the last renewal of its lease.
     eventually(
-        "a replica tells how far the job of another one is",
+        "a replica reports the progress of the job of another one",
         async || {
             let job = reader.program.json(path).await;
             job["state"] == "running" && job["iteration"].as_u64() > Some(0)
@@ -288,7 +288,7 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     );
     assert_eq!(paused.program.json(path).await, ended);
     assert_eq!(other.program.json(path).await, ended);
-    // It goes on where it was, though its replica has given up the job.
+    // It resumes, though its replica has given up the job.
     let story = timeout(PATIENCE, Story::read(stream))
         .await
         .expect("an end");
@@ -296,8 +296,8 @@ async fn the_end_of_a_job_that_was_taken_over_is_refused() {
     assert_eq!(story.end["state"], "exhausted");
 }
 
-/// A job that is stored while the answer is lost: the client is told that it may not be, and asks again
-/// elsewhere. Who reads it where it was posted first comes to its end all the same.
+/// A job that is stored while the response is lost: the client gets an error and retries at another replica. Readers at
+/// the first replica also get its end.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_job_whose_acknowledgement_was_lost_has_an_end_for_its_readers() {
     let all = Replicas::start(2).await;
@@ -408,7 +408,7 @@ async fn a_key_makes_one_job_among_replicas() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn without_its_database_a_server_says_so_and_goes_on() {
+async fn without_its_database_a_server_reports_it_and_continues() {
     let all = Replicas::start(1).await;
     let program = &all.replicas[0].program;
     let endless = program
@@ -429,7 +429,7 @@ async fn without_its_database_a_server_says_so_and_goes_on() {
     assert_eq!(problem["type"], "/problems/store-away", "{problem}");
     assert_eq!(program.get("/readyz").send().await.unwrap().status(), 503);
     assert_eq!(program.get("/livez").send().await.unwrap().status(), 200);
-    // Streams go on meanwhile.
+    // Streams continue meanwhile.
     for _ in 0..100 {
         timeout(PATIENCE, stream.next()).await.unwrap().unwrap();
     }

@@ -1,4 +1,4 @@
-//! Readers that break off and resume while a job takes several steps at a time: each gets every iteration.
+//! Readers that disconnect and resume while a job takes several steps at a time: each gets every iteration.
 
 use std::time::{Duration, Instant};
 
@@ -63,7 +63,7 @@ async fn streams_that_resume_skip_no_iteration() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn single_iterations_are_those_that_were_asked_for() {
+async fn single_iterations_are_the_requested_ones() {
     let server = Server::start().await;
     let until = Instant::now() + STRESS;
     while Instant::now() < until {

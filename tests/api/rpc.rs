@@ -2,8 +2,8 @@
 
 mod batch;
 mod ends;
+mod errors;
 mod jobs;
-mod mistakes;
 
 use serde_json::{Value, json};
 use tonic::metadata::AsciiMetadataValue;
@@ -257,7 +257,7 @@ async fn every_kind_of_job_is_the_same_in_both_languages() {
     for job in jobs {
         let story = server.fit(&job).await;
         let id = story["id"].as_str().unwrap();
-        // What JSON has asked for is asked for again by a message, and the other way round.
+        // A request in JSON is repeated as a message, and vice versa.
         let request = pb::GetInputRequest { id: id.to_owned() };
         let input = client.get_input(request).await.unwrap().into_inner();
         let request = pb::FitRequest {

@@ -70,8 +70,8 @@ async fn reflection_lists_the_service() {
 }
 
 #[tokio::test]
-async fn health_is_told_and_ends_with_the_server() {
-    // Who waits for the grace period waits for ever.
+async fn health_is_reported_until_the_server_ends() {
+    // Waiting for the grace period would take forever.
     let server = Server::with(|config| config.grace = NEVER).await;
     let mut client = HealthClient::new(channel(&server).await);
     for service in ["", SERVICE] {
@@ -89,7 +89,7 @@ async fn health_is_told_and_ends_with_the_server() {
         .await;
     }
     let request = HealthCheckRequest {
-        service: "nobody".to_owned(),
+        service: "unknown".to_owned(),
     };
     let unknown = client.check(request).await.unwrap_err();
     assert_eq!(unknown.code(), Code::NotFound);
@@ -100,7 +100,7 @@ async fn health_is_told_and_ends_with_the_server() {
     let first = watch.message().await.unwrap().unwrap();
     assert_eq!(first.status(), ServingStatus::Serving);
     server.stop().await;
-    // Whether it still hears that the server does not serve any more is a matter of luck.
+    // It may or may not receive that the server has stopped serving.
     let ended = loop {
         match watch.message().await {
             Ok(Some(answer)) => assert_eq!(answer.status(), ServingStatus::NotServing),
@@ -173,7 +173,7 @@ async fn calls_that_fail_at_once_end_with_their_head() {
 }
 
 #[tokio::test]
-async fn messages_that_cannot_be_read_are_a_mistake_of_the_client() {
+async fn unreadable_messages_are_client_errors() {
     let server = Server::start().await;
     let compressed = [1, 0, 0, 0, 1, 0];
     let unknown_flag = [9, 0, 0, 0, 1, 0];

@@ -1,6 +1,6 @@
 //! `piad store check`, `repair` and `export`: files that are damaged in two hundred ways.
 //!
-//! Whatever is read of a damaged file is what was in it, or is told to be lost: no number is another one.
+//! Everything read from a damaged file is unchanged, or reported as lost: no number differs.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -145,12 +145,12 @@ fn numbers() -> impl FnMut(usize) -> usize {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_left_of_damaged_files_is_kept() {
+async fn intact_parts_of_damaged_files_are_kept() {
     damage_in_a_hundred_ways(true).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn what_is_left_of_files_that_are_damaged_after_a_crash_is_kept() {
+async fn intact_parts_of_files_damaged_after_a_crash_are_kept() {
     damage_in_a_hundred_ways(false).await;
 }
 
@@ -210,7 +210,7 @@ async fn damage_in_a_hundred_ways(in_order: bool) {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_repaired_store_serves_what_is_left() {
+async fn a_repaired_store_serves_the_intact_parts() {
     let directory = tempfile::tempdir().unwrap();
     let mut program = Program::start(directory.path());
     let first = program.fit(&curve(500)).await;
@@ -254,7 +254,7 @@ async fn a_repaired_store_serves_what_is_left() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn stores_that_are_whole_in_use_or_none_are_told() {
+async fn intact_used_or_missing_stores_are_reported() {
     let directory = tempfile::tempdir().unwrap();
     let store = directory.path().to_str().unwrap();
     for command in ["check", "repair"] {

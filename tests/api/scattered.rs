@@ -174,7 +174,7 @@ fn saddle() -> Value {
 }
 
 #[tokio::test]
-async fn mistakes_name_the_field_and_the_index() {
+async fn errors_name_the_field_and_the_index() {
     let server = Server::start().await;
     let changes: [(&str, Value, &str, &str); 24] = [
         ("/method", json!("global"), "/method", "least_squares"),
@@ -328,7 +328,7 @@ async fn mistakes_name_the_field_and_the_index() {
 
 /// Few points, points on a line, and weights of a rational surface.
 #[tokio::test]
-async fn what_is_no_surface_is_refused() {
+async fn invalid_surfaces_are_rejected() {
     let server = Server::start().await;
     let job = |points: Value, control_points: usize| {
         json!({
@@ -370,7 +370,7 @@ async fn what_is_no_surface_is_refused() {
 
 /// A hole as wide as whole functions: their control points stay beside those that have points.
 #[tokio::test]
-async fn holes_leave_control_points_where_they_start() {
+async fn control_points_at_holes_do_not_move() {
     let (server, golden) = (Server::start().await, golden());
     let points = golden["points"].as_array().unwrap();
     let outside = |point: &&Value| {
@@ -567,8 +567,8 @@ async fn every_plane_of_coordinates_serves() {
         .await;
 }
 
-/// Half of a pipe with noise over a plane on which its points crowd together at both sides: where their parameters follow
-/// the surface, fewer control points do, and errors are distances. The result is made again of its input.
+/// Half of a pipe with noise over a plane, on which its points are dense at both sides: if parameters follow the
+/// surface, fewer control points suffice, and errors are distances. The result is reproduced from its input.
 #[tokio::test]
 async fn parameters_follow_the_surface() {
     let server = Server::start().await;

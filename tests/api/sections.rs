@@ -9,8 +9,8 @@ use crate::messages as pb;
 use crate::rpc::connect;
 use crate::support::{Server, base, problem};
 
-/// Ellipses one behind the other, each with as many points as asked for, turned by `turn` from one to the next; every
-/// other one goes the other way around if they are `mixed`.
+/// Ellipses one behind the other, each with its number of points, turned by `turn` from one to the next; every other
+/// one is reversed if they are `mixed`.
 fn hull(counts: &[usize], turn: f64, mixed: bool) -> Vec<Vec<[f64; 3]>> {
     let section = |(k, &count): (usize, &usize)| {
         let z = 5.0 * k as f64;
@@ -101,7 +101,7 @@ async fn sections_are_aligned() {
     assert_eq!(by_message, areas[0]);
 }
 
-/// Sections with few points and a fairness that is asked for, and with the least that the tolerance leaves: both stay near
+/// Sections with few points and a requested fairness, or the least that the tolerance allows: both stay near
 /// the ellipse between the points of the first section.
 #[tokio::test]
 async fn surfaces_do_not_swing_between_few_points() {
@@ -242,7 +242,7 @@ async fn wrong_sections_are_refused() {
     assert_eq!(refused["errors"][0]["pointer"], "/method", "{refused:#}");
 }
 
-/// Blank lines of a table part sections; what is wrong with one of them is reported at its line.
+/// Blank lines of a table separate sections; errors of a section are reported at its line.
 #[tokio::test]
 async fn files_of_sections() {
     let server = Server::start().await;

@@ -293,7 +293,7 @@ async fn clients_need_a_certificate_of_the_authority_that_is_named() {
 }
 
 #[tokio::test]
-async fn what_is_no_tls_is_told_so_or_closed() {
+async fn plain_connections_get_an_error_or_are_closed() {
     let secure = Secure::start(&Authority::new().sign(), &["--header-timeout", "0.5"]);
     let said = async |bytes: &[u8]| {
         let mut stream = TcpStream::connect(&secure.server.address).await.unwrap();
@@ -304,11 +304,14 @@ async fn what_is_no_tls_is_told_so_or_closed() {
         let _ = read.await.unwrap();
         String::from_utf8_lossy(&said).into_owned()
     };
-    let told = said(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").await;
-    assert!(told.starts_with("HTTP/1.1 400 Bad Request\r\n"), "{told}");
+    let reported = said(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n").await;
     assert!(
-        told.ends_with("its address begins with https://\n"),
-        "{told}"
+        reported.starts_with("HTTP/1.1 400 Bad Request\r\n"),
+        "{reported}"
+    );
+    assert!(
+        reported.ends_with("its address begins with https://\n"),
+        "{reported}"
     );
     assert_eq!(said(b"\0\0\0\0").await, "");
     // Nothing, and a handshake that stops in the middle, do not stay.
@@ -329,7 +332,7 @@ fn files_that_hold_no_certificate_are_refused_at_the_start() {
     let (other, empty) = (other.to_str().unwrap(), empty.to_str().unwrap());
     let missing = folder.path().join("missing.pem");
     let missing = missing.to_str().unwrap();
-    for (arguments, told) in [
+    for (arguments, reported) in [
         (vec!["--tls-cert", missing, "--tls-key", &key], "--tls-cert"),
         (
             vec!["--tls-cert", empty, "--tls-key", &key],
@@ -366,7 +369,7 @@ fn files_that_hold_no_certificate_are_refused_at_the_start() {
         let output = command.args(&arguments).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(!output.status.success(), "{arguments:?}");
-        assert!(said.contains(told), "{arguments:?}: {said}");
+        assert!(said.contains(reported), "{arguments:?}: {said}");
     }
 }
 

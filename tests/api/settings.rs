@@ -1,4 +1,4 @@
-//! Settings: flags before variables before the file before the defaults, and mistakes in each.
+//! Settings: the precedence of flags, variables, the file and defaults, and errors in each.
 
 use std::fs;
 use std::path::Path;
@@ -169,7 +169,7 @@ fn passwords_are_not_shown() {
     }
 }
 
-/// What is wrong with a file is told by its line, which may hold a password and is not shown.
+/// Errors of a file name its line, whose content may have a password and is not shown.
 #[test]
 fn lines_of_the_file_are_not_shown() {
     for file in [
@@ -185,8 +185,8 @@ fn lines_of_the_file_are_not_shown() {
 }
 
 #[test]
-fn mistakes_in_the_file_name_it_and_the_setting() {
-    for (file, told) in [
+fn errors_in_the_file_name_it_and_the_setting() {
+    for (file, reported) in [
         (
             "max-jobs = 'many'",
             "/piad.toml: invalid value 'many' for '--max-jobs",
@@ -216,7 +216,7 @@ fn mistakes_in_the_file_name_it_and_the_setting() {
         ("max-jobs", "line 1"),
     ] {
         let error = settings(file, &[], &[]).unwrap_err();
-        assert!(error.contains(told), "{file}: {error}");
+        assert!(error.contains(reported), "{file}: {error}");
     }
     // Also where a flag comes before it.
     let error = settings("max-jobs = 'many'", &["--max-jobs", "5"], &[]).unwrap_err();

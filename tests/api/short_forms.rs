@@ -102,7 +102,7 @@ async fn short_forms_are_the_long_ones() {
 }
 
 #[tokio::test]
-async fn what_is_wrong_with_a_short_form_is_told_where_it_stands() {
+async fn errors_of_short_forms_have_locations() {
     let server = Server::start().await;
     let both = with(curve(), Some("curve"), "basis", json!("bspline"));
     for (job, pointer, reason) in [

@@ -58,7 +58,7 @@ async fn the_object_is_the_query_of_all_streams() {
         let path = format!("{}/events?{query}", base(&plain));
         let (expected, _) = thinned(&server, &path, None).await;
         assert_eq!(posted, expected, "{stream}");
-        // Whatever is asked for with the job, its streams go like that.
+        // The streams of the job have the settings requested with it.
         let created = server.fit(&body).await;
         let path = format!("{}/events", base(&created));
         assert_eq!(thinned(&server, &path, None).await.0, expected, "{stream}");
@@ -120,7 +120,7 @@ async fn a_query_overrides_the_object() {
     assert_eq!(levels(&posted)[1], 10);
 }
 
-/// What the query says is to blame, and it is told how to override what it does not go with.
+/// The error names the query parameter, and how to override the conflicting setting.
 #[tokio::test]
 async fn a_query_that_does_not_go_with_the_object() {
     let server = Server::start().await;
@@ -356,9 +356,12 @@ async fn capabilities_name_what_streams_can_do() {
             );
         }
     }
-    let documented = include_str!("../../docs/STREAMS.md");
+    let documented = include_str!("../../docs/reference/events.md");
     for parameter in capabilities["stream"].as_array().unwrap() {
         let name = format!("`{}`", parameter.as_str().unwrap());
-        assert!(documented.contains(&name), "{name} is not in STREAMS.md");
+        assert!(
+            documented.contains(&name),
+            "{name} is not in docs/reference/events.md"
+        );
     }
 }

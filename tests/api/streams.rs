@@ -13,7 +13,7 @@ fn id(job: &Value) -> &str {
 }
 
 #[tokio::test]
-async fn headers_are_those_of_a_stream_that_nobody_should_hold_back() {
+async fn headers_forbid_buffering_of_streams() {
     let server = Server::start().await;
     let job = server.fit(&data::small_job()).await;
     let path = format!("/v1/jobs/{}/events", id(&job));
@@ -183,7 +183,7 @@ async fn a_stream_resumes_after_the_last_event() {
     assert!(detail.contains(&format!("it ended at {last}")), "{detail}");
     let over = server.get(&path).header("last-event-id", "end");
     assert_eq!(over.send().await.unwrap().status(), 204);
-    // What is wrong is said, even where it makes no difference.
+    // Errors are reported even if they have no effect.
     let wrong = server
         .get(&format!("{path}?last_event_id=x"))
         .header("last-event-id", "5");
@@ -249,7 +249,7 @@ async fn a_client_that_goes_away_does_not_end_its_job() {
 }
 
 #[tokio::test]
-async fn a_client_that_does_not_read_holds_up_nobody() {
+async fn a_client_that_does_not_read_delays_no_other() {
     let server = Server::start().await;
     let job = server.create(&data::endless_job()).await;
     let path = format!("/v1/jobs/{}/events", id(&job));
@@ -291,7 +291,7 @@ async fn quiet_streams_are_kept_open() {
 
 #[tokio::test]
 async fn streams_end_when_the_server_stops() {
-    // Who waits for the grace period waits for ever.
+    // Waiting for the grace period would take forever.
     let server = Server::with(|config| config.grace = NEVER).await;
     let job = server.create(&data::endless_job()).await;
     let path = format!("/v1/jobs/{}/events", id(&job));

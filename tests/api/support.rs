@@ -23,7 +23,7 @@ pub const PATIENCE: Duration = Duration::from_secs(120);
 /// A limit that no test reaches.
 pub const NEVER: Duration = Duration::from_secs(3600);
 
-/// Nothing that a server tells has a token or a ticket in it.
+/// No output of a server contains a token or a ticket.
 pub fn assert_no_token(text: &str) {
     let is_of_token = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
     for found in text.split("piad_").skip(1) {
@@ -181,7 +181,7 @@ impl Server {
         eventually(&what, async || self.json(path).await["state"] == state).await;
     }
 
-    /// Tells the server to stop and waits until it has.
+    /// Stops the server and waits until it has ended.
     pub async fn stop(mut self) {
         self.stop.take().unwrap().send(()).unwrap();
         let served = timeout(PATIENCE, self.served).await.expect("it stops");
@@ -189,7 +189,7 @@ impl Server {
     }
 }
 
-/// What `/metrics` tells: values by names with their labels, which are in order of their names.
+/// The values of `/metrics` by names with labels, which are sorted by name.
 pub async fn metrics(response: Response) -> HashMap<String, f64> {
     let text = response.text().await.unwrap();
     assert_no_token(&text);
@@ -305,7 +305,7 @@ pub fn base(job: &Value) -> &str {
     job["links"]["self"].as_str().unwrap()
 }
 
-/// Checks that a path is refused with a query: which parameter is to blame, and a part of why.
+/// Checks that a path is rejected with a query: the parameter named, and a part of the reason.
 pub async fn assert_query_refused(
     server: &Server,
     path: &str,

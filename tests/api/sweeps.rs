@@ -89,7 +89,7 @@ async fn one_column_moves_at_a_time() {
     }
 }
 
-/// As it was asked for, and as a message.
+/// The request is returned unchanged, also as a message.
 #[tokio::test]
 async fn sweeps_are_kept() {
     let server = Server::start().await;

@@ -1,4 +1,4 @@
-//! Traces: what a collector gets of requests and jobs, what clients are told, and collectors that do not answer.
+//! Traces: what a collector gets of requests and jobs, the headers for clients, and collectors that do not respond.
 
 use std::process::Command;
 
@@ -129,7 +129,7 @@ async fn an_endless_job_has_spans_of_its_first_slices() {
     collector.wait_for("slice", 32).await;
     let iteration = async || server.json(base(&job)).await["iteration"].as_u64();
     let before = iteration().await;
-    eventually("it goes on", async || iteration().await > before).await;
+    eventually("it continues", async || iteration().await > before).await;
     let cancel = server.post(&format!("{}/cancel", base(&job)));
     cancel.send().await.unwrap();
     let ended = collector.wait_for("job", 1).await.remove(0);
@@ -199,7 +199,7 @@ async fn the_parent_is_that_of_the_client() {
     let response = request.header("traceparent", &unsampled).send();
     assert_eq!(response.await.unwrap().status(), 201);
 
-    // What is not valid is nobody's.
+    // Invalid contexts have no parent.
     for parents in [
         &["00-0-0-01"][..],
         &[&sampled, &sampled],
@@ -393,18 +393,21 @@ fn an_address_that_is_none_is_refused_at_the_start() {
         assert_eq!(output.status.code(), Some(2));
         String::from_utf8(output.stderr).unwrap()
     };
-    let told = refused(&["--otlp-endpoint", "localhost:4317"], "");
+    let reported = refused(&["--otlp-endpoint", "localhost:4317"], "");
     assert!(
-        told.starts_with("piad: --otlp-endpoint \"localhost:4317\": "),
-        "{told}"
+        reported.starts_with("piad: --otlp-endpoint \"localhost:4317\": "),
+        "{reported}"
     );
-    assert!(told.contains("such as http://localhost:4317"), "{told}");
-    let told = refused(&[], "http://localhost:4318/v1/traces");
     assert!(
-        told.starts_with("piad: OTEL_EXPORTER_OTLP_ENDPOINT "),
-        "{told}"
+        reported.contains("such as http://localhost:4317"),
+        "{reported}"
     );
-    assert!(told.contains("OTLP over HTTP"), "{told}");
+    let reported = refused(&[], "http://localhost:4318/v1/traces");
+    assert!(
+        reported.starts_with("piad: OTEL_EXPORTER_OTLP_ENDPOINT "),
+        "{reported}"
+    );
+    assert!(reported.contains("OTLP over HTTP"), "{reported}");
     for url in [
         "http://me:secret@localhost:4317",
         "http://secret@localhost:4317/v1/traces",
@@ -412,8 +415,11 @@ fn an_address_that_is_none_is_refused_at_the_start() {
         "http:/me:secret@localhost",
         "me:secret@localhost:4317",
     ] {
-        for told in [refused(&["--otlp-endpoint", url], ""), refused(&[], url)] {
-            assert!(told.contains("***") && !told.contains("secret"), "{told}");
+        for reported in [refused(&["--otlp-endpoint", url], ""), refused(&[], url)] {
+            assert!(
+                reported.contains("***") && !reported.contains("secret"),
+                "{reported}"
+            );
         }
     }
 }
@@ -463,7 +469,7 @@ async fn a_dead_collector_holds_nothing_up() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_hanging_collector_holds_nothing_up() {
-    // Connections are taken by the operating system, and nobody reads from them.
+    // The operating system accepts connections that are never read.
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     is_not_held_up_by(&format!("http://{}", listener.local_addr().unwrap())).await;
     // One that reads, and never answers.

@@ -38,7 +38,7 @@ async fn equal_thresholds_are_one() {
     assert_eq!(one.job["stop"], each.job["stop"]);
 }
 
-/// Every point comes as near as was asked for it, and the first level at which all do is the last.
+/// Each point reaches its threshold, and the first level at which all do is the last.
 #[tokio::test]
 async fn each_point_is_within_its_own() {
     let server = Server::start().await;
@@ -107,7 +107,7 @@ async fn a_tolerance_ends_it() {
     assert!(story.error(last) <= 0.1 && story.error(last - 1) > 0.1);
 }
 
-/// As it was asked for, in both languages; outlines leave the thresholds out.
+/// The request is returned unchanged in both encodings; outlines omit the thresholds.
 #[tokio::test]
 async fn thresholds_are_kept() {
     let server = Server::start().await;

@@ -7,14 +7,14 @@ use crate::messages as pb;
 use crate::rpc::{assert_same_iteration, connect};
 use crate::support::{Server, base};
 
-fn extended(told: bool) -> Value {
-    json!({"kind": "extended", "transformed_error": told})
+fn extended(reported: bool) -> Value {
+    json!({"kind": "extended", "transformed_error": reported})
 }
 
-fn jobs(told: bool) -> [Value; 4] {
-    let method = extended(told);
+fn jobs(reported: bool) -> [Value; 4] {
+    let method = extended(reported);
     let weights: Vec<f64> = (0..30).map(|i| 1.0 + 0.5 * f64::from(i % 3)).collect();
-    let from_data = json!({"kind": "extended", "start": "data", "transformed_error": told});
+    let from_data = json!({"kind": "extended", "start": "data", "transformed_error": reported});
     [
         json!({"curve": {"points": data::helix()}, "method": method}),
         json!({"curve": {"points": data::lemniscate(), "basis": "bernstein"}, "method": from_data}),
@@ -60,14 +60,14 @@ async fn it_is_the_length_of_the_next_step() {
                 squares.sum::<f64>().sqrt()
             });
             let farthest = moved.fold(0.0, f64::max);
-            let told = pair[0]["error"]["transformed"].as_f64().unwrap();
+            let reported = pair[0]["error"]["transformed"].as_f64().unwrap();
             let magnitude = net(&pair[1])
                 .concat()
                 .into_iter()
                 .fold(0.0, |a, b| b.abs().max(a));
             assert!(
-                (told - farthest).abs() <= 1e-13 * magnitude,
-                "{told} {farthest}"
+                (reported - farthest).abs() <= 1e-13 * magnitude,
+                "{reported} {farthest}"
             );
         }
         assert!(without.iterations[0]["error"].get("transformed").is_none());
@@ -81,9 +81,9 @@ async fn it_is_the_length_of_the_next_step() {
     }
 }
 
-/// Single iterations, jobs, messages and the job as it was asked for.
+/// Single iterations, jobs, messages and the request of the job.
 #[tokio::test]
-async fn it_is_told_wherever_errors_are() {
+async fn it_is_reported_with_all_errors() {
     let server = Server::start().await;
     let [curve, ..] = jobs(true);
     let job = server.fit(&curve).await;

@@ -55,7 +55,7 @@ async fn results_have_the_outline_of_a_ring() {
     let untrimmed = server.json(&format!("{}/result", base(&whole))).await;
     assert_eq!(untrimmed["control_points"], result["control_points"]);
     assert_eq!(untrimmed["trim"], Value::Null);
-    // It can be asked for again, with what it was asked for.
+    // The request is returned and can be repeated.
     let input = server.json(&format!("{path}/input")).await;
     assert_eq!(input["surface"]["trim"], true);
     let again = server.fit(&input).await;
@@ -64,7 +64,7 @@ async fn results_have_the_outline_of_a_ring() {
 }
 
 #[tokio::test]
-async fn files_leave_out_what_is_outside() {
+async fn files_omit_the_outside() {
     let server = Server::start().await;
     let done = server.fit(&job(&sheet(ring), &json!(true))).await;
     let result = format!("{}/result", base(&done));

@@ -187,7 +187,7 @@ async fn assert_refused(server: &Server, job: &Value, place: &str, expected: &st
     assert!(detail.contains(expected), "{found:#}");
 }
 
-/// What is wrong is refused where it stands.
+/// Errors have locations.
 #[tokio::test]
 async fn wrong_surfaces_are_refused() {
     let server = Server::start().await;

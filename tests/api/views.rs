@@ -40,7 +40,7 @@ async fn streams_that_leave_out_iterations_share_the_run_of_the_job() {
     let path = base(&job);
     let reached = async || server.json(path).await["iteration"].as_f64().unwrap_or(0.0);
     let comes_to = async |level: f64| {
-        eventually("the job goes on", async || reached().await > level).await;
+        eventually("the job continues", async || reached().await > level).await;
     };
     // Iteration 0 has to be computed again.
     comes_to(10_000.0).await;
@@ -61,7 +61,7 @@ async fn streams_that_leave_out_iterations_share_the_run_of_the_job() {
 }
 
 #[tokio::test]
-async fn every_so_many_iterations_and_the_last() {
+async fn every_nth_iteration_and_the_last() {
     let server = Server::start().await;
     let story = server.stream(&data::small_job()).await;
     let last = story.iterations.len() as u64 - 1;
@@ -121,7 +121,7 @@ async fn the_latest_pace_of_every_tenth() {
 }
 
 #[tokio::test]
-async fn the_latest_pace_skips_what_is_old() {
+async fn the_latest_pace_skips_old_iterations() {
     let server = Server::start().await;
     let job = server.create(&data::endless_job()).await;
     let path = format!(
@@ -171,8 +171,8 @@ async fn a_job_may_end_with_its_client() {
     server.stop().await;
 }
 
-/// Whoever reads a job cannot end it: neither by asking for it, nor by what the job says of its own
-/// stream, nor with the key of its request.
+/// Readers of a job cannot end it: neither by a parameter, nor by the job's stream settings, nor with the key of its
+/// request.
 #[tokio::test]
 async fn readers_do_not_end_the_job_of_another() {
     let server = Server::start().await;
@@ -212,7 +212,7 @@ async fn readers_do_not_end_the_job_of_another() {
         stream.next().await.unwrap();
         drop(stream);
     }
-    // The others are gone as soon as nobody reads but the one that made it.
+    // The others disconnect when only the creator reads.
     server.until("piad_streams_open", 1.0).await;
     assert_eq!(server.json(&path).await["state"], "running");
     drop(own);

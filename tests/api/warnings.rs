@@ -175,7 +175,7 @@ async fn extended_fits_that_rounding_spoils_are_warned_of() {
     );
 }
 
-/// Whoever is not warned gets there, for all sizes and bases; whoever is, does not.
+/// Fits without the warning reach the tolerance, for all sizes and bases; fits with it do not.
 #[tokio::test]
 async fn extended_fits_get_there_unless_they_are_warned_of() {
     let server = Server::start().await;

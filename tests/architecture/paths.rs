@@ -11,7 +11,7 @@ pub struct Import {
     pub name: String,
     /// Where it comes from, as it is written.
     pub path: Name,
-    /// Whether others can import it from there.
+    /// True if others can import it from there.
     pub is_passed_on: bool,
 }
 

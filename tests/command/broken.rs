@@ -1,10 +1,10 @@
-//! Streams of events that break off.
+//! Event streams that disconnect.
 
 use serde_json::Value;
 
-use crate::door::{Break, Door};
 use crate::remote::Server;
-use crate::support::{Folder, Told, curve};
+use crate::support::{Finished, Folder, curve};
+use crate::tls_proxy::{Break, TlsProxy};
 
 /// The end of the first whole event of an iteration, with a part of what follows it.
 fn after_an_iteration(answer: &[u8]) -> Option<usize> {
@@ -34,25 +34,25 @@ const SLOW: [&str; 8] = [
     "50000",
 ];
 
-/// What a fit behind a door whose connections break so gives, beside a fit in the process.
-fn same_behind(door: impl Fn(&str, &[Break]) -> Door, breaks: &[Break]) -> (String, String) {
+/// What a fit behind a proxy whose connections break so gives, beside a fit in the process.
+fn same_behind(proxy: impl Fn(&str, &[Break]) -> TlsProxy, breaks: &[Break]) -> (String, String) {
     let folder = Folder::new();
-    // Large enough that it goes on while connections break.
+    // Large enough that it runs while connections break.
     folder.write("curve.csv", &curve(300));
     let server = Server::start(&folder);
-    let door = door(&server.1, breaks);
-    folder.write("authorities.pem", &door.authority);
+    let proxy = proxy(&server.1, breaks);
+    folder.write("authorities.pem", &proxy.authority);
     let here = folder.result(&[&["curve.csv"], &SLOW[..]].concat());
-    let mut command = folder.command(&["fit", "curve.csv", "--server", &door.url]);
+    let mut command = folder.command(&["fit", "curve.csv", "--server", &proxy.url]);
     command.args(SLOW);
     command.env("SSL_CERT_FILE", folder.path("authorities.pem"));
-    let told = Told::of(command.output().unwrap());
-    assert_eq!(told.status, 0, "{}", told.err);
-    let there = told.json();
+    let finished = Finished::of(command.output().unwrap());
+    assert_eq!(finished.status, 0, "{}", finished.err);
+    let there = finished.json();
     for part in ["control_points", "error", "iteration"] {
         assert_eq!(here[part], there[part]);
     }
-    door.seen()
+    proxy.seen()
 }
 
 /// The numbers of the iterations that have gone through.
@@ -67,15 +67,15 @@ fn iterations(answered: &str) -> Vec<u64> {
 }
 
 #[test]
-fn a_stream_that_breaks_goes_on_after_its_last_iteration() {
-    for door in [Door::that_breaks, Door::plain_that_breaks] {
+fn a_broken_stream_resumes_after_its_last_iteration() {
+    for proxy in [TlsProxy::that_breaks, TlsProxy::plain_that_breaks] {
         let breaks: [Break; 4] = [
             after_an_iteration,
             inside_of_the_job,
             after_an_iteration,
             inside_of_the_job,
         ];
-        let (asked, answered) = same_behind(door, &breaks);
+        let (asked, answered) = same_behind(proxy, &breaks);
         let posts = asked.matches("POST /v1/jobs/stream?").count();
         assert_eq!(posts, 1, "{asked}");
         // Each time from the last iteration on that had come.
@@ -97,12 +97,12 @@ fn a_stream_that_breaks_goes_on_after_its_last_iteration() {
 fn a_stream_that_breaks_before_the_job_is_known_is_a_failure() {
     let folder = Folder::with_curve();
     let server = Server::start(&folder);
-    let door = Door::plain_that_breaks(&server.1, &[inside_of_the_job]);
-    let told = folder.fit(&["curve.csv", "--server", &door.url]);
-    assert_eq!(told.status, 1);
+    let proxy = TlsProxy::plain_that_breaks(&server.1, &[inside_of_the_job]);
+    let finished = folder.fit(&["curve.csv", "--server", &proxy.url]);
+    assert_eq!(finished.status, 1);
     assert!(
-        told.err.contains("the event stream was interrupted"),
+        finished.err.contains("the event stream was interrupted"),
         "{}",
-        told.err
+        finished.err
     );
 }

@@ -25,7 +25,7 @@ fn copied() -> Vec<PathBuf> {
     sources.map(PathBuf::from).collect()
 }
 
-/// Whether a file comes into the image's build.
+/// True if a file is part of the build of the image.
 fn is_there(file: &Path) -> bool {
     let ignored = text_of(".dockerignore");
     assert!(!ignored.contains(['*', '!', '?']), "the test knows paths");
@@ -35,7 +35,7 @@ fn is_there(file: &Path) -> bool {
 }
 
 /// The files of the project that this program was built from: those that the compiler has noted beside
-/// what it made, and those that the build script has told. Cargo itself writes one note of all only for
+/// what it made, and those that the build script has finished. Cargo itself writes one note of all only for
 /// `cargo build`, not for tests.
 fn sources() -> BTreeSet<PathBuf> {
     let mut files = compiled();
@@ -73,9 +73,9 @@ fn noted(note: &str) -> Vec<PathBuf> {
 
 /// What the build script has made part of the program.
 fn embedded() -> Vec<PathBuf> {
-    let told = Path::new(env!("OUT_DIR")).with_file_name("output");
-    let told = fs::read_to_string(told).unwrap();
-    let files = told.lines();
+    let finished = Path::new(env!("OUT_DIR")).with_file_name("output");
+    let finished = fs::read_to_string(finished).unwrap();
+    let files = finished.lines();
     let files = files.filter_map(|line| line.strip_prefix("cargo::rerun-if-changed="));
     files.map(PathBuf::from).collect()
 }

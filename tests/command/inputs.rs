@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::{Folder, PROGRAM, Told, curve, field};
+use crate::support::{Finished, Folder, PROGRAM, curve, field};
 
 const WING: &str = "NACA 2412\n1 0.0013\n0.95 0.0114\n0.9 0.0208\n0.8 0.0375\n0.7 0.0518\n";
 
@@ -26,16 +26,16 @@ fn points_of_curves_come_in_many_kinds() {
     for name in ["semicolons.txt", "blanks.xyz", "points.json", "job.json"] {
         assert_eq!(folder.result(&[name])["control_points"], expected, "{name}");
     }
-    let told = folder.fit_from(&curve(40), &["-"]);
-    assert_eq!(told.json()["control_points"], expected);
+    let finished = folder.fit_from(&curve(40), &["-"]);
+    assert_eq!(finished.json()["control_points"], expected);
     assert!(
-        told.err.contains("<stdin>: curve of degree 3"),
+        finished.err.contains("<stdin>: curve of degree 3"),
         "{}",
-        told.err
+        finished.err
     );
 }
 
-/// Files as people have them, and what is told of them: docs/COMMAND.md has the same table.
+/// Files as people have them, and what is finished of them: docs/reference/command-line.md has the same table.
 const ODD: [(&[u8], i32, &str); 23] = [
     (b"x;y\r\n0;0\r\n1,5;2\r\n3;1\r\n4,5;3\r\n", 0, "4 points"),
     (b"\xef\xbb\xbfx,y\r\n0,0\r\n1,2\r\n3,1\r\n", 0, "3 points"),
@@ -115,10 +115,10 @@ fn odd_files_are_fitted_or_refused_at_their_lines() {
     let folder = Folder::new();
     for (bytes, status, expected) in ODD {
         std::fs::write(folder.path("odd"), bytes).unwrap();
-        let told = folder.fit(&["odd"]);
+        let finished = folder.fit(&["odd"]);
         let file = String::from_utf8_lossy(bytes);
-        assert_eq!(told.status, status, "{file}: {}", told.err);
-        let lines: Vec<&str> = told
+        assert_eq!(finished.status, status, "{file}: {}", finished.err);
+        let lines: Vec<&str> = finished
             .err
             .lines()
             .filter(|it| it.starts_with("odd:"))
@@ -126,11 +126,11 @@ fn odd_files_are_fitted_or_refused_at_their_lines() {
         assert!(
             lines.iter().any(|it| it.contains(expected)),
             "{file}: {}",
-            told.err
+            finished.err
         );
-        // What is refused is told with the file, line by line, and nothing else is.
-        let all = lines.len() == told.err.lines().count();
-        assert!(status == 0 || all, "{file}: {}", told.err);
+        // What is refused is finished with the file, line by line, and nothing else is.
+        let all = lines.len() == finished.err.lines().count();
+        assert!(status == 0 || all, "{file}: {}", finished.err);
     }
 }
 
@@ -139,27 +139,32 @@ fn odd_files_are_fitted_or_refused_at_their_lines() {
 fn points_without_order_are_scattered() {
     let folder = Folder::new();
     folder.write("scan.xyz", include_str!("../../examples/scan.xyz"));
-    let told = folder.fit(&["scan.xyz"]);
-    assert_eq!((told.status, told.out.len()), (2, 0), "{}", told.err);
-    let lines: Vec<&str> = told.err.lines().collect();
-    assert_eq!(lines.len(), 1, "{}", told.err);
+    let finished = folder.fit(&["scan.xyz"]);
+    assert_eq!(
+        (finished.status, finished.out.len()),
+        (2, 0),
+        "{}",
+        finished.err
+    );
+    let lines: Vec<&str> = finished.err.lines().collect();
+    assert_eq!(lines.len(), 1, "{}", finished.err);
     assert!(
         lines[0].starts_with("scan.xyz: the points have no order"),
         "{}",
-        told.err
+        finished.err
     );
     assert!(lines[0].contains("--surface") && lines[0].contains("--order given"));
-    let told = folder.fit(&["scan.xyz", "--surface", "--control-points", "6x6"]);
+    let finished = folder.fit(&["scan.xyz", "--surface", "--control-points", "6x6"]);
     assert_eq!(
-        (told.status, &told.json()["kind"]),
+        (finished.status, &finished.json()["kind"]),
         (0, &json!("surface")),
         "{}",
-        told.err
+        finished.err
     );
     assert!(
-        told.err.contains("scattered points of a surface"),
+        finished.err.contains("scattered points of a surface"),
         "{}",
-        told.err
+        finished.err
     );
     let set = "surface.parameters=project";
     let expected = folder.result(&[
@@ -170,13 +175,16 @@ fn points_without_order_are_scattered() {
         "--set",
         set,
     ]);
-    assert_eq!(told.json()["control_points"], expected["control_points"]);
-    let told = folder.fit(&["scan.xyz", "--order", "given", "--method", "direct"]);
-    assert_eq!(told.json()["kind"], "curve", "{}", told.err);
+    assert_eq!(
+        finished.json()["control_points"],
+        expected["control_points"]
+    );
+    let finished = folder.fit(&["scan.xyz", "--order", "given", "--method", "direct"]);
+    assert_eq!(finished.json()["kind"], "curve", "{}", finished.err);
     assert!(
-        told.err.contains("warning: fewer than a third"),
+        finished.err.contains("warning: fewer than a third"),
         "{}",
-        told.err
+        finished.err
     );
 }
 
@@ -201,8 +209,8 @@ fn examples_of_the_help_run() {
         let path = format!("PATH={}:$PATH; {line}", programs.display());
         let mut shell = std::process::Command::new("sh");
         let output = shell.args(["-c", &path]).current_dir(folder.path("."));
-        let told = Told::of(output.output().unwrap());
-        assert_eq!(told.status, 0, "{line}: {}", told.err);
+        let finished = Finished::of(output.output().unwrap());
+        assert_eq!(finished.status, 0, "{line}: {}", finished.err);
     }
     assert!(help.contains("iteration-00.step"), "{help}");
 }
@@ -222,31 +230,43 @@ fn arrays_are_read_as_tables_are() {
             &["--tolerance", "1e-4"][..],
             &["--closed", "--tolerance", "1e-4"],
         ] {
-            let told = folder.fit(&[&[name], flags].concat());
-            assert_eq!(told.json()["closed"], true, "{name}: {}", told.err);
-            assert!(told.err.contains("the curve is closed"), "{}", told.err);
+            let finished = folder.fit(&[&[name], flags].concat());
+            assert_eq!(finished.json()["closed"], true, "{name}: {}", finished.err);
+            assert!(
+                finished.err.contains("the curve is closed"),
+                "{}",
+                finished.err
+            );
         }
     }
     folder.write(
         "heights.json",
         "[[1,2,3,4,2],[2,3,1,2,1],[1,0,1,2,3],[3,1,2,2,1]]",
     );
-    let told = folder.fit(&["heights.json", "--degree", "3,2"]);
-    assert_eq!(told.json()["kind"], "surface", "{}", told.err);
-    assert!(told.err.contains("4 rows of 5 heights"), "{}", told.err);
-    let told = folder.fit(&["heights.json", "-o", "out.step"]);
-    assert_eq!(told.status, 2, "{}", told.err);
-    assert!(told.err.starts_with("out.step: step holds"), "{}", told.err);
+    let finished = folder.fit(&["heights.json", "--degree", "3,2"]);
+    assert_eq!(finished.json()["kind"], "surface", "{}", finished.err);
+    assert!(
+        finished.err.contains("4 rows of 5 heights"),
+        "{}",
+        finished.err
+    );
+    let finished = folder.fit(&["heights.json", "-o", "out.step"]);
+    assert_eq!(finished.status, 2, "{}", finished.err);
+    assert!(
+        finished.err.starts_with("out.step: step holds"),
+        "{}",
+        finished.err
+    );
     // With a spacing they are points of space.
     let spacing = "surface.spacing=[10,10]";
-    let told = folder.fit(&["heights.json", "--set", spacing, "-o", "out.step"]);
-    assert_eq!(told.status, 0, "{}", told.err);
+    let finished = folder.fit(&["heights.json", "--set", spacing, "-o", "out.step"]);
+    assert_eq!(finished.status, 0, "{}", finished.err);
     folder.write(
         "job.json",
         r#"{"surface": {"points": [[1,2,3,4],[2,3,1,2],[1,0,1,2]], "spacing": [1, 1], "degree": 2}}"#,
     );
-    let told = folder.fit(&["job.json", "-o", "out.step"]);
-    assert_eq!(told.status, 0, "{}", told.err);
+    let finished = folder.fit(&["job.json", "-o", "out.step"]);
+    assert_eq!(finished.status, 0, "{}", finished.err);
 }
 
 #[test]
@@ -257,15 +277,23 @@ fn scattered_points_are_no_outline() {
         "2 0 0\n3 1 0\n3 2 1\n2 3 1\n1 3 0\n0 2 0\n0 1 1\n1 0 1\n2 0 0\n",
     );
     let flags = ["--surface", "--set", "surface.parameters=project"];
-    let told = folder.fit(
+    let finished = folder.fit(
         &[
             &["scan.xyz", "--control-points", "2x2", "--degree", "1"],
             &flags[..],
         ]
         .concat(),
     );
-    assert!(!told.err.contains("the first one again"), "{}", told.err);
-    assert!(told.err.contains("surface of degree 1 × 1"), "{}", told.err);
+    assert!(
+        !finished.err.contains("the first one again"),
+        "{}",
+        finished.err
+    );
+    assert!(
+        finished.err.contains("surface of degree 1 × 1"),
+        "{}",
+        finished.err
+    );
 }
 
 #[test]
@@ -303,7 +331,7 @@ fn surfaces_are_said_or_seen() {
         let result = folder.result(&arguments);
         assert_eq!(result["control_points"], expected, "{arguments:?}");
     }
-    // Flags go where they belong without being told whether it is a surface.
+    // Flags go where they belong without being finished whether it is a surface.
     for name in ["lattice.csv", "rows.json"] {
         let result = folder.result(&[name, "--degree", "3,1", "--ends", "repeated"]);
         assert_eq!(result["degree"], json!({"u": 3, "v": 1}), "{name}");
@@ -335,18 +363,18 @@ fn flags_are_fields_of_the_job() {
         "method.variant=direct",
     ]);
     assert_eq!(result["control_points"].as_array().unwrap().len(), 9);
-    let told = folder.fit(&[
+    let finished = folder.fit(&[
         "curve.csv",
         "--control-points",
         "auto",
         "--tolerance",
         "1e-3",
     ]);
-    let count = told.json()["control_points"].as_array().unwrap().len();
+    let count = finished.json()["control_points"].as_array().unwrap().len();
     assert!(
-        count < 30 && told.err.contains(&format!("{count} control points")),
+        count < 30 && finished.err.contains(&format!("{count} control points")),
         "{}",
-        told.err
+        finished.err
     );
     let zigzag = (0..17).map(|i: i32| format!("{i},{}\n", (i % 8 - 4).abs()));
     folder.write("zigzag.csv", &zigzag.collect::<String>());
@@ -414,13 +442,13 @@ fn surfaces_are_trimmed() {
     let wide = trim(&["--trim", "1.5"]);
     assert_eq!(wide["distance"], 1.5);
     assert!(wide["area"].as_f64() > usual["area"].as_f64());
-    let told = folder.fit(&["disc.xyz", "--trim", "-2", "--control-points", "5"]);
-    assert_eq!(told.status, 2, "{}", told.err);
-    assert!(told.err.contains("--trim"), "{}", told.err);
-    let told = folder.fit(&["--trim", "disc.xyz"]);
+    let finished = folder.fit(&["disc.xyz", "--trim", "-2", "--control-points", "5"]);
+    assert_eq!(finished.status, 2, "{}", finished.err);
+    assert!(finished.err.contains("--trim"), "{}", finished.err);
+    let finished = folder.fit(&["--trim", "disc.xyz"]);
     assert!(
-        told.err.contains("a file comes before --trim"),
+        finished.err.contains("a file comes before --trim"),
         "{}",
-        told.err
+        finished.err
     );
 }

@@ -5,15 +5,14 @@
     clippy::expect_used,
     clippy::panic,
     unreachable_pub,
-    reason = "tests fail by panicking, and nobody links to them"
+    reason = "tests fail by panicking, and have no users"
 )]
 
 mod broken;
-mod door;
+mod cli_metadata;
 mod image;
 mod inputs;
 mod interrupted;
-mod kin;
 mod odd_files;
 mod outputs;
 mod parts;
@@ -22,3 +21,4 @@ mod remote;
 mod secure;
 mod support;
 mod terminal;
+mod tls_proxy;

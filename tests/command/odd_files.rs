@@ -4,25 +4,25 @@ use std::fs;
 
 use crate::support::Folder;
 
-/// What a file is, its bytes, the status of the program, and what it tells.
+/// The name of a file, its bytes, the status of the program, and its message.
 type Case = (&'static str, Vec<u8>, i32, &'static str);
 
-fn text(name: &'static str, text: &str, status: i32, told: &'static str) -> Case {
-    (name, text.into(), status, told)
+fn text(name: &'static str, text: &str, status: i32, finished: &'static str) -> Case {
+    (name, text.into(), status, finished)
 }
 
 /// The same file with the line ends of Windows and of old Macintosh computers, and in UTF-16.
-fn written_otherwise(name: &'static str, text: &str, told: &'static str) -> Vec<Case> {
+fn written_otherwise(name: &'static str, text: &str, finished: &'static str) -> Vec<Case> {
     let utf16 = |order: fn(u16) -> [u8; 2]| {
         let units = std::iter::once(0xfeff).chain(text.encode_utf16());
         units.flat_map(order).collect::<Vec<u8>>()
     };
     vec![
-        (name, text.into(), 0, told),
-        (name, text.replace('\n', "\r\n").into(), 0, told),
-        (name, text.replace('\n', "\r").into(), 0, told),
-        (name, utf16(u16::to_le_bytes), 0, told),
-        (name, utf16(u16::to_be_bytes), 0, told),
+        (name, text.into(), 0, finished),
+        (name, text.replace('\n', "\r\n").into(), 0, finished),
+        (name, text.replace('\n', "\r").into(), 0, finished),
+        (name, utf16(u16::to_le_bytes), 0, finished),
+        (name, utf16(u16::to_be_bytes), 0, finished),
     ]
 }
 
@@ -265,7 +265,7 @@ fn clouds() -> Vec<Case> {
 /// Other formats with all line ends and in UTF-16, and claims of sizes that no file has.
 fn more() -> Vec<Case> {
     let mut cases = Vec::new();
-    for (name, text, told) in [
+    for (name, text, finished) in [
         (
             "grid",
             "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2 3\n4 5 7\n",
@@ -297,7 +297,7 @@ fn more() -> Vec<Case> {
             "1 INSERTs are read",
         ),
     ] {
-        cases.extend(written_otherwise(name, text, told));
+        cases.extend(written_otherwise(name, text, finished));
     }
     let rows: String = (0..20_000_u64)
         .map(|i| format!("{i},{}\r\n", i * i % 1009))
@@ -332,14 +332,16 @@ fn odd_files_of_all_formats_are_read_or_refused() {
     let folder = Folder::new();
     let cases = [tables(), drawings(), clouds(), more()].concat();
     assert!(cases.len() >= 100, "{}", cases.len());
-    let wrong = cases.into_iter().filter_map(|(name, bytes, status, told)| {
-        fs::write(folder.path("odd"), &bytes).unwrap();
-        let answer = folder.fit(&["odd", "-o", "odd.json"]);
-        let is_right = answer.status == status
-            && answer.err.contains(told)
-            && !answer.err.contains("panicked");
-        (!is_right).then(|| format!("{name}: {}: {}", answer.status, answer.err))
-    });
+    let wrong = cases
+        .into_iter()
+        .filter_map(|(name, bytes, status, finished)| {
+            fs::write(folder.path("odd"), &bytes).unwrap();
+            let answer = folder.fit(&["odd", "-o", "odd.json"]);
+            let is_right = answer.status == status
+                && answer.err.contains(finished)
+                && !answer.err.contains("panicked");
+            (!is_right).then(|| format!("{name}: {}: {}", answer.status, answer.err))
+        });
     let wrong: Vec<String> = wrong.collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -1,4 +1,4 @@
-//! Every kind of output, and what is told.
+//! Every kind of output, and what is finished.
 
 use std::fs;
 
@@ -31,15 +31,20 @@ fn files_are_of_the_format_of_their_ending() {
     for name in &names {
         arguments.extend(["-o", name]);
     }
-    let told = folder.fit(&arguments);
-    assert_eq!((told.status, told.out.len()), (0, 0), "{}", told.err);
+    let finished = folder.fit(&arguments);
+    assert_eq!(
+        (finished.status, finished.out.len()),
+        (0, 0),
+        "{}",
+        finished.err
+    );
     for (name, (_, beginning)) in names.iter().zip(BEGINNINGS) {
         let bytes = folder.read(name);
         assert!(!bytes.is_empty() && bytes.starts_with(beginning), "{name}");
         assert!(
-            told.err.contains(&format!("wrote {name} (")),
+            finished.err.contains(&format!("wrote {name} (")),
             "{}",
-            told.err
+            finished.err
         );
     }
     assert!(folder.read("picture.svg").starts_with(b"<?xml"));
@@ -49,14 +54,14 @@ fn files_are_of_the_format_of_their_ending() {
 #[test]
 fn results_go_to_the_standard_output() {
     let folder = Folder::with_curve();
-    let told = folder.fit(&["curve.csv", "--format", "step"]);
-    assert!(told.out.starts_with(b"ISO-10303-21;"));
-    let told = folder.fit(&["curve.csv", "-o", "-", "-o", "out.csv"]);
-    assert_eq!(told.json()["state"], "converged");
+    let finished = folder.fit(&["curve.csv", "--format", "step"]);
+    assert!(finished.out.starts_with(b"ISO-10303-21;"));
+    let finished = folder.fit(&["curve.csv", "-o", "-", "-o", "out.csv"]);
+    assert_eq!(finished.json()["state"], "converged");
     assert!(folder.read("out.csv").starts_with(b"t,x,y\n"));
     // The format that is said is that of all names.
-    let told = folder.fit(&["curve.csv", "-o", "out.txt", "--format", "csv"]);
-    assert_eq!(told.status, 0, "{}", told.err);
+    let finished = folder.fit(&["curve.csv", "-o", "out.txt", "--format", "csv"]);
+    assert_eq!(finished.status, 0, "{}", finished.err);
     assert_eq!(folder.read("out.txt"), folder.read("out.csv"));
 }
 
@@ -95,11 +100,11 @@ fn files_that_are_there_are_replaced() {
 #[test]
 fn iterations_are_files_too() {
     let folder = Folder::with_curve();
-    let told = folder.fit(&["curve.csv", "--iterations", "all", "-o", "out.json"]);
+    let finished = folder.fit(&["curve.csv", "--iterations", "all", "-o", "out.json"]);
     let last = serde_json::from_slice::<Value>(&folder.read("out.json")).unwrap();
     let last = last["iteration"].as_u64().unwrap();
     let count = fs::read_dir(folder.path("all")).unwrap().count() as u64;
-    assert_eq!(count, last + 1, "{}", told.err);
+    assert_eq!(count, last + 1, "{}", finished.err);
     let first: Value = serde_json::from_slice(&folder.read("all/iteration-0.json")).unwrap();
     assert_eq!(first["iteration"], 0);
     folder.fit(&[
@@ -127,7 +132,7 @@ fn iterations_are_files_too() {
 #[test]
 fn shapes_are_files_too() {
     let folder = Folder::with_curve();
-    let told = folder.fit(&[
+    let finished = folder.fit(&[
         "curve.csv",
         "-o",
         "out.json",
@@ -136,7 +141,7 @@ fn shapes_are_files_too() {
         "--samples",
         "12",
     ]);
-    assert_eq!(told.status, 0, "{}", told.err);
+    assert_eq!(finished.status, 0, "{}", finished.err);
     let shape: Value = serde_json::from_slice(&folder.read("shape.json")).unwrap();
     let result: Value = serde_json::from_slice(&folder.read("out.json")).unwrap();
     assert_eq!(shape["iteration"], result["iteration"]);
@@ -148,22 +153,22 @@ fn shapes_are_files_too() {
 #[test]
 fn the_status_says_whether_it_has_converged() {
     let folder = Folder::with_curve();
-    let told = folder.fit(&["curve.csv", "--max-iterations", "1", "-o", "out.step"]);
-    assert_eq!(told.status, 1);
+    let finished = folder.fit(&["curve.csv", "--max-iterations", "1", "-o", "out.step"]);
+    assert_eq!(finished.status, 1);
     assert!(
-        told.err.contains("exhausted after 1 iteration"),
+        finished.err.contains("exhausted after 1 iteration"),
         "{}",
-        told.err
+        finished.err
     );
     assert!(folder.path("out.step").exists());
     // A format that cannot hold the result keeps no other back.
     folder.write("far.csv", "0,0\n1e39,2e39\n3e39,1e39\n4e39,3e39\n");
-    let told = folder.fit(&["far.csv", "-o", "out.glb", "-o", "out.obj"]);
-    assert_eq!(told.status, 1);
+    let finished = folder.fit(&["far.csv", "-o", "out.glb", "-o", "out.obj"]);
+    assert_eq!(finished.status, 1);
     assert!(
-        told.err.contains("out.glb: a coordinate is"),
+        finished.err.contains("out.glb: a coordinate is"),
         "{}",
-        told.err
+        finished.err
     );
     assert!(folder.path("out.obj").exists() && !folder.path("out.glb").exists());
 }
@@ -212,45 +217,45 @@ fn formats_that_cannot_hold_the_points_are_refused_before_the_fit() {
             "out.json: it is given twice",
         ),
     ] {
-        let told = folder.fit(&arguments);
+        let finished = folder.fit(&arguments);
         assert_eq!(
-            (told.status, told.out.len()),
+            (finished.status, finished.out.len()),
             (2, 0),
             "{arguments:?}: {}",
-            told.err
+            finished.err
         );
         assert!(
-            told.err.starts_with(expected),
+            finished.err.starts_with(expected),
             "{arguments:?}: {}",
-            told.err
+            finished.err
         );
-        assert_eq!(told.err.lines().count(), 1, "{}", told.err);
+        assert_eq!(finished.err.lines().count(), 1, "{}", finished.err);
         assert_eq!(folder.names(), before);
     }
-    let told = folder.fit(&["heights.json", "-o", "out.csv", "-o", "out.json"]);
-    assert_eq!(told.status, 0, "{}", told.err);
+    let finished = folder.fit(&["heights.json", "-o", "out.csv", "-o", "out.json"]);
+    assert_eq!(finished.status, 0, "{}", finished.err);
 }
 
 #[test]
-fn progress_and_a_summary_are_told_unless_it_is_quiet() {
+fn progress_and_a_summary_are_printed_unless_quiet() {
     let folder = Folder::with_curve();
-    let told = folder.fit(&["curve.csv", "-o", "out.step"]);
+    let finished = folder.fit(&["curve.csv", "-o", "out.step"]);
     for words in [
         " of about ",
         "curve.csv: curve of degree 3 (bspline), 40 points, 42 control points, method global",
         "converged after",
         "wrote out.step",
     ] {
-        assert!(told.err.contains(words), "{words}: {}", told.err);
+        assert!(finished.err.contains(words), "{words}: {}", finished.err);
     }
     // One that did not converge is named in a line: `fits_that_did_not_converge_are_named_with_quiet`.
-    let told = folder.fit(&["curve.csv", "--quiet", "-o", "out.step"]);
-    assert_eq!((told.err.as_str(), told.out.len()), ("", 0));
+    let finished = folder.fit(&["curve.csv", "--quiet", "-o", "out.step"]);
+    assert_eq!((finished.err.as_str(), finished.out.len()), ("", 0));
 }
 
-/// A least-squares minimum further away than was asked for is no success, and is written all the same.
+/// A least-squares minimum above the requested tolerance is no success, but is written.
 #[test]
-fn a_minimum_above_the_tolerance_is_told_by_the_exit_status() {
+fn a_minimum_above_the_tolerance_sets_the_exit_status() {
     let folder = Folder::new();
     let points = "[[0, 0], [1, 2], [2, -1], [3, 2], [4, 0], [5, 3], [6, 1]]";
     let method = r#"{"kind": "least_squares", "control_points": 4}"#;
@@ -264,9 +269,9 @@ fn a_minimum_above_the_tolerance_is_told_by_the_exit_status() {
     ] {
         let job = format!(r#"{{"curve": {{"points": {points}}}, "method": {method}{stop}}}"#);
         folder.write("job.json", &job);
-        let told = folder.fit(&["job.json", "-o", "curve.step"]);
-        assert_eq!(told.status, status, "{}", told.err);
-        assert!(told.err.contains(said), "{}", told.err);
+        let finished = folder.fit(&["job.json", "-o", "curve.step"]);
+        assert_eq!(finished.status, status, "{}", finished.err);
+        assert!(finished.err.contains(said), "{}", finished.err);
         assert!(!folder.read("curve.step").is_empty());
     }
 }

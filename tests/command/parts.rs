@@ -19,9 +19,13 @@ fn all_parts_go_to_one_file() {
         ("a.obj", "\ncurv ", 2),
         ("a.csv", "t,x,y", 1),
     ] {
-        let told = folder.fit(&["two.csv", "-o", name]);
-        assert_eq!(told.status, 0, "{}", told.err);
-        assert!(told.err.contains("2 converged, 0 did not"), "{}", told.err);
+        let finished = folder.fit(&["two.csv", "-o", name]);
+        assert_eq!(finished.status, 0, "{}", finished.err);
+        assert!(
+            finished.err.contains("2 converged, 0 did not"),
+            "{}",
+            finished.err
+        );
         let file = String::from_utf8_lossy(&folder.read(name)).into_owned();
         assert_eq!(file.matches(counted).count(), count, "{name}: {file}");
     }
@@ -38,12 +42,12 @@ fn all_parts_go_to_one_file() {
         "ids.csv",
         "id,x,y\n7,0,0\n8,1,2\n9,2,1\n\n4,5,5\n6,6,7\n5,7,9\n",
     );
-    let told = folder.fit(&["ids.csv", "-o", "ids.json"]);
+    let finished = folder.fit(&["ids.csv", "-o", "ids.json"]);
     assert_eq!(
-        told.err.matches("(id) is not read").count(),
+        finished.err.matches("(id) is not read").count(),
         1,
         "{}",
-        told.err
+        finished.err
     );
     // One of them, as before.
     let second = folder.result(&["two.csv", "--part", "2"]);
@@ -57,19 +61,27 @@ fn all_parts_go_to_one_file() {
 fn a_part_that_fails_keeps_no_other_back() {
     let folder = Folder::new();
     folder.write("two.csv", &TWO.replace("2,1\n", "1e17,0\n1e17,1\n"));
-    let told = folder.fit(&["two.csv", "-o", "two.svg"]);
-    assert_eq!(told.status, 1, "{}", told.err);
-    assert!(told.err.contains("1 converged, 1 did not"), "{}", told.err);
-    assert!(told.err.contains("part 1"), "{}", told.err);
+    let finished = folder.fit(&["two.csv", "-o", "two.svg"]);
+    assert_eq!(finished.status, 1, "{}", finished.err);
+    assert!(
+        finished.err.contains("1 converged, 1 did not"),
+        "{}",
+        finished.err
+    );
+    assert!(finished.err.contains("part 1"), "{}", finished.err);
     let file = String::from_utf8_lossy(&folder.read("two.svg")).into_owned();
     assert_eq!(file.matches("<path ").count(), 1);
-    // Also where nothing else is told.
-    let told = folder.fit(&["two.csv", "-q", "-o", "two.svg"]);
-    assert!(told.err.starts_with("part 1: failed"), "{}", told.err);
+    // Also where nothing else is finished.
+    let finished = folder.fit(&["two.csv", "-q", "-o", "two.svg"]);
+    assert!(
+        finished.err.starts_with("part 1: failed"),
+        "{}",
+        finished.err
+    );
 }
 
 #[test]
-fn what_is_about_one_curve_is_refused_for_several() {
+fn options_of_one_curve_are_rejected_for_several() {
     let folder = Folder::new();
     folder.write("two.csv", TWO);
     folder.write("curve.csv", &curve(10));
@@ -98,9 +110,13 @@ fn what_is_about_one_curve_is_refused_for_several() {
             "more than 0",
         ),
     ] {
-        let told = folder.fit(arguments);
-        assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
-        assert!(told.err.contains(detail), "{arguments:?}: {}", told.err);
+        let finished = folder.fit(arguments);
+        assert_eq!(finished.status, 2, "{arguments:?}: {}", finished.err);
+        assert!(
+            finished.err.contains(detail),
+            "{arguments:?}: {}",
+            finished.err
+        );
     }
 }
 
@@ -118,9 +134,13 @@ const BATCH: &str = r#"{
 fn the_items_of_a_batch_are_parts() {
     let folder = Folder::new();
     folder.write("batch.json", BATCH);
-    let told = folder.fit(&["batch.json", "-o", "out.step"]);
-    assert_eq!(told.status, 0, "{}", told.err);
-    assert!(told.err.contains("2 converged, 0 did not"), "{}", told.err);
+    let finished = folder.fit(&["batch.json", "-o", "out.step"]);
+    assert_eq!(finished.status, 0, "{}", finished.err);
+    assert!(
+        finished.err.contains("2 converged, 0 did not"),
+        "{}",
+        finished.err
+    );
     let step = String::from_utf8_lossy(&folder.read("out.step")).into_owned();
     for part in ["'arch'", "'patch'"] {
         assert!(step.contains(part), "{part}");
@@ -135,14 +155,18 @@ fn the_items_of_a_batch_are_parts() {
     assert_eq!(flags[1]["surface"]["degree"]["u"], 1);
     // Beside other files, each goes to a file of a directory.
     folder.write("curve.csv", &curve(10));
-    let told = folder.fit(&["batch.json", "curve.csv", "-o", "out/", "--format", "step"]);
-    assert_eq!(told.status, 0, "{}", told.err);
-    assert!(told.err.contains("batch.json: arch"), "{}", told.err);
+    let finished = folder.fit(&["batch.json", "curve.csv", "-o", "out/", "--format", "step"]);
+    assert_eq!(finished.status, 0, "{}", finished.err);
+    assert!(
+        finished.err.contains("batch.json: arch"),
+        "{}",
+        finished.err
+    );
     assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 2);
 }
 
 #[test]
-fn what_is_wrong_with_a_batch_is_said_where_it_stands() {
+fn errors_of_a_batch_have_locations() {
     let folder = Folder::new();
     let with = |old: &str, new: &str| BATCH.replacen(old, new, 1);
     for (text, arguments, status, detail) in [
@@ -190,9 +214,9 @@ fn what_is_wrong_with_a_batch_is_said_where_it_stands() {
         (BATCH.to_owned(), &["-o", "out.stl"], 2, "out.stl"),
     ] {
         folder.write("batch.json", &text);
-        let told = folder.fit(&[&["batch.json"], arguments].concat());
-        assert_eq!(told.status, status, "{text}: {}", told.err);
-        assert!(told.err.contains(detail), "{text}: {}", told.err);
+        let finished = folder.fit(&[&["batch.json"], arguments].concat());
+        assert_eq!(finished.status, status, "{text}: {}", finished.err);
+        assert!(finished.err.contains(detail), "{text}: {}", finished.err);
     }
 }
 
@@ -201,17 +225,19 @@ fn fits_that_did_not_converge_are_named_with_quiet() {
     let folder = Folder::new();
     folder.write("curve.csv", &curve(30));
     let few = ["curve.csv", "-o", "a.step", "-q", "--max-iterations", "1"];
-    let told = folder.fit(&[&few[..], &["--method", "global"]].concat());
-    assert_eq!(told.status, 1, "{}", told.err);
-    assert_eq!(told.err.lines().count(), 1, "{}", told.err);
+    let finished = folder.fit(&[&few[..], &["--method", "global"]].concat());
+    assert_eq!(finished.status, 1, "{}", finished.err);
+    assert_eq!(finished.err.lines().count(), 1, "{}", finished.err);
     assert!(
-        told.err.starts_with("curve.csv: exhausted, error at most "),
+        finished
+            .err
+            .starts_with("curve.csv: exhausted, error at most "),
         "{}",
-        told.err
+        finished.err
     );
-    assert!(told.err.contains("tolerance"), "{}", told.err);
-    let told = folder.fit(&["curve.csv", "-o", "a.step", "-q"]);
-    assert_eq!((told.status, &*told.err), (0, ""));
+    assert!(finished.err.contains("tolerance"), "{}", finished.err);
+    let finished = folder.fit(&["curve.csv", "-o", "a.step", "-q"]);
+    assert_eq!((finished.status, &*finished.err), (0, ""));
 }
 
 #[test]
@@ -227,15 +253,15 @@ fn many_files_go_to_a_directory() {
     folder.write("bad.csv", "x,y\n0,0\n1,oops\n2,1\n");
     arguments.extend(["two.csv", "bad.csv", "-o", "out/", "--format", "step"].map(str::to_owned));
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let told = folder.fit(&arguments);
-    assert_eq!(told.status, 1, "{}", told.err);
-    assert!(told.err.contains("bad.csv"), "{}", told.err);
+    let finished = folder.fit(&arguments);
+    assert_eq!(finished.status, 1, "{}", finished.err);
+    assert!(finished.err.contains("bad.csv"), "{}", finished.err);
     assert!(
-        told.err.contains("27 files: 27 converged, 1 did not"),
+        finished.err.contains("27 files: 27 converged, 1 did not"),
         "{}",
-        told.err
+        finished.err
     );
-    assert!(told.err.contains("… and 8 more"), "{}", told.err);
+    assert!(finished.err.contains("… and 8 more"), "{}", finished.err);
     assert_eq!(std::fs::read_dir(folder.path("out")).unwrap().count(), 26);
 }
 
@@ -282,10 +308,10 @@ fn a_hundred_airfoils_take_one_command() {
         "json",
     ];
     let all: Vec<&str> = files.iter().map(String::as_str).collect();
-    let told = folder.fit(&[&all[..], &["-o", "out/"], &how].concat());
-    assert_eq!(told.status, 0, "{}", told.err);
+    let finished = folder.fit(&[&all[..], &["-o", "out/"], &how].concat());
+    assert_eq!(finished.status, 0, "{}", finished.err);
     let totals = "100 files: 100 converged, 0 did not";
-    assert!(told.err.contains(totals), "{}", told.err);
+    assert!(finished.err.contains(totals), "{}", finished.err);
     for name in &names {
         let result: Value =
             serde_json::from_slice(&folder.read(&format!("out/naca{name}.json"))).unwrap();
@@ -312,13 +338,13 @@ fn parts_of_many_files_are_named_after_their_files() {
     folder.write("two.csv", &TWO.replace("2,1\n", "1e17,0\n1e17,1\n"));
     for (quiet, count) in [(&[][..], 1), (&["-q"], 1)] {
         let arguments = [&["curve.csv", "two.csv", "-o", "out/"], quiet].concat();
-        let told = folder.fit(&arguments);
-        assert_eq!(told.status, 1, "{}", told.err);
+        let finished = folder.fit(&arguments);
+        assert_eq!(finished.status, 1, "{}", finished.err);
         assert_eq!(
-            told.err.matches("two.csv: part 1").count(),
+            finished.err.matches("two.csv: part 1").count(),
             count,
             "{}",
-            told.err
+            finished.err
         );
     }
 }

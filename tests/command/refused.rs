@@ -1,9 +1,9 @@
-//! What is wrong, at its line or flag, before anything is written.
+//! Errors are reported at their line or flag before anything is written.
 
 use crate::support::Folder;
 
 #[test]
-fn mistakes_in_files_are_told_at_their_lines() {
+fn errors_in_files_name_their_lines() {
     let folder = Folder::new();
     folder.write("bad.csv", "x,y\n1,2\n\n3,oops\n4,5,6\n");
     folder.write("resting.csv", "x,y\n1,2\n1,2\n1,2\n");
@@ -26,17 +26,21 @@ fn mistakes_in_files_are_told_at_their_lines() {
         ("empty.csv", "empty.csv"),
         ("missing.csv", "missing.csv: No such file"),
     ] {
-        let told = folder.fit(&[name, "-o", "out.step"]);
-        assert_eq!(told.status, 2, "{name}: {}", told.err);
-        assert!(told.err.starts_with(expected), "{name}: {}", told.err);
+        let finished = folder.fit(&[name, "-o", "out.step"]);
+        assert_eq!(finished.status, 2, "{name}: {}", finished.err);
+        assert!(
+            finished.err.starts_with(expected),
+            "{name}: {}",
+            finished.err
+        );
         assert!(!folder.path("out.step").exists());
     }
-    let told = folder.fit_from("1,2\nx,y\n", &["-"]);
-    assert!(told.err.starts_with("<stdin>:2: "), "{}", told.err);
+    let finished = folder.fit_from("1,2\nx,y\n", &["-"]);
+    assert!(finished.err.starts_with("<stdin>:2: "), "{}", finished.err);
 }
 
 #[test]
-fn mistakes_in_flags_are_told_with_them() {
+fn errors_in_flags_name_them() {
     let folder = Folder::with_curve();
     for (arguments, expected) in [
         (
@@ -84,14 +88,14 @@ fn mistakes_in_flags_are_told_with_them() {
         (vec!["--server", "fits"], "--server fits: "),
         (vec!["--iterations", "no/where"], "--iterations no/where: "),
     ] {
-        let told = folder.fit(&[vec!["curve.csv"], arguments.clone()].concat());
-        assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
+        let finished = folder.fit(&[vec!["curve.csv"], arguments.clone()].concat());
+        assert_eq!(finished.status, 2, "{arguments:?}: {}", finished.err);
         assert!(
-            told.err.starts_with(expected),
+            finished.err.starts_with(expected),
             "{arguments:?}: {}",
-            told.err
+            finished.err
         );
-        assert!(told.out.is_empty());
+        assert!(finished.out.is_empty());
     }
     assert_eq!(folder.names(), ["curve.csv"]);
 }
@@ -129,13 +133,13 @@ fn foot_points_need_a_server() {
             "--set surface.parameters.foot_points.job: foot points are",
         ),
     ] {
-        let told = folder.fit(&arguments);
-        assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
+        let finished = folder.fit(&arguments);
+        assert_eq!(finished.status, 2, "{arguments:?}: {}", finished.err);
         assert!(
-            told.err.starts_with(expected),
+            finished.err.starts_with(expected),
             "{arguments:?}: {}",
-            told.err
+            finished.err
         );
-        assert!(told.err.contains("--server"), "{}", told.err);
+        assert!(finished.err.contains("--server"), "{}", finished.err);
     }
 }

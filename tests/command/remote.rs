@@ -4,9 +4,9 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
 use std::process::{Child, Stdio};
 
-use crate::support::{Folder, Told, field};
+use crate::support::{Finished, Folder, field};
 
-/// A span of whoever starts the program.
+/// The span of the caller of the program.
 const PARENT: &str = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
 
 /// A server, and its address.
@@ -17,15 +17,15 @@ impl Server {
         let mut command = folder.command(&["--listen", "127.0.0.1:0", "--store", ":memory:"]);
         let mut child = command.stderr(Stdio::piped()).spawn().unwrap();
         let lines = BufReader::new(child.stderr.take().unwrap()).lines();
-        let mut told = lines.map_while(Result::ok);
-        let line = told.find(|line| line.contains("listening on")).unwrap();
+        let mut finished = lines.map_while(Result::ok);
+        let line = finished.find(|line| line.contains("listening on")).unwrap();
         let url = line
             .split_once("listening on ")
             .unwrap()
             .1
             .trim()
             .to_owned();
-        std::thread::spawn(move || told.for_each(drop));
+        std::thread::spawn(move || finished.for_each(drop));
         Self(child, url)
     }
 }
@@ -56,7 +56,7 @@ fn a_server_gives_the_same_bits() {
             assert_eq!(here[part], there[part], "{arguments:?}");
         }
     }
-    let told = folder.fit(&[
+    let finished = folder.fit(&[
         "curve.csv",
         "--server",
         &server.1,
@@ -65,16 +65,16 @@ fn a_server_gives_the_same_bits() {
         "--iterations",
         "all",
     ]);
-    assert_eq!(told.status, 0, "{}", told.err);
+    assert_eq!(finished.status, 0, "{}", finished.err);
     assert!(
-        told.err.contains(&format!("job {}/v1/jobs/", server.1)),
+        finished.err.contains(&format!("job {}/v1/jobs/", server.1)),
         "{}",
-        told.err
+        finished.err
     );
     assert!(folder.read("a.step").starts_with(b"ISO-10303-21;"));
-    let told = folder.fit(&["curve.csv", "--server", &server.1, "--degree", "0"]);
-    assert_eq!(told.status, 2);
-    assert!(told.err.starts_with("--degree: "), "{}", told.err);
+    let finished = folder.fit(&["curve.csv", "--server", &server.1, "--degree", "0"]);
+    assert_eq!(finished.status, 2);
+    assert!(finished.err.starts_with("--degree: "), "{}", finished.err);
 }
 
 #[test]
@@ -83,9 +83,9 @@ fn a_server_that_is_not_there_is_a_failure() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let url = format!("http://{}", listener.local_addr().unwrap());
     drop(listener);
-    let told = folder.fit(&["curve.csv", "--server", &url]);
-    assert_eq!(told.status, 1);
-    assert!(told.err.contains(&url), "{}", told.err);
+    let finished = folder.fit(&["curve.csv", "--server", &url]);
+    assert_eq!(finished.status, 1);
+    assert!(finished.err.contains(&url), "{}", finished.err);
 }
 
 #[test]
@@ -110,9 +110,9 @@ fn the_token_and_the_parent_are_sent() {
     let mut command = folder.command(&["fit", "curve.csv", "--server", &url]);
     command.args(["--token-file", "token"]);
     command.env("TRACEPARENT", PARENT);
-    let told = Told::of(command.output().unwrap());
+    let finished = Finished::of(command.output().unwrap());
     assert_eq!(
-        (told.status, told.err.as_str()),
+        (finished.status, finished.err.as_str()),
         (1, "piad: who are you?\n")
     );
     let head = door.join().unwrap();

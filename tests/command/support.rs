@@ -15,13 +15,13 @@ pub const PROGRAM: &str = env!("CARGO_BIN_EXE_piad");
 pub struct Folder(TempDir);
 
 /// What the program has said, and how it ended.
-pub struct Told {
+pub struct Finished {
     pub status: i32,
     pub out: Vec<u8>,
     pub err: String,
 }
 
-impl Told {
+impl Finished {
     pub fn of(output: Output) -> Self {
         Self {
             status: output.status.code().unwrap(),
@@ -77,21 +77,21 @@ impl Folder {
         command
     }
 
-    pub fn fit(&self, arguments: &[&str]) -> Told {
+    pub fn fit(&self, arguments: &[&str]) -> Finished {
         let mut command = self.command(&["fit"]);
-        Told::of(command.args(arguments).output().unwrap())
+        Finished::of(command.args(arguments).output().unwrap())
     }
 
     /// The result as JSON of a fit that converges.
     #[track_caller]
     pub fn result(&self, arguments: &[&str]) -> Value {
-        let told = self.fit(arguments);
-        assert_eq!(told.status, 0, "{arguments:?}: {}", told.err);
-        told.json()
+        let finished = self.fit(arguments);
+        assert_eq!(finished.status, 0, "{arguments:?}: {}", finished.err);
+        finished.json()
     }
 
     /// The same with a standard input.
-    pub fn fit_from(&self, input: &str, arguments: &[&str]) -> Told {
+    pub fn fit_from(&self, input: &str, arguments: &[&str]) -> Finished {
         let mut command = self.command(&["fit"]);
         command.args(arguments).stdin(Stdio::piped());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -99,7 +99,7 @@ impl Folder {
         let mut stdin = child.stdin.take().unwrap();
         stdin.write_all(input.as_bytes()).unwrap();
         drop(stdin);
-        Told::of(child.wait_with_output().unwrap())
+        Finished::of(child.wait_with_output().unwrap())
     }
 }
 

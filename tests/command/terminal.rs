@@ -1,10 +1,10 @@
-//! What is told on a standard error that cannot be written, inputs without an end, and names that would control the
+//! Output on a standard error that cannot be written, inputs without an end, and names that would control the
 //! terminal.
 
 use std::fs::File;
 use std::process::{Command, Stdio};
 
-use crate::support::{Folder, PROGRAM, Told};
+use crate::support::{Finished, Folder, PROGRAM};
 
 /// A device that is always full; none where the system has none.
 fn full() -> Option<File> {
@@ -49,7 +49,7 @@ fn a_full_standard_error_changes_no_exit_status() {
     assert!(folder.read("out.step").starts_with(b"ISO-10303-21;"));
 }
 
-/// A token that nobody has seen is no success.
+/// A token that was not printed is no success.
 #[test]
 fn a_full_standard_output_is_a_failure() {
     let folder = Folder::new();
@@ -61,12 +61,12 @@ fn a_full_standard_output_is_a_failure() {
         let Some(full) = full() else {
             return;
         };
-        let told = Told::of(folder.command(arguments).stdout(full).output().unwrap());
-        assert_eq!(told.status, 1, "{arguments:?}");
+        let finished = Finished::of(folder.command(arguments).stdout(full).output().unwrap());
+        assert_eq!(finished.status, 1, "{arguments:?}");
         assert!(
-            told.err.contains("<stdout>: "),
+            finished.err.contains("<stdout>: "),
             "{arguments:?}: {}",
-            told.err
+            finished.err
         );
     }
 }
@@ -78,14 +78,14 @@ fn inputs_have_a_limit() {
     let limit = |bytes: usize| bytes.to_string();
     let fits = folder.fit(&["curve.csv", "--max-input", &limit(size)]);
     assert_eq!(fits.status, 0, "{}", fits.err);
-    let told = folder.fit(&["curve.csv", "--max-input", &limit(size - 1)]);
-    assert_eq!(told.status, 2);
+    let finished = folder.fit(&["curve.csv", "--max-input", &limit(size - 1)]);
+    assert_eq!(finished.status, 2);
     assert!(
-        told.err.starts_with("curve.csv: larger than "),
+        finished.err.starts_with("curve.csv: larger than "),
         "{}",
-        told.err
+        finished.err
     );
-    assert!(told.err.contains("--max-input"), "{}", told.err);
+    assert!(finished.err.contains("--max-input"), "{}", finished.err);
     if !std::path::Path::new("/dev/zero").exists() {
         return;
     }
@@ -101,10 +101,10 @@ fn inputs_have_a_limit() {
             .args(["--max-input", "1MiB"]);
         command.current_dir(folder.path("."));
         command.stdin(Stdio::from(File::open("/dev/zero").unwrap()));
-        let told = Told::of(command.output().unwrap());
-        assert_eq!(told.status, 2, "{arguments:?}: {}", told.err);
+        let finished = Finished::of(command.output().unwrap());
+        assert_eq!(finished.status, 2, "{arguments:?}: {}", finished.err);
         let expected = format!("{name}: larger than 1.0 MiB; --max-input sets another limit\n");
-        assert_eq!(told.err, expected);
+        assert_eq!(finished.err, expected);
     }
 }
 

@@ -1,4 +1,4 @@
-"""The Python client for event loops in the scenarios of README.md."""
+"""The asynchronous Python client in the scenarios of README.md."""
 
 import asyncio
 import json
@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 import piad
-from python import Json, told
+from python import Json, summary
 
 
 async def new(client: piad.AsyncClient, request: Json) -> piad.AsyncJob:
-    """A job of a request as the API has it."""
+    """The JSON of a job for a request."""
     [shape] = [request[kind] for kind in ("curve", "surface") if kind in request]
     return await client.create(shape["points"], **request.get("stop", {}))
 
@@ -30,7 +30,7 @@ async def levels(job: piad.AsyncJob, pause: float = 0.0, ready: bool = False) ->
 
 
 async def fit(client: piad.AsyncClient, request: Json) -> Json:
-    return told(await (await new(client, request)).result())
+    return summary(await (await new(client, request)).result())
 
 
 async def watch(client: piad.AsyncClient, request: Json) -> Json:
@@ -53,7 +53,7 @@ async def edit(client: piad.AsyncClient, request: Json) -> Json:
     job = await new(client, request["job"])
     await job.wait()
     change = await job.edit({move["index"]: move["point"] for move in request["edit"]["points"]})
-    result = told(await change.result())
+    result = summary(await change.result())
     parent = change.status.parent or {}
     return {**result, "parent": job.id, "is_parent": parent.get("id") == job.id}
 
@@ -64,8 +64,8 @@ async def errors(client: piad.AsyncClient, request: Json) -> Json:
 
 
 async def tokens(client: piad.AsyncClient, request: Json) -> Json:
-    async with piad.AsyncClient(sys.argv[2]) as nobody:
-        without = (await refused(new(nobody, request))).problem.type
+    async with piad.AsyncClient(sys.argv[2]) as anonymous:
+        without = (await refused(new(anonymous, request))).problem.type
     return {"without": without, "with": (await (await new(client, request)).wait()).state}
 
 

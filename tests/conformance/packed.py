@@ -1,10 +1,10 @@
-"""Numbers that move in whole steps, read bit by bit as docs/STREAMS.md has them."""
+"""Decodes differences of numbers bit by bit, as specified in docs/reference/events.md."""
 
 BLOCK = 256
 
 
 def unpacked(packed: bytes, places: int, dimension: int) -> list[int]:
-    """Whole numbers, coordinate by coordinate."""
+    """Decodes integers, coordinate by coordinate."""
     at, numbers = 0, []
     for _ in range(dimension):
         for start in range(0, places, BLOCK):
@@ -20,7 +20,7 @@ def unpacked(packed: bytes, places: int, dimension: int) -> list[int]:
 
 
 def moved(numbers: list[float], step: float, packed: bytes, dimension: int) -> list[float]:
-    """Numbers, point by point, that have moved by steps."""
+    """Adds differences to numbers, point by point."""
     places = len(numbers) // dimension
     whole = unpacked(packed, places, dimension)
     return [x + step * whole[i % dimension * places + i // dimension] for i, x in enumerate(numbers)]

@@ -1,4 +1,4 @@
-"""What protoc makes of the contract, and nothing else, in the scenarios of README.md."""
+"""Plain protoc-generated code in the scenarios of README.md."""
 
 import json
 import pathlib
@@ -19,7 +19,7 @@ Json = dict[str, Any]
 
 pb, pb_grpc = generate()
 _, SCENARIO, URL, TOKEN = sys.argv
-# How often a call is made again that has not arrived.
+# The number of retries of a call that has not arrived.
 ATTEMPTS = 100
 channel = grpc.insecure_channel(URL.removeprefix("http://"), [("grpc.max_receive_message_length", -1)])
 stub = pb_grpc.FittingServiceStub(channel)
@@ -62,7 +62,7 @@ def result(job: str) -> Json:
 
 
 def events(job: str):
-    """The events of a job; the call is made again after the last iteration where it breaks off."""
+    """The events of a job; the call is resumed after the last iteration if it breaks."""
     after, left = None, ATTEMPTS
     while True:
         try:
@@ -111,7 +111,7 @@ def differences(request: Json) -> Json:
 
 
 def refused(call: Any) -> Json:
-    """The problem with which a call is refused, in the words of HTTP."""
+    """The problem of a rejected call, as in HTTP."""
     try:
         call()
     except grpc.RpcError as error:
@@ -149,8 +149,8 @@ def tokens(request: Json) -> Json:
 
 
 def large(request: Json) -> Json:
-    told = levels(request)
-    return {"numbers": told["numbers"], "count": len(told["last"]), "sum": sum(told["last"])}
+    summary = levels(request)
+    return {"numbers": summary["numbers"], "count": len(summary["last"]), "sum": sum(summary["last"])}
 
 
 SCENARIOS = {

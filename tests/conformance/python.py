@@ -14,14 +14,14 @@ Json = dict[str, Any]
 
 
 def new(client: piad.Client, request: Json) -> piad.Job:
-    """A job of a request as the API has it."""
+    """The JSON of a job for a request."""
     [(kind, shape)] = [(kind, request[kind]) for kind in ("curve", "surface") if kind in request]
     stop = request.get("stop", {})
     assert kind == "surface" or isinstance(shape["points"][0][0], (int, float))
     return client.create(shape["points"], **stop)
 
 
-def told(result: Any) -> Json:
+def summary(result: Any) -> Json:
     geometry = result.geometry
     points = np.asarray(geometry.control_points)
     bases = [geometry.basis] if hasattr(geometry, "basis") else [geometry.bases[0]]
@@ -46,7 +46,7 @@ def levels(job: piad.Job, pause: float = 0.0, ready: bool = False) -> Json:
 
 
 def fit(client: piad.Client, request: Json) -> Json:
-    return told(new(client, request).result())
+    return summary(new(client, request).result())
 
 
 def watch(client: piad.Client, request: Json) -> Json:
@@ -68,7 +68,7 @@ def edit(client: piad.Client, request: Json) -> Json:
     job = new(client, request["job"])
     job.wait()
     change = job.edit({move["index"]: move["point"] for move in request["edit"]["points"]})
-    result = told(change.result())
+    result = summary(change.result())
     parent = change.status.parent or {}
     return {**result, "parent": job.id, "is_parent": parent.get("id") == job.id}
 
@@ -79,14 +79,14 @@ def errors(client: piad.Client, request: Json) -> Json:
 
 
 def tokens(client: piad.Client, request: Json) -> Json:
-    with piad.Client(sys.argv[2]) as nobody:
-        without = refused(lambda: new(nobody, request)).problem.type
+    with piad.Client(sys.argv[2]) as anonymous:
+        without = refused(lambda: new(anonymous, request)).problem.type
     return {"without": without, "with": new(client, request).wait().state}
 
 
 def large(client: piad.Client, request: Json) -> Json:
-    told = levels(new(client, request))
-    return {"numbers": told["numbers"], "count": len(told["last"]), "sum": sum(told["last"])}
+    summary = levels(new(client, request))
+    return {"numbers": summary["numbers"], "count": len(summary["last"]), "sum": sum(summary["last"])}
 
 
 def differences(client: piad.Client, request: Json) -> Json:

@@ -1,10 +1,10 @@
-"""All clients do the same things with the same server, and get the same numbers.
+"""Checks that all clients do the same with the same server and get the same numbers.
 
-    run.py PROGRAM [CLIENT …]       # PROGRAM is target/debug/piad; of all clients those that are named
+    run.py PROGRAM [CLIENT …]       # PROGRAM is target/debug/piad; default: all clients
 
-A client is a program, `CLIENT SCENARIO URL TOKEN`: it reads a request from its input, does what README.md says for the
-scenario through its library alone, and prints what it got as JSON. What it must print is asked of the server here,
-over plain HTTP. The table that comes out stands in docs/CLIENTS.md.
+A client is a program, `CLIENT SCENARIO URL TOKEN`: it reads a request from standard input, runs the
+scenario of README.md through its library, and prints the result as JSON. The expected output is
+requested here over plain HTTP. The resulting table is in docs/reference/clients.md.
 """
 
 import base64
@@ -28,13 +28,13 @@ from packed import moved
 HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.normpath(os.path.join(HERE, "..", ".."))
 TOKEN = "piad_" + "0123456789abcdef" * 4
-PATIENCE = 120
+TIMEOUT = 120
 
 Json = dict[str, Any]
 
 
 def node() -> str:
-    """Node of the tests of the TypeScript client, where that has been installed."""
+    """The Node of the TypeScript tests, if it is installed there."""
     own = os.path.join(ROOT, "target/node/node_modules/node/bin/node")
     return own if os.path.exists(own) else "node"
 
@@ -50,7 +50,7 @@ CLIENTS: dict[str, list[str]] = {
 
 
 class Server:
-    """A server that can be killed and started again with the same data at the same address."""
+    """A server that can be killed and restarted with the same data at the same address."""
 
     def __init__(self, program: str, store: str) -> None:
         self.program, self.store, self.address = program, store, "127.0.0.1:0"
@@ -73,7 +73,7 @@ class Server:
         return f"http://{self.address}"
 
     def kill(self) -> None:
-        """SIGKILL: nothing is said to anybody."""
+        """Sends SIGKILL: connections are not closed cleanly."""
         self.process.kill()
         self.process.wait()
 
@@ -82,14 +82,15 @@ class Server:
         headers = {"Content-Type": "application/json", "Prefer": "wait=60", "Authorization": f"Bearer {TOKEN}"}
         request = urllib.request.Request(self.url + path, content, headers)
         try:
-            with urllib.request.urlopen(request, timeout=PATIENCE) as answer:
+            with urllib.request.urlopen(request, timeout=TIMEOUT) as answer:
                 return json.load(answer)
         except urllib.error.HTTPError as refusal:
             return json.load(refusal)
 
 
 def wave(count: int) -> list[list[int]]:
-    """Points in whole numbers, which everybody reads the same: Mono errs in the last bit of others now and then."""
+    """Integer points, which all parsers read exactly: Mono sometimes errs in the last bit of
+    others."""
     angles = [2 * math.pi * i / count for i in range(count)]
     polar = [(2e6 + 3e5 * math.sin(5 * a), a) for a in angles]
     return [[round(r * math.cos(a)), round(r * math.sin(a))] for r, a in polar]
@@ -104,7 +105,7 @@ def flat(value: Any) -> list[float]:
 
 
 def result(server: Server, job: Json) -> Json:
-    """What a client says of the result of a job."""
+    """The output of a client for the result of a job."""
     found = server.ask(f"/v1/jobs/{job['id']}/result")
     knots = found.get("knots")
     return {
@@ -117,7 +118,7 @@ def result(server: Server, job: Json) -> Json:
 
 
 def levels(server: Server, job: Json) -> Json:
-    """What a client says of the stream of a job."""
+    """The output of a client for the stream of a job."""
     last = server.ask(f"/v1/jobs/{job['id']}")
     path = f"/v1/jobs/{job['id']}/iterations"
     points = [flat(server.ask(f"{path}/{k}")["control_points"]) for k in (0, last["iteration"])]
@@ -126,13 +127,13 @@ def levels(server: Server, job: Json) -> Json:
 
 
 def differences_of(server: Server, job: Json) -> Json:
-    """What a client says of the stream of differences of a job."""
+    """The output of a client for a stream of differences."""
     request = urllib.request.Request(
         f"{server.url}/v1/jobs/{job['id']}/events?encoding=delta",
         headers={"Accept": "application/x-ndjson", "Authorization": f"Bearer {TOKEN}"},
     )
     points: list[list[float]] = []
-    with urllib.request.urlopen(request, timeout=PATIENCE) as stream:
+    with urllib.request.urlopen(request, timeout=TIMEOUT) as stream:
         events = [json.loads(line) for line in stream]
     levels = [event["data"] for event in events if event["event"] == "iteration"]
     for level in levels:
@@ -160,7 +161,7 @@ class Run:
         return self.process.stdout.readline().strip()
 
     def answer(self) -> Json:
-        timer = threading.Timer(PATIENCE, self.process.kill)
+        timer = threading.Timer(TIMEOUT, self.process.kill)
         timer.start()
         said = self.line()
         assert self.process.wait() == 0, f"it has ended with {self.process.returncode}: {said}"
@@ -169,7 +170,7 @@ class Run:
 
 
 def compare(found: Json, expected: Json) -> None:
-    """Numbers agree to the bit: nothing is computed on their way."""
+    """Numbers are equal to the bit: nothing is computed in between."""
     for name, value in expected.items():
         assert name in found, f"{name} is missing: {list(found)}"
         assert found[name] == value, f"{name}: {str(found[name])[:200]} instead of {str(value)[:200]}"
@@ -226,7 +227,7 @@ def errors(server: Server, client: str) -> None:
     }
     assert expected["pointers"] == ["/curve/points/2"]
     if client == "gRPC":
-        # Its errors have places of the message: the coordinates of all points are in one list.
+        # Its errors have locations in the message: the coordinates of all points are in one list.
         expected = {"type": problem["type"], "fields": ["input.curve.points[4]"]}
     compare(Run(client, "errors", server, request).answer(), expected)
 
@@ -243,7 +244,7 @@ def large(server: Server, client: str) -> None:
     last = levels(server, job)["last"]
     found = Run(client, "large", server, request).answer()
     compare(found, {"numbers": list(range(21)), "count": len(last)})
-    # Summed up in whatever order.
+    # Summed in any order.
     assert math.isclose(found["sum"], math.fsum(last), rel_tol=1e-9, abs_tol=1e-2), found["sum"]
 
 
@@ -256,7 +257,7 @@ def differences(server: Server, client: str) -> None:
         found = Run(client, "differences", server, request).answer()
         if client != "gRPC":
             compare(found, expected)
-        # First messages have 64 bits, so that those after them are others.
+        # First messages have 64-bit numbers, so later ones differ.
         compare(found, {"numbers": expected["numbers"], "state": expected["state"]})
         for k, points in enumerate(found["points"]):
             level = server.ask(f"/v1/jobs/{job['id']}/iterations/{k}")

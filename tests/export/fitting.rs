@@ -26,7 +26,7 @@ impl Fit {
         let config = Config::standard();
         let request: JobRequest = serde_json::from_value(job.clone()).unwrap();
         let valid = request.validate(config.limits(), Err(no_base()));
-        let job = valid.unwrap_or_else(|mistakes| panic!("{job}: {mistakes:?}"));
+        let job = valid.unwrap_or_else(|errors| panic!("{job}: {errors:?}"));
         let mut iteration = Iteration::start(Arc::new(System::new(Arc::new(job.problem))));
         let mut errors = vec![iteration.level().error.max];
         while iteration.outcome().is_none() {

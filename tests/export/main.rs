@@ -10,7 +10,7 @@
     clippy::panic,
     missing_docs,
     unreachable_pub,
-    reason = "tests fail by panicking, and nobody links to them"
+    reason = "tests fail by panicking, and have no users"
 )]
 
 mod cases;
@@ -143,7 +143,7 @@ fn meshes_are_single_precision() {
 }
 
 #[test]
-fn samples_are_as_many_as_asked_for() {
+fn samples_have_the_requested_number() {
     let fit = Fit::new(
         &cases::all()
             .into_iter()

@@ -1,4 +1,5 @@
-"""Writes ends.json: control points of interpolating B-splines with all kinds of ends, by scipy.
+"""Writes ends.json: control points of interpolating B-splines with all kinds of end conditions, by
+scipy.
 
     target/venv/bin/python tests/golden/ends.py
 
@@ -37,7 +38,7 @@ def estimated(t, values, count, given=()):
 
 
 def derivatives(t, values, end, count, length, at_end):
-    """What scipy is to meet at an end: pairs of orders and derivatives."""
+    """The conditions for scipy at an end: pairs of orders and derivatives."""
     if end == "natural":
         return [(2, np.zeros(values.shape[1:]))]
     if end == "repeated":

@@ -1,4 +1,5 @@
-"""Writes least_squares.json: limits of least-squares fits with conditions, weights of data and fairness.
+"""Writes least_squares.json: limits of least-squares fits with constraints, weights of data and
+fairness.
 
     target/venv/bin/python tests/golden/least_squares.py
 
@@ -46,7 +47,7 @@ def energy(knots, p, r, free=None):
 
 
 def kkt(N, b, C, R, tangents=()):
-    """`tangents` are the conditions of which R is a multiple, which is not negative: the best one."""
+    """`tangents` are constraints with a non-negative multiple, which is optimised."""
     n, m = len(N), len(C)
     if not m:
         return np.linalg.solve(N, b)
@@ -159,7 +160,8 @@ def smoothing():
     knots = np.r_[[x[0]] * 4, x[1:-1], [x[-1]] * 4]
     for lam in (1e-3, .1, 10):
         spline = make_smoothing_spline(x, y, lam=lam)
-        # The same spline over knots at all data, by interpolation at as many places as it has control points.
+        # The same spline over knots at all data, interpolated at one parameter for each control
+        # point.
         places = np.array([knots[i + 1:i + 4].mean() for i in range(len(knots) - 4)])
         control = np.linalg.solve(np.array([row(knots, 3, s) for s in places]), spline(places))
         fairness = lam / len(x) / (x[-1] - x[0]) ** 3
@@ -173,7 +175,7 @@ def weighted():
     t = chord_length(points)
     knots = knots_of(t, 3, 17)
     weights = .2 + np.abs(np.sin(np.arange(80.)))
-    # scipy's weights multiply distances, those here their squares.
+    # scipy's weights multiply distances, ours their squares.
     spline = make_lsq_spline(t, points, knots, 3, w=np.sqrt(weights))
     job = {"curve": {"points": points.tolist(), "parameters": t.tolist(), "basis": {"kind": "bspline", "degree": 3, "knots": knots.tolist()}},
            "method": {"kind": "least_squares", "control_points": 17, "variant": "direct", "end_points": "free", "data_weights": weights.tolist()}}

@@ -1,9 +1,9 @@
-"""Fits all airfoils of UIUC that the package aerosandbox has, each with `piad fit`: counts and reasons.
+"""Fits all UIUC airfoils of the package aerosandbox with `piad fit`: counts and reasons.
 
     tests/python/airfoils.py PROGRAM    # such as target/release/piad
 
-Each file is fitted, or refused with its name, the line and the reason; anything else fails the script. The wheel is
-downloaded and read as a zip file, nothing of it is installed. Needs pip.
+Each file is fitted, or rejected with its name, the line and the reason; anything else fails the
+script. The wheel is downloaded and read as a zip file, without installing it. Needs pip.
 """
 
 import collections
@@ -39,18 +39,18 @@ def main() -> None:
     reasons, wrong = collections.Counter(), []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
         files = unpack(Path(folder))
-        for file, status, told in pool.map(lambda file: fit(program, file), files):
+        for file, status, output in pool.map(lambda file: fit(program, file), files):
             if status == 0:
                 reasons["fitted"] += 1
-            elif status == 1 and not told:
+            elif status == 1 and not output:
                 reasons["fitted, not within the tolerance"] += 1
-            elif status == 2 and re.match(re.escape(str(file)) + r":\d+: ", told):
-                reason = told.splitlines()[0].split(": ", 1)[1]
+            elif status == 2 and re.match(re.escape(str(file)) + r":\d+: ", output):
+                reason = output.splitlines()[0].split(": ", 1)[1]
                 reasons["refused: " + re.sub(r'"[^"]*"|\d+', "…", reason)] += 1
                 if "-v" in sys.argv:
-                    print(f"{file.name}{told[len(str(file)):].rstrip()}")
+                    print(f"{file.name}{output[len(str(file)):].rstrip()}")
             else:
-                wrong.append(f"{file.name}: {status} {told}")
+                wrong.append(f"{file.name}: {status} {output}")
     print(f"{len(files)} files")
     for reason, count in reasons.most_common():
         print(f"{count:6} {reason}")

@@ -1,4 +1,4 @@
-"""STEP and IGES as other people's programs read them: OpenCASCADE and pyiges."""
+"""Reads STEP and IGES with other software: OpenCASCADE and pyiges."""
 
 import contextlib
 import io
@@ -32,7 +32,7 @@ from OCP.TopoDS import TopoDS
 
 @dataclass
 class Raw:
-    """What a file says, number by number."""
+    """The numbers of a file."""
 
     degrees: list[int]
     knots: list[np.ndarray]
@@ -51,7 +51,7 @@ class CadFile:
         step = path.endswith((".step", ".stp"))
         self.reader = STEPControl_Reader() if step else IGESControl_Reader()
         assert self.reader.ReadFile(path) == IFSelect_RetDone, "cannot be read"
-        # Otherwise splines are cut at knots where they are not smooth.
+        # Otherwise splines are split at knots where they are not smooth.
         Interface_Static.SetIVal_s("read.iges.bspline.continuity", 0)
         transferred = self.reader.TransferRoots()
         assert roots in (None, transferred), f"{transferred} roots"
@@ -92,7 +92,7 @@ def point(p):
 
 
 def evaluate(geometry, *parameters):
-    """Points at parameters, on surfaces on their grid."""
+    """Points at parameters, for surfaces on their grid."""
     if len(parameters) == 1:
         return np.array([point(geometry.Value(float(t))) for t in parameters[0]])
     u, v = parameters
@@ -136,7 +136,7 @@ def array(handle):
 
 
 def of_step(cad: CadFile) -> Raw:
-    """The numbers of the only spline of a STEP file, before anything is made of them."""
+    """The raw numbers of the only spline of a STEP file."""
     curve_kinds = (StepGeom_BSplineCurveWithKnots, StepGeom_BSplineCurveWithKnotsAndRationalBSplineCurve)
     surface_kinds = (
         StepGeom_BSplineSurfaceWithKnots,
@@ -179,7 +179,7 @@ def of_step(cad: CadFile) -> Raw:
 
 
 def of_iges(cad: CadFile) -> Raw:
-    """The numbers of the only spline of an IGES file, before anything is made of them."""
+    """The raw numbers of the only spline of an IGES file."""
     (spline,) = cad.entities()
     if isinstance(spline, IGESGeom_BSplineCurve):
         count, degree = spline.UpperIndex() + 1, spline.Degree()
@@ -206,14 +206,14 @@ def of_iges(cad: CadFile) -> Raw:
         [spline.IsClosedU() and spline.IsPeriodicU(), spline.IsClosedV() and spline.IsPeriodicV()],
         np.array([[point(spline.Pole(i, j)) for j in range(columns)] for i in range(rows)]),
         None if spline.IsPolynomial(True) else weights,
-        # OpenCASCADE reads the four numbers in another order than it writes them, and than IGES 5.3
-        # has them (section 4.24): it does not use them.
+        # OpenCASCADE reads the four numbers in a different order than it writes them and than IGES
+        # 5.3 specifies (section 4.24), and does not use them.
         [(spline.UMin(), spline.VMin()), (spline.UMax(), spline.VMax())],
     )
 
 
 def of_pyiges(path: str) -> Raw:
-    """The same by a parser that is written in Python."""
+    """The same with a parser in Python."""
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         iges = pyiges.read(path)
     curves, surfaces = iges.bsplines(), iges.bspline_surfaces()

@@ -1,6 +1,6 @@
-"""The Caddyfiles of deploy/ as Debian's Caddy reads them: version 2.6.2, which has another name for one setting.
+"""Adapts the Caddyfiles of deploy/ to Debian's Caddy 2.6.2, which has another name for one setting.
 
-There it has no limit: with one, that version reads the request again behind its end."""
+The setting has no limit there: with one, that version reads beyond the end of the request."""
 
 import pathlib
 

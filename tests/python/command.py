@@ -1,4 +1,4 @@
-"""Fits the examples with `piad fit`, and checks all files that it writes.
+"""Fits the examples with `piad fit` and checks all exported files.
 
     command.py PROGRAM          # such as target/debug/piad
 
@@ -28,7 +28,7 @@ def write_all(program: str, folder: str) -> None:
         for ending in ["result.json", *endings]:
             command += ["-o", os.path.join(folder, f"{name}.{ending}")]
         status = subprocess.run(command).returncode
-        # 1 is a fit that is not within the tolerance.
+        # Status 1: the fit is not within the tolerance.
         assert status in (0, 1), (name, status)
 
 

@@ -1,9 +1,8 @@
-"""Makes more of the requests that schemathesis makes up such that can be answered.
+"""Makes more requests of schemathesis valid.
 
-What is right field by field and does not go together is refused, as it should be, but that tests
-little. So most requests name a job that there is, stream parameters come alone and with an Accept
-header that asks for a stream, and points are such that a curve goes through them. What is wrong by
-the description stays wrong.
+Requests whose fields are valid but inconsistent are rejected, as they should be, but test little.
+So most requests name an existing job, stream parameters come alone and with an Accept header for
+streams, and points can be fitted. Requests that violate the OpenAPI document are unchanged.
 """
 
 import itertools
@@ -24,7 +23,7 @@ STREAMS = ["text/event-stream", "application/x-ndjson"]
 
 @schemathesis.hook
 def before_load_schema(context, raw_schema):
-    """A stream is described as text, which it is for clients; here each of its events is looked at."""
+    """A stream is described as text; here each of its events is checked."""
     for resource in raw_schema["paths"].values():
         for operation in resource.values():
             for answer in operation["responses"].values():
@@ -47,8 +46,8 @@ def before_call(context, case, kwargs):
         # A key belongs to one request.
         case.headers[KEY] = f"{case.headers[KEY][:200]}-{next(NUMBERS)}"
     elif case.headers and KEY in case.headers and RIGHT_KEY.fullmatch(str(case.headers[KEY]).strip(" \t")):
-        # Blanks around the value of a header are not a part of it (RFC 9110, 5.5): a key that is wrong
-        # for them alone would arrive as a right one.
+        # Whitespace around the value of a header is not part of it (RFC 9110, 5.5): a key that is
+        # invalid only because of it would be valid.
         case.headers[KEY] = ""
     if case.query:
         choose(case)
@@ -58,13 +57,13 @@ def before_call(context, case, kwargs):
 
 
 def is_right(case, place) -> bool:
-    """Whether this part of a request is as the description says."""
+    """True if this part of a request conforms to the OpenAPI document."""
     part = case.meta.components.get(place)
     return part is None or part.mode.is_positive
 
 
 def choose(case) -> None:
-    """Leaves one parameter of a query, and says of a new job that its stream is wanted."""
+    """Keeps one parameter of a query, and requests the stream of a new job."""
     size = len(str(case.query))
     if is_right(case, Place.QUERY):
         keep = sorted(case.query)[size % len(case.query)]
@@ -78,7 +77,7 @@ def make_computable(job: dict) -> None:
     if isinstance(curve, dict):
         align(curve.get("points"))
     if isinstance(surface, dict):
-        # Rows of numbers are heights, which are right as they are.
+        # Rows of numbers are heights, which are valid.
         align([point for row in surface.get("points") or [] for point in row if isinstance(point, list)])
     for shape in (curve, surface):
         if isinstance(shape, dict) and shape.get("weights") is None:

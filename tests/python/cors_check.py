@@ -22,7 +22,7 @@ FLAGS = """
     --disable-component-update --disable-sync --disable-dev-shm-usage
 """.split()
 
-# What the page does; each check gives what it has seen. BASE is the API.
+# Checks that run in the page and return their observations. BASE is the API.
 CHECKS = {
     "a fetch with headers that need a preflight": """
         const post = () => fetch(BASE + "/v1/jobs", {
@@ -78,7 +78,7 @@ CHECKS = {
         const response = await fetch(BASE + "/v1/jobs", {
             method: "POST", headers: {"Content-Type": "application/json"}, body: "{}",
         });
-        return {status: response.status, told: (await response.json()).errors.length > 0};
+        return {status: response.status, explained: (await response.json()).errors.length > 0};
     """,
     "a deletion": """
         const response = await fetch(BASE + job.links.self, {method: "DELETE"});
@@ -95,11 +95,11 @@ EXPECTED = {
     "an EventSource": {"job": 1, "iterations": True, "end": 1},
     "a stream that is resumed by its header": {"status": 200, "after": "1"},
     "a file with its name": {"status": 200, "named": True},
-    "a problem with its reason": {"status": 422, "told": True},
+    "a problem with its reason": {"status": 422, "explained": True},
     "a deletion": {"status": 204, "gone": 404},
 }
 
-# What a browser must not let a page do.
+# Requests that a browser must block.
 REFUSED = """
     const failures = {};
     await fetch(BASE + "/v1/jobs").catch(error => { failures.get = error.name; });
@@ -128,7 +128,7 @@ class Page(http.server.BaseHTTPRequestHandler):
 
 
 def run(browser, base: str, script: str):
-    """What an asynchronous function gives in the page."""
+    """The result of an asynchronous function in the page."""
     body = f"const BASE = {base!r};\n{script}"
     wrapped = f"const done = arguments[0]; (async () => {{ {body} }})().then(done, error => done(String(error)));"
     return browser.execute_async_script(wrapped)
@@ -157,7 +157,7 @@ def check(browser, page: str, program: str) -> int:
     for flags in ([], ["--cors-origin", "https://cad.example"]):
         with server(program, *flags) as base:
             seen = run(browser, base, REFUSED)
-            # 2 is EventSource.CLOSED: it does not try again.
+            # 2 is EventSource.CLOSED: it does not reconnect.
             good = seen == {"get": "TypeError", "post": "TypeError", "events": 2}
             failures += not good
             print(f"{'ok' if good else 'WRONG'}: nothing for pages that are not listed, {flags}" + ("" if good else f": {seen}"))

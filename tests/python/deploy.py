@@ -1,4 +1,5 @@
-"""What deploy/ has is what Compose, Kubernetes, Prometheus and Grafana expect, and knows only metrics that there are.
+"""Checks deploy/ with Compose, Kubernetes schemas, Prometheus and Grafana, and that it uses only
+existing metrics.
 
     make deploy
 
@@ -6,14 +7,14 @@ or, with the packages of requirements.txt and Debian's docker-compose, caddy and
 
     tests/postgres python3 tests/python/deploy.py target/debug/piad
 
-What is checked:
+Checks:
 
-- compose.yaml: by a parser of the Compose specification, and by docker-compose, which resolves variables and
-  references. Files that it mounts are there. No container is started.
+- compose.yaml: by a parser of the Compose specification, and by docker-compose, which resolves
+  variables and references. Mounted files exist. No container is started.
 - Caddyfiles: by Caddy.
 - kubernetes/: by overlays.py. Nothing runs in a cluster.
 - alerts: by promtool, as a container of compose.yaml would see them, and their tests.
-- metrics: alerts and dashboard use only such that real servers show, one of them with a database.
+- metrics: alerts and dashboard use only those of real servers, one of them with a database.
 """
 
 import json
@@ -39,7 +40,7 @@ DEPLOY = ROOT / "deploy"
 
 
 def mounts(service: dict) -> dict[str, str]:
-    """Files of this directory that a service sees, by their paths in the container."""
+    """The mounted files of this directory, by their paths in the container."""
     volumes = (volume.split(":") for volume in service.get("volumes", []))
     return {to: source for source, to, *_ in volumes if source.startswith(".")}
 
@@ -80,20 +81,20 @@ def prometheus(content: dict) -> None:
             target = pathlib.Path(folder) / pathlib.Path(to).relative_to("/etc/prometheus")
             target.parent.mkdir(exist_ok=True)
             shutil.copy(DEPLOY / source, target)
-        told = run("promtool", "check", "config", pathlib.Path(folder) / "prometheus.yml")
-        check(f"{len(alerts())} rules found" in told, f"prometheus.yml does not load all rules:\n{told}")
+        output = run("promtool", "check", "config", pathlib.Path(folder) / "prometheus.yml")
+        check(f"{len(alerts())} rules found" in output, f"prometheus.yml does not load all rules:\n{output}")
     run("promtool", "test", "rules", DEPLOY / "alerts" / "tests.yml")
     tests = (DEPLOY / "alerts" / "tests.yml").read_text()
-    operations = (ROOT / "docs" / "OPERATIONS.md").read_text()
+    operations = (ROOT / "docs/how-to/operate.md").read_text()
     for alert in alerts():
         name, about = alert["alert"], alert["annotations"]
         check(f'alertname="{name}"' in tests, f"no test in which {name} fires")
-        check(f"| `{name}` |" in operations, f"docs/OPERATIONS.md does not tell about {name}")
-        section = re.search(r'See "(.+)" in docs/OPERATIONS\.md\.$', about["description"])
-        check(section and f"\n## {section[1]}\n" in operations, f"{name} names no section of docs/OPERATIONS.md")
-        check(about["summary"] and alert["labels"]["severity"] in ("critical", "warning"), f"{name} is not told well")
+        check(f"| `{name}` |" in operations, f"docs/how-to/operate.md does not describe {name}")
+        section = re.search(r'See "(.+)" in docs/how-to/operate\.md\.$', about["description"])
+        check(section and f"\n## {section[1]}\n" in operations, f"{name} names no section of docs/how-to/operate.md")
+        check(about["summary"] and alert["labels"]["severity"] in ("critical", "warning"), f"{name} lacks a summary or severity")
     for name in re.findall(r"\| `(Piad\w+)` \|", operations):
-        check(name in [alert["alert"] for alert in alerts()], f"docs/OPERATIONS.md tells about {name}")
+        check(name in [alert["alert"] for alert in alerts()], f"docs/how-to/operate.md describes the unknown alert {name}")
 
 
 def alerts() -> list[dict]:
@@ -102,7 +103,7 @@ def alerts() -> list[dict]:
 
 
 def dashboard(content: dict) -> list[str]:
-    """The queries of the dashboard, whose source and variables are there."""
+    """The queries of the dashboard, after checking its source and variables."""
     mounted = mounts(content["services"]["grafana"])
     board = json.loads((DEPLOY / mounted["/etc/grafana/dashboards/piad.json"]).read_text())
     variables = {variable["name"]: variable for variable in board["templating"]["list"]}
@@ -117,7 +118,7 @@ def dashboard(content: dict) -> list[str]:
         queries += [target["expr"] for target in panel["targets"]]
     used = set(re.findall(r"\$\{?(\w+)", json.dumps(board)))
     check(used <= {*variables, "__rate_interval"}, f"{used - set(variables)}: no such variables")
-    # What Grafana puts in, as Prometheus would read it.
+    # Replaces the variables of Grafana.
     plain = [query.replace("$__rate_interval", "1m").replace("$instance", ".*") for query in queries[1:]]
     with tempfile.NamedTemporaryFile("w", suffix=".yml") as file:
         rules = [{"record": f"panel:{index}", "expr": query} for index, query in enumerate(plain)]
@@ -138,7 +139,7 @@ def post(base: str, path: str, body: dict, wait: int = 60) -> dict:
 
 
 def shown(program: str, store: str) -> str:
-    """The metrics of a server that has had a job of each outcome that alerts ask for."""
+    """The metrics of a server after a job of each outcome that alerts use."""
     circle = [[i % 7, i * i % 11, i] for i in range(50)]
     overflowing = {"points": [[2e306 * (-1) ** i] for i in range(20)], "basis": {"kind": "bernstein"}, "parameters": "uniform"}
     with server(program, store=store) as base:
@@ -147,7 +148,7 @@ def shown(program: str, store: str) -> str:
         job = post(base, "/v1/jobs", endless, wait=0)["links"]["self"]
         states.append(post(base, f"{job}/cancel", {})["state"])
         check(states == ["converged", "failed", "cancelled"], f"jobs ended otherwise: {states}")
-        # What was asked for once is counted.
+        # Requests are counted after the first one.
         return [fetch(f"{base}{path}") for path in ("/readyz", "/metrics", "/metrics")][-1].decode()
 
 
@@ -173,7 +174,8 @@ def metrics(program: str, queries: list[str]) -> None:
         for name, matchers in re.findall(r"(\w+)\{([^}]*(?:\{[^}]*\}[^}]*)*)\}", query):
             for label_name, comparison, value in re.findall(r'(\w+)\s*(=~|!=|!~|=)\s*"([^"]*)"', matchers):
                 values = {labels[label_name] for labels in there[name] if label_name in labels}
-                # Prometheus adds the name of the server. A status that has not been there is a number.
+                # Prometheus adds the name of the server. A status that has not occurred is a
+                # number.
                 if label_name in ("instance", "status"):
                     continue
                 check(values, f"{name} has no label {label_name}: {query}")

@@ -1,4 +1,5 @@
-"""The description of the API is valid, and what a real server answers is what it says, and so are its examples.
+"""Checks that the OpenAPI document is valid, and that responses of a real server and the examples
+conform to it.
 
     description.py PROGRAM            # the server to start, such as target/debug/piad
 
@@ -52,14 +53,14 @@ def peaks(n: int) -> list:
 
 
 def jobs() -> list[dict]:
-    """Jobs that differ in all that makes a difference to answers."""
+    """Jobs that cover all variants of responses."""
     grid = peaks(5)
     bernstein, spline = {"kind": "bernstein"}, {"kind": "bspline", "degree": 2}
     # Control points grow until they leave the range of numbers.
     overflowing = {"points": [[2e306 * (-1) ** i] for i in range(20)], "basis": bernstein, "parameters": "uniform"}
     return [
         {"name": "plain", "curve": curve()},
-        # JSON has one kind of numbers: 3.0 is a whole one.
+        # JSON has one type of numbers: 3.0 is an integer.
         {"curve": curve(basis={"kind": "bspline", "degree": 3.0}), "stop": {"max_iterations": 20.0}, "stream": {"every": 2.0}},
         {"curve": curve(closed=True, parameters="centripetal"), "method": {"kind": "weighted"}},
         {"curve": curve(basis={"kind": "said_ball"}), "method": {"kind": "extended"}},
@@ -78,7 +79,7 @@ def jobs() -> list[dict]:
 
 
 class Server:
-    """Asks a server, and tells status and text of its answers."""
+    """Sends requests and returns status and text of the responses."""
 
     def __init__(self, base: str):
         self.base = base
@@ -99,7 +100,7 @@ class Server:
 
 
 def close(schema: object) -> None:
-    """Allows no fields besides those that are described: clients ignore others, but here all must be."""
+    """Forbids undocumented fields: clients ignore them, but here all must be documented."""
     if isinstance(schema, dict):
         for part in schema.values():
             close(part)
@@ -114,7 +115,7 @@ def close(schema: object) -> None:
 
 
 class Description:
-    """The description that a server gives of itself."""
+    """The OpenAPI document of the server."""
 
     def __init__(self, server: Server):
         self.document = server.json("/openapi.json")
@@ -148,7 +149,7 @@ def examples(description: Description) -> None:
 
 
 def specification(description: Description) -> None:
-    """A document of OpenAPI 3.1, by a validator of other people."""
+    """Checks an OpenAPI 3.1 document with an independent validator."""
     assert description.document["openapi"].startswith("3.1.")
     errors = OpenAPIV31SpecValidator(description.document).iter_errors()
     wrong = [f"/{'/'.join(map(str, error.absolute_path))}: {error.message[:300]}" for error in errors]

@@ -1,4 +1,4 @@
-"""The B-spline of a result, from the JSON that the API gives, computed independently of piad."""
+"""The B-spline of a JSON result, computed independently of piad."""
 
 import json
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ class Spline:
     closed: list[bool]
     poles: np.ndarray  # (rows, 3) or (rows, columns, 3)
     weights: np.ndarray | None
-    exact: bool  # the poles are those of the JSON, not converted ones
+    exact: bool  # the poles are those of the JSON, without conversion
     error: float
 
     @property
@@ -28,7 +28,7 @@ class Spline:
 
     @cached_property
     def extent(self) -> float:
-        """Of the curve or surface; control points can be far out."""
+        """The extent of the curve or surface; control points can be far outside."""
         parameters = [self.parameters(axis, 50) for axis in range(len(self.degrees))]
         points = self.evaluate(*parameters).reshape(-1, 3)
         return float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -49,7 +49,7 @@ class Spline:
         return np.concatenate([self.poles * weights[..., None], weights[..., None]], axis=-1)
 
     def evaluate(self, *parameters: np.ndarray) -> np.ndarray:
-        """Points at parameters, on surfaces on their grid."""
+        """Points at parameters, for surfaces on their grid."""
         points = self.homogeneous()
         for axis, (t, knots, degree) in enumerate(zip(parameters, self.knots, self.degrees)):
             points = np.moveaxis(points, axis, 0)
@@ -86,7 +86,7 @@ def from_result(result: dict) -> Spline:
 
 
 def net_weights(result: dict, surface: bool) -> np.ndarray | None:
-    """One weight for each control point, whatever kind of rational fit it is."""
+    """One weight for each control point, for each kind of rational fit."""
     weights = result.get("weights")
     if weights is None:
         return None

@@ -1,10 +1,10 @@
-"""Reads exported files with other people's software and compares them with the result they are of.
+"""Reads exported files with other software and compares them with their result.
 
     export_check.py RESULT.json FILE... [--job JOB.json]
     export_check.py --all FOLDER        # NAME.result.json, NAME.job.json, NAME.step, …
 
-RESULT.json is what `GET /v1/jobs/{id}/result` answers, JOB.json what was posted. The kind of a file is
-told by its ending. Needs the packages of requirements.txt.
+RESULT.json is the response of `GET /v1/jobs/{id}/result`, JOB.json the request. The extension
+determines the format. Needs the packages of requirements.txt.
 """
 
 import argparse
@@ -29,7 +29,7 @@ from steputils import p21
 import cad
 from expected import Spline, load
 
-# Numbers that are written and read back are the same; those that were converted have rounding errors.
+# Numbers that are written and read back are equal; converted ones have rounding errors.
 SAME = 0.0
 CONVERTED = 1e-13
 EVALUATED = 2e-13
@@ -44,7 +44,7 @@ def equal(found, expected, tolerance: float, what: str) -> None:
     worst_of[what] = max(worst_of.get(what, 0.0), worst)
 
 
-# The largest deviation of each kind that was met, for the summary.
+# The largest deviation of each kind, for the summary.
 worst_of: dict[str, float] = {}
 
 
@@ -63,7 +63,7 @@ def check_raw(raw: cad.Raw, spline: Spline, what: str) -> None:
 
 
 def check_geometry(file: cad.CadFile, spline: Spline, what: str) -> None:
-    """What OpenCASCADE makes of the numbers: the same places at the same parameters."""
+    """OpenCASCADE evaluates to the same points at the same parameters."""
     geometry = file.geometry()
     axes = range(len(spline.degrees))
     parameters = [spline.parameters(axis, 61 if len(axes) == 1 else 23) for axis in axes]
@@ -76,9 +76,9 @@ def check_geometry(file: cad.CadFile, spline: Spline, what: str) -> None:
 
 
 def check_data(file: cad.CadFile, spline: Spline, job: dict, what: str) -> None:
-    """The data are as near as the fit says, by distances that OpenCASCADE computes."""
+    """The distances of the data by OpenCASCADE equal those of the fit."""
     if not 1e-3 < spline.extent < 1e6:
-        return  # beyond the lengths that OpenCASCADE works with
+        return  # beyond the range of OpenCASCADE
     shape = job.get("curve") or job["surface"]
     points = shape["points"]
     points = points if "curve" in job else [point for row in points for point in row if point]
@@ -102,7 +102,7 @@ def check_step(path: str, spline: Spline, job: dict | None) -> None:
         assert file.is_valid(), "STEP: the shape is not valid"
     if job:
         check_data(file, spline, job, "STEP")
-        # A parser that is written in Python reads the syntax and the escapes.
+        # A parser in Python reads the syntax and the escapes.
         name = p21.readfile(path).header.entities["FILE_NAME"].params[0]
         kind = "surface" if spline.is_surface else "curve"
         assert name == (job.get("name") or kind), f"STEP: the name is {name!r}"
@@ -118,7 +118,7 @@ def check_iges(path: str, spline: Spline, job: dict | None) -> None:
 
 
 def check_obj(path: str, spline: Spline, _job: dict | None) -> None:
-    """By the statements of the specification; then rhino3dm evaluates what they say."""
+    """Parses the statements of the specification; rhino3dm then evaluates them."""
     with open(path, encoding="utf-8") as file:
         text = re.sub(r"\\\n", " ", file.read())
     vertices, body, knots, rational = [], None, {}, False
@@ -154,7 +154,7 @@ def check_obj(path: str, spline: Spline, _job: dict | None) -> None:
 
 
 def check_rhino(poles: np.ndarray, spline: Spline) -> None:
-    """OpenNURBS leaves out the first and the last knot, and has homogeneous control points."""
+    """OpenNURBS omits the first and last knot, and has homogeneous control points."""
     if spline.magnitude > 1e9:
         return
     weights = np.ones(poles.shape[:-1]) if spline.weights is None else spline.weights
@@ -186,7 +186,7 @@ def check_rhino(poles: np.ndarray, spline: Spline) -> None:
 
 
 def check_glb(path: str, spline: Spline, _job: dict | None) -> None:
-    """By pygltflib; then trimesh loads it as viewers do, with the node's turn."""
+    """Reads with pygltflib; then trimesh loads it like viewers, with the node's rotation."""
     document = pygltflib.GLTF2().load(path)
     (mesh,) = document.meshes
     (primitive,) = mesh.primitives
@@ -220,7 +220,7 @@ def check_glb(path: str, spline: Spline, _job: dict | None) -> None:
         check_mesh(places, numbers(primitive.attributes.NORMAL), indices, spline)
         assert len(shape.faces) == len(indices) // 3
     else:
-        # Separate lines from each vertex to the next: readers leave strips out, or the indices.
+        # Separate lines between consecutive vertices: some readers ignore strips or indices.
         assert primitive.mode == pygltflib.LINES
         ends = np.arange(len(places))
         equal(indices.reshape(-1, 2), np.stack([ends[:-1], ends[1:]], axis=1), SAME, "glTF lines")
@@ -239,7 +239,7 @@ def check_path(scene: trimesh.Scene, shape: trimesh.path.Path3D, places, spline:
     assert len(line.points) == len(places), f"glTF: {len(line.points)} of {len(places)} vertices"
     drawn = np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
     equal(shape.length, drawn, 1e-6, "glTF length by trimesh")
-    # Chords are shorter than their arcs, by a part that is quadratic in the angle they turn by.
+    # Chords are shorter than their arcs, by a fraction that is quadratic in their angle.
     corners = np.clip(spline.knots[0], *spline.domain(0))
     fine = spline.evaluate(np.union1d(spline.parameters(0, 20_001), corners))
     length = np.linalg.norm(np.diff(fine, axis=0), axis=1).sum()
@@ -247,7 +247,7 @@ def check_path(scene: trimesh.Scene, shape: trimesh.path.Path3D, places, spline:
 
 
 def check_stl(path: str, spline: Spline, _job: dict | None) -> None:
-    """trimesh reads triangles whose corners are on the surface, and which close what is closed."""
+    """trimesh reads triangles with vertices on the surface, which close closed surfaces."""
     mesh = trimesh.load(path, process=False)
     with open(path, "rb") as file:
         count = int.from_bytes(file.read(84)[80:], "little")
@@ -303,7 +303,7 @@ def check_mesh(places, normals, indices, spline: Spline) -> None:
     wrong = float((cosines < 0).mean())
     assert wrong < 0.1, f"glTF: {100 * wrong:.1f} % of the triangles are seen from behind"
     # Every vertex is on the surface, and has its normal. Where surfaces are folded, several
-    # parameters are near a place, and where they are singular, none has a normal.
+    # parameters are near a point; where they are singular, there is no normal.
     rng = np.random.default_rng(1)
     angles = []
     for index in rng.choice(len(places), 60):
@@ -320,7 +320,7 @@ def check_mesh(places, normals, indices, spline: Spline) -> None:
 
 
 def normal(spline: Spline, u: float, v: float) -> np.ndarray | None:
-    """The unit normal, from differences of places a little to both sides."""
+    """The unit normal, from central differences."""
     partial = []
     for axis, t in enumerate((u, v)):
         low, high = spline.domain(axis)
@@ -336,8 +336,8 @@ def normal(spline: Spline, u: float, v: float) -> np.ndarray | None:
 
 
 def nearest(spline: Spline, place: np.ndarray) -> tuple[float, tuple[float, float]]:
-    """The distance of a surface from a place, and where it is: by least squares from the best of
-    the minima on a grid."""
+    """The distance of a surface from a point, and its parameters: by least squares from the best
+    minima on a grid."""
     grid = [spline.parameters(axis, 150) for axis in (0, 1)]
     distances = np.linalg.norm(spline.evaluate(*grid) - place, axis=2)
     minima = np.argwhere(distances == minimum_filter(distances, size=3, mode="nearest"))
@@ -360,7 +360,7 @@ def nearest(spline: Spline, place: np.ndarray) -> tuple[float, tuple[float, floa
 
 
 def check_svg(path: str, spline: Spline, job: dict | None) -> None:
-    """Well-formed, all of it on the page, and drawn by a renderer."""
+    """Well-formed, within the page, and drawn by a renderer."""
     root = ElementTree.parse(path).getroot()
     space = "{http://www.w3.org/2000/svg}"
     assert root.tag == f"{space}svg"

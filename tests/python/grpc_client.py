@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A client of piad from the .proto alone, as a plug-in would be: fits, watches, resumes, edits, cancels.
+"""A client of piad from the proto file alone, as in a plug-in: fits, watches, resumes, edits,
+cancels.
 
     make interop
 
@@ -7,8 +8,8 @@ or, with the packages of requirements.txt:
 
     cargo build && python3 tests/python/grpc_client.py [target/debug/piad]
 
-Starts a server of its own on a free port, and compares every frame with the stream of server-sent
-events, bit for bit.
+Starts a server on a free port, and compares each iteration with the stream of server-sent events,
+bit for bit.
 """
 
 import contextlib
@@ -36,7 +37,7 @@ pb, pb_grpc = generate()
 
 @contextlib.contextmanager
 def server(program):
-    """A server on a free port; stopped as an operator would stop it."""
+    """A server on a free port; shut down like an operator."""
     command = [program, "--listen", "127.0.0.1:0", "--store", ":memory:", "--max-iterations", "1000000000"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
@@ -147,7 +148,7 @@ def fits_a_surface(stub, address):
 
 
 def fits_a_batch(stub):
-    """Many curves, whose results come while they are sent; what is wrong is told at its field."""
+    """Many curves, with results while they are sent; errors name their fields."""
     stop = pb.StopRules(tolerance=1e-8)
 
     def requests():
@@ -186,7 +187,7 @@ def cancels(stub):
     assert last.end.state == pb.JOB_STATE_CANCELLED
     stub.DeleteJob(pb.DeleteJobRequest(id=job.id))
 
-    # A call that its client gives up ends the job, if it was asked for.
+    # A call that its client cancels ends the job, if requested.
     options = pb.StreamOptions(on_disconnect=pb.ON_DISCONNECT_CANCEL)
     call = stub.Fit(pb.FitRequest(input=endless, stream=options))
     job = next(call).job
@@ -220,7 +221,7 @@ def is_a_good_citizen(channel):
         answer = health.Check(health_pb2.HealthCheckRequest(service=service))
         assert answer.status == health_pb2.HealthCheckResponse.SERVING
     code = grpc.StatusCode
-    assert failure(lambda: health.Check(health_pb2.HealthCheckRequest(service="nobody"))) == code.NOT_FOUND
+    assert failure(lambda: health.Check(health_pb2.HealthCheckRequest(service="unknown"))) == code.NOT_FOUND
 
     def call(path, message=b""):
         return failure(lambda: channel.unary_unary(path)(message))

@@ -1,4 +1,4 @@
-"""TLS as clients have it: openssl, curl, gRPC and Chromium shake hands with a server, and read its streams.
+"""TLS handshakes and streams with openssl, curl, gRPC and Chromium.
 
     handshakes.py PROGRAM            # the server to start, such as target/debug/piad
 
@@ -21,7 +21,7 @@ from over_http import server
 JOB = {"curve": {"points": [[0, 0], [1, 2], [3, 1], [4, 3]]}, "stop": {"relative_tolerance": 1e-9}}
 ENDLESS = {"curve": {"points": [[0, 0], [1, 2], [3, 1], [4, 3]]}, "stop": {"tolerance": 0, "max_iterations": 1_000_000}}
 
-# What a page sees: the version of HTTP that it came with, and the events of a job.
+# The HTTP version and the events of a job, as seen by a page.
 PAGE = """
     const [entry] = performance.getEntriesByType("navigation");
     const response = await fetch(BASE + "/v1/jobs", {
@@ -43,7 +43,7 @@ PAGE = """
 
 
 class Checks:
-    """What was expected, and what has come instead."""
+    """Fails with the expected and actual values."""
 
     def __init__(self) -> None:
         self.failures = 0
@@ -55,7 +55,7 @@ class Checks:
 
 
 class Certificates:
-    """An authority, and what it has signed, as files in a folder."""
+    """A certificate authority and its certificates, as files in a folder."""
 
     def __init__(self, folder: str) -> None:
         self.folder = pathlib.Path(folder)
@@ -76,7 +76,7 @@ class Certificates:
         self.openssl("req", "-x509", *self.key(name), *signer, "-out", self.folder / f"{name}.pem", *names)
 
     def pin(self) -> str:
-        """The hash of the server's public key, by which a browser can be told to trust it."""
+        """The hash of the server's public key, to make a browser trust it."""
         public = self.openssl("pkey", "-in", self.folder / "server.key", "-pubout", "-outform", "der")
         return base64.b64encode(hashlib.sha256(public).digest()).decode()
 
@@ -94,13 +94,13 @@ def openssl(checks: Checks, address: str, files: Certificates) -> None:
         return [said.stdout] if said.returncode == 0 else []
 
     for version, name in (("-tls1_2", "TLSv1.2"), ("-tls1_3", "TLSv1.3")):
-        told = "".join(shake(version))
-        checks.equal(f"openssl, {name}", f"New, {name}, Cipher is" in told and "Verify return code: 0 (ok)" in told, True)
+        output = "".join(shake(version))
+        checks.equal(f"openssl, {name}", f"New, {name}, Cipher is" in output and "Verify return code: 0 (ok)" in output, True)
     # Debian's openssl offers it only at its lowest level of security.
     checks.equal("openssl, TLS 1.1", shake("-tls1_1", "-cipher", "DEFAULT:@SECLEVEL=0"), [])
     for offered, chosen in (("h2,http/1.1", "h2"), ("http/1.1", "http/1.1"), ("http/1.1,h2", "h2")):
-        told = "".join(shake("-alpn", offered))
-        checks.equal(f"openssl, ALPN {offered}", f"ALPN protocol: {chosen}\n" in told, True)
+        output = "".join(shake("-alpn", offered))
+        checks.equal(f"openssl, ALPN {offered}", f"ALPN protocol: {chosen}\n" in output, True)
 
 
 def curl(checks: Checks, base: str, files: Certificates) -> None:
@@ -110,7 +110,7 @@ def curl(checks: Checks, base: str, files: Certificates) -> None:
         checks.equal(f"curl, HTTP/{version}", said.stdout, version)
         stream = [*command, flag, "-H", "Accept: text/event-stream", "-H", "Content-Type: application/json"]
         stream += ["-d", json.dumps(ENDLESS), f"{base}/v1/jobs"]
-        # The job has no end: what comes has not waited for it.
+        # The job does not end, so events arrive before its end.
         with subprocess.Popen(stream, stdout=subprocess.PIPE, text=True) as reading:
             events = 0
             for line in reading.stdout:
@@ -142,10 +142,10 @@ def call(checks: Checks, address: str, files: Certificates) -> None:
     with grpc.secure_channel(address, grpc.ssl_channel_credentials()) as channel:
         try:
             pb_grpc.FittingServiceStub(channel).ListJobs(pb.ListJobsRequest(), timeout=10)
-            told = "an answer"
+            output = "a response"
         except grpc.RpcError as error:
-            told = error.code()
-        checks.equal("gRPC, an authority that is not trusted", told, grpc.StatusCode.UNAVAILABLE)
+            output = error.code()
+        checks.equal("gRPC, an authority that is not trusted", output, grpc.StatusCode.UNAVAILABLE)
 
 
 def browse(checks: Checks, base: str, files: Certificates) -> None:

@@ -1,4 +1,4 @@
-"""Tries an image: it is small, runs for any user with nothing writable but /data, and keeps its jobs.
+"""Tests an image: it is small, runs as any user with only /data writable, and keeps its jobs.
 
     image.py [NAME]                 # piad, as deploy/image builds it; needs buildah, and podman or chroot
 """
@@ -20,7 +20,7 @@ import zlib
 NAME = sys.argv[1] if len(sys.argv) > 1 else "piad"
 USER = 12345
 MOST_BYTES = 25_000_000
-PATIENCE = 60
+TIMEOUT = 60
 
 
 def run(*command: str) -> str:
@@ -46,7 +46,7 @@ def free_port() -> int:
 
 
 class Container:
-    """A container of the image, by podman where that works, else its program in a root of its own."""
+    """Runs a container of the image with podman if possible, otherwise its program in a chroot."""
 
     def __init__(self, root: str, data: str, with_podman: bool):
         self.address = f"http://127.0.0.1:{free_port()}"
@@ -62,10 +62,10 @@ class Container:
     def fetch(self, path: str, body: bytes | None = None, **headers: str):
         headers = {name.replace("_", "-"): value for name, value in headers.items()}
         request = urllib.request.Request(self.address + path, body, {"content-type": "application/json", **headers})
-        return urllib.request.urlopen(request, timeout=PATIENCE)
+        return urllib.request.urlopen(request, timeout=TIMEOUT)
 
     def wait_until_ready(self) -> None:
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + TIMEOUT
         while True:
             assert self.process.poll() is None, f"it has ended: {self.command}"
             try:
@@ -77,7 +77,7 @@ class Container:
 
     def stop(self) -> None:
         self.process.send_signal(signal.SIGTERM)
-        assert self.process.wait(PATIENCE) == 0, "SIGTERM is an orderly stop"
+        assert self.process.wait(TIMEOUT) == 0, "SIGTERM is an orderly stop"
 
 
 def podman_works() -> bool:
@@ -111,9 +111,9 @@ def check_config() -> None:
 
 
 def check_service(root: str, with_podman: bool) -> None:
-    """A job that is streamed; a stop and a new start, with the same data."""
+    """Streams a job; stops and restarts with the same data."""
     job = json.dumps({"curve": {"points": [[i, i * i % 7] for i in range(50)]}}).encode()
-    # Where the program has the root of the image, its data are there.
+    # In a chroot, the data are below the root of the image.
     data = tempfile.mkdtemp() if with_podman else os.path.join(root, "data")
     os.chown(data, USER, USER)
     server = Container(root, data, with_podman)

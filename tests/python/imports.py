@@ -1,4 +1,4 @@
-"""Files of the Python and TypeScript packages import each other in one direction, and so do their folders."""
+"""Checks that files and folders of the Python and TypeScript packages have no circular imports."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def typescript_imports(file: Path) -> Iterator[Path]:
 
 
 def check(graph: dict[str, set[str]], what: str) -> None:
-    """Fails if there is a circle."""
+    """Fails if there is a cycle."""
     try:
         TopologicalSorter(graph).prepare()
     except CycleError as error:

@@ -1,9 +1,9 @@
-"""Joins surfaces that a real server fits one after the other, and measures the seam in OpenCASCADE.
+"""Joins surfaces fitted one after the other by a real server, and measures the seam in OpenCASCADE.
 
     joins.py PROGRAM                # the server to start, such as target/debug/piad
 
-The second patch is constrained to the boundary of the first one and to its derivative across it, so that both have
-the same tangent planes there at every iteration, from iteration 0 on. Needs the packages of requirements.txt.
+The second patch is constrained to the boundary of the first one and to its derivative across it, so
+both have the same tangent planes there at each iteration. Needs the packages of requirements.txt.
 """
 
 import json
@@ -19,12 +19,12 @@ import cad
 from offsets import peaks
 from over_http import fetch, server
 
-# Distances and angles of the seam that are rounding.
-MOST = 1e-9
+# Distances and angles of the seam caused by rounding.
+TOLERANCE = 1e-9
 
 
 def patch(low: float, high: float, rows: int, columns: int) -> list:
-    """A part of `peaks` as a scanner sees it, with noise that is the same in every run."""
+    """Part of `peaks` as scanned, with deterministic noise."""
     x, y = np.meshgrid(np.linspace(low, high, rows), np.linspace(-3, 3, columns), indexing="ij")
     noise = 0.02 * np.sin(91 * x + 57 * y) * np.cos(73 * x - 31 * y)
     return np.stack([x, y, peaks(x, y) + noise], axis=2).tolist()
@@ -90,14 +90,14 @@ def main() -> int:
                     path = f"{resource['links']['self']}/iterations/{k}/step"
                     distance, angle = seam(first, surface(base, path, folder))
                     seams += 1
-                    if max(distance, angle) > MOST:
+                    if max(distance, angle) > TOLERANCE:
                         wrong.append(f"{degree}, {variant}, iteration {k}: {distance:.1e} apart, angle {angle:.1e}")
-            # What this is for: without constraints there is a gap.
+            # The test is effective: without constraints there is a gap.
             resource = fit(base, job(patch(0, 3, 37, 53), degree, [], "direct"))
             distance, angle = seam(first, surface(base, f"{resource['links']['result']}/step", folder))
             if min(distance, angle) < 1e-4:
                 wrong.append(f"{degree}: patches join by themselves, {distance:.1e} apart, angle {angle:.1e}")
-    print("\n".join(wrong) or f"ok: {seams} seams are smooth to {MOST} in OpenCASCADE")
+    print("\n".join(wrong) or f"ok: {seams} seams are smooth to {TOLERANCE} in OpenCASCADE")
     return 1 if wrong else 0
 
 

@@ -2,8 +2,9 @@
 
     offsets.py PROGRAM              # the server to start, such as target/debug/piad
 
-With copies of the end points (ends: "repeated") the first derivative vanishes there, and OpenCASCADE refuses or spoils
-what it is asked for; with the ends that are usual it succeeds. Needs the packages of requirements.txt.
+With copies of the end points (ends: "repeated") the first derivative vanishes there, and
+OpenCASCADE fails or returns wrong offsets; with the default end conditions it succeeds. Needs the
+packages of requirements.txt.
 """
 
 import json
@@ -45,7 +46,8 @@ def grid(count: int, height) -> list:
 
 
 def scattered(count: int, height) -> list:
-    """Places that look random: multiples of the inverses of the plastic number and of its square."""
+    """Pseudo-random positions: multiples of the inverses of the plastic number and of its
+    square."""
     i = np.arange(1, count + 1)
     x, y = (6 * ((i * step) % 1) - 3 for step in (0.754877666246693, 0.569840290998053))
     return np.c_[x, y, height(x, y)].tolist()
@@ -114,7 +116,7 @@ def thicken(file: cad.CadFile, thickness: float) -> None:
 
 
 def automatic(geometry: dict, tolerance: float) -> dict:
-    """As few control points as the tolerance needs: knots that are not at the data."""
+    """The fewest control points that meet the tolerance: knots that are not at the data."""
     method = {"kind": "least_squares", "control_points": "auto"}
     return geometry | {"method": method, "stop": {"tolerance": tolerance}}
 
@@ -150,7 +152,7 @@ def main() -> int:
                 wrong.append(f"{name}: {error}")
             for geometry in job.values():
                 geometry["ends"] = "repeated"
-            # What these checks are for: a check that repeated ends pass would see nothing.
+            # The checks are effective: repeated ends do not pass them.
             if not fails(check, shape(base, job, folder), distance):
                 wrong.append(f"{name}: repeated ends pass, too")
         for name, job, check, distance in within:

@@ -1,9 +1,11 @@
-"""Fits files of curves as people have them, by the command, and measures how far the whole curve is from what was drawn.
+"""Fits typical files of curves with the command, and measures the distance of the whole curve from
+the original.
 
     outlines.py PROGRAM             # such as target/debug/piad
 
-Each kind is there twice, with other sizes. *Leaves* is the largest distance of 20,000 samples of the curve from the
-polygon of the points, or from the curve that the points are of. Needs the packages of requirements.txt.
+Each kind occurs twice, with different sizes. *Leaves* is the largest distance of 20,000 samples of
+the curve from the polygon of the points, or from the original curve. Needs the packages of
+requirements.txt.
 """
 
 import os
@@ -17,20 +19,20 @@ from scipy.spatial import KDTree
 
 import expected
 
-# The samples of a fit, and the points of a curve that is drawn.
+# The numbers of samples of a fit and of an original curve.
 SAMPLES, DENSE = 20_000, 200_001
 
 
 @dataclass
 class Kind:
-    """A file, the words of the command, and what the result must be."""
+    """A file, the arguments of the command, and the required result."""
 
     name: str
     points: np.ndarray
     words: list[str]
     leaves: float
     control_points: int
-    # The curve that the points are of, densely; the polygon of the points if there is none.
+    # Dense samples of the original curve; the polygon of the points if there is none.
     drawn: np.ndarray | None = None
     head: str = ""
     suffix: str = ".csv"
@@ -154,7 +156,7 @@ def distance(samples: np.ndarray, drawn: np.ndarray) -> float:
 
 
 def check(program: str, folder: str, kind: Kind) -> list[str]:
-    """What is wrong with the fit of a file."""
+    """The errors of the fit of a file."""
     source, result = os.path.join(folder, "points" + kind.suffix), os.path.join(folder, "result.json")
     with open(source, "w", encoding="utf-8") as file:
         file.write(kind.text())

@@ -1,4 +1,4 @@
-"""Fits the examples on a real server and checks all files that it answers.
+"""Fits the examples on a real server and checks all exported files.
 
     over_http.py PROGRAM            # the server to start, such as target/debug/piad
 
@@ -22,7 +22,7 @@ FORMATS = {"step": "step", "iges": "igs", "obj": "obj", "gltf": "glb", "stl": "s
 
 @contextlib.contextmanager
 def server(program: str, *flags: str, store: str = ":memory:"):
-    """A server on a free port; gives its address."""
+    """Starts a server on a free port and yields its address."""
     command = [program, "--listen", "127.0.0.1:0", "--store", store, "--log-format", "json", *flags]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:

@@ -1,8 +1,8 @@
-"""The overlays of deploy/kubernetes are put together as kustomize does it, and checked.
+"""Builds the overlays of deploy/kubernetes like kustomize, and checks them.
 
-Only the parts of kustomize that the files use are known here; others are refused. If there is a kubectl, it must put
-together the same. Each resource is validated against the schemas of Kubernetes, which know no field that is not there;
-after that, labels that select pods, and names of ports, services and volumes, are compared.
+Only the parts of kustomize that the files use are supported; others are rejected. If kubectl is
+installed, it must build the same. Each resource is validated against the strict schemas of
+Kubernetes; then labels that select pods, and names of ports, services and volumes, are compared.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ import kubernetes_validate
 import yaml
 
 OVERLAYS = ("one", "many")
-# Of Kubernetes: the oldest that has all fields, and the newest.
+# Versions of Kubernetes: the oldest with all fields, and the newest.
 VERSIONS = ("1.30", kubernetes_validate.latest_version())
 
 
@@ -70,7 +70,7 @@ def is_named(value) -> bool:
 
 
 def kustomize(folder: pathlib.Path, resources: list[dict]) -> list[dict]:
-    """Resources after a kustomization: other parts of kustomize than these are refused."""
+    """Resources after a kustomization: rejects other parts of kustomize."""
     [kustomization] = read(folder / "kustomization.yaml")
     known = {"apiVersion", "kind", "resources", "components", "patches", "labels", "images"}
     check(set(kustomization) <= known, f"{folder.name}: {set(kustomization) - known} is not understood here")
@@ -98,7 +98,7 @@ def kustomize(folder: pathlib.Path, resources: list[dict]) -> list[dict]:
 
 
 def label(resource: dict, pairs: dict[str, str]) -> None:
-    """Labels a resource, what it makes, and what it selects."""
+    """Labels a resource, its templates and its selectors."""
     def add(owner: dict, *path: str) -> None:
         for key in path:
             owner = owner.setdefault(key, {})
@@ -133,7 +133,7 @@ def compare(name: str, ours: dict, theirs: dict) -> None:
 
 
 def fits_together(name: str, resources: list[dict]) -> None:
-    """What schemas do not say: resources call each other by names that there are, and pods have no rights."""
+    """Checks beyond schemas: resources refer to existing names, and pods have no privileges."""
     [pods] = [resource for resource in resources if containers(resource)]
     [service] = [resource for resource in resources if resource["kind"] == "Service"]
     template = pods["spec"]["template"]
@@ -156,7 +156,7 @@ def fits_together(name: str, resources: list[dict]) -> None:
 
 
 def selectors(resource: dict) -> list[dict]:
-    """By which labels a resource selects pods."""
+    """The labels by which a resource selects pods."""
     match resource:
         case {"kind": "Service", "spec": {"selector": selector}}:
             return [selector]
@@ -176,7 +176,7 @@ def ports_of_pods(resource: dict) -> set[str]:
 
 
 def targets(resource: dict) -> list[tuple[str, str]]:
-    """What else a resource names: see `scaled` and `served`."""
+    """Other names in a resource: see `scaled` and `served`."""
     match resource:
         case {"kind": "Ingress", "spec": {"rules": rules}}:
             services = [path["backend"]["service"] for rule in rules for path in rule["http"]["paths"]]

@@ -1,4 +1,4 @@
-"""Fits files of several parts, and reads the files of all of them with other people's software.
+"""Fits files of several parts, and reads the exported files with other software.
 
     parts.py PROGRAM            # such as target/debug/piad
 
@@ -35,9 +35,10 @@ from over_http import server
 
 # `piad fit` fits to a millionth of the diagonal of the data; the rest is rounding.
 TOLERANCE = 1.001e-6
-# Samples are on their curve, as parts of its size: what the chords between 4,001 points of it leave.
+# The deviation of samples from their curve, relative to its size: the error of chords between 4,001
+# points.
 ON_THE_CURVE = 5e-7
-# What numbers with nine decimals of a degree leave, in metres.
+# The rounding of nine decimals of a degree, in metres.
 DEGREES = 2e-4
 COUNT = 1000
 ORIGIN = (11.5, 48.1)
@@ -66,7 +67,8 @@ class Part:
         note(f"{what}: from the data, of their size", worst)
 
     def check_samples(self, points, what: str, slack: float = 0.0) -> None:
-        """Samples that were read are on the curve, from end to end, and the line through them is beside the data."""
+        """Samples that were read are on the curve, from end to end, and their polyline is near the
+        data."""
         points = np.asarray(points, dtype=float)[:, : self.data.shape[1]]
         ends = np.linalg.norm(points[[0, -1]] - self.dense[[0, -1]], axis=1).max()
         off = distances(points, self.dense).max()
@@ -77,7 +79,7 @@ class Part:
         note(f"{what}: samples from the curve, of its size", off / self.size)
 
 
-# The largest deviation of each kind that was met.
+# The largest deviation of each kind.
 worst_of: dict[str, float] = {}
 
 
@@ -86,7 +88,7 @@ def note(what: str, value: float) -> None:
 
 
 def distances(points: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """How far points are from a polyline: from the segments at its nearest vertex."""
+    """Distances of points from a polyline: from the segments at its nearest vertex."""
     nearest = cKDTree(line).query(points)[1]
     best = np.full(len(points), np.inf)
     for first in (np.maximum(nearest - 1, 0), np.minimum(nearest, len(line) - 2)):
@@ -98,7 +100,8 @@ def distances(points: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 
 def waves(count: int, dimension: int) -> list[np.ndarray]:
-    """Open curves of 12 and 13 points (as many in each would be a surface), each of a shape and at a place of its own."""
+    """Open curves of 12 and 13 points (as many in each would be a surface), each with a different
+    shape and position."""
     curves = []
     for k in range(count):
         t = np.linspace(0, 1, 12 + k % 2)
@@ -172,7 +175,7 @@ def check_svg(path: str, parts: list[Part]) -> None:
 
 
 def check_obj(path: str, parts: list[Part]) -> None:
-    """The statements of the file, evaluated by OpenNURBS, which leaves out the first and the last knot."""
+    """The statements of the file, evaluated by OpenNURBS, which omits the first and last knot."""
     with open(path, encoding="utf-8") as file:
         lines = [line.split() for line in file.read().replace("\\\n", " ").splitlines() if line]
     vertices = [[float(x) for x in words[1:]] for words in lines if words[0] == "v"]
@@ -192,7 +195,7 @@ def check_glb(path: str, parts: list[Part]) -> None:
     """trimesh has a path for each part, turned so that y is upwards."""
     scene = trimesh.load_scene(path)
     assert len(scene.geometry) == len(parts), f"glTF: {len(scene.geometry)} paths"
-    # By their first points: names of nodes are those of parts, but trimesh makes equal ones different.
+    # Matched by their first points: nodes are named like parts, but trimesh changes equal names.
     turned = {}
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]
@@ -252,9 +255,9 @@ def sheet(start: float) -> np.ndarray:
 
 
 def check_sheet(mesh: trimesh.Trimesh, start: float, single: bool, what: str) -> None:
-    """A mesh of the fit of a sheet: its vertices are on the function, and it covers the square."""
+    """The mesh of a fitted sheet: its vertices are on the function, and it covers the square."""
     x, y, z = mesh.vertices.T
-    # Splines between the points are that far from the function; numbers of STL and glTF have 24 bits.
+    # Splines deviate from the function between the points; numbers of STL and glTF have 24 bits.
     off = np.abs(z - height(x, y)).max()
     assert off < 2e-4, f"{what}: vertices are {off:.3g} off"
     note(f"{what}: vertices from the function", off)

@@ -1,6 +1,8 @@
 """Checks the documents: length of sentences, cells and paragraphs, headings, links, JSON, and words to avoid.
 
-A finding is `FILE:LINE: RULE: TEXT`. EXCEPTIONS stay as they are, each with its reason.
+Words to avoid are also looked for in the SOURCES; tests/architecture/wording.rs checks the crates.
+
+A finding is `FILE:LINE: RULE: TEXT`. EXCEPTIONS are allowed, each with its reason.
 """
 
 import json
@@ -9,14 +11,16 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+from subprocess import run
 
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = ("*.md", "docs/*.md", "clients/*/README.md", "crates/*/README.md", "tests/*/README.md", "viewer/README.md")
+DOCUMENTS = ("*.md", "docs/**/*.md", "clients/*/README.md", "crates/*/README.md", "tests/*/README.md", "viewer/README.md")
+SOURCES = "benches clients deploy examples proto tests/conformance tests/golden tests/python Makefile Dockerfile build.rs"
 LIMITS = {"sentence": 35, "cell": 20, "paragraph": 90}  # words
 QUESTION = r"(how(?!-)|what|why|when|where|which|who|whom|whose|whether)\b|.*\?$"
 AVOIDED = [line.partition(":")[0].split(", ") for line in (ROOT / "tests/words.txt").read_text().splitlines() if line[0] != "#"]
 AVOIDED = r"\b(" + "|".join(it if it[0].isupper() else f"(?i:{it})" for it in sum(AVOIDED, [])) + r")\b"
-EXCEPTIONS: dict[tuple[str, str], str] = {}  # document and a part of the text: reason
+EXCEPTIONS = {("tests/python/prose.py", "who"): "the words of questions"}  # file and a part of the text: reason
 
 
 def words(text: str) -> int:
@@ -26,13 +30,13 @@ def words(text: str) -> int:
 
 
 def anchors(path: Path) -> set[str]:
-    """What GitHub makes of the headings."""
+    """The anchors that GitHub generates for headings."""
     titles = re.findall(r"^#+ (.*)$", re.sub(r"```.*?```", "", path.read_text(), flags=re.S), re.M)
     return {re.sub(r"[^\w\- ]", "", title.strip().lower()).replace(" ", "-") for title in titles}
 
 
 def parts(text: str) -> Iterator[tuple[int, str, str]]:
-    """Line, kind (fence, heading, row, text) and content; an item of a list is a text of its own."""
+    """Line, kind (fence, heading, row, text) and content; each item of a list is a text."""
     fence, start, gathered = "", 0, []
     for number, line in enumerate([*text.splitlines(), ""], 1):
         mark = line.strip() if line.lstrip().startswith("```") else ""
@@ -80,8 +84,17 @@ def findings(path: Path) -> Iterator[tuple[int, str, str]]:
                 yield line, "link", link
 
 
+def sources() -> Iterator[tuple[str, int, str, str]]:
+    """Name, line, rule and text of each word to avoid in the sources."""
+    names = run(["git", "ls-files", "--", *SOURCES.split()], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in names.splitlines():
+        if Path(name).suffix not in (".md", ".png", ".json"):
+            lines = enumerate((ROOT / name).read_text().splitlines(), 1)
+            yield from ((name, k, "word", found[0]) for k, line in lines for found in re.finditer(AVOIDED, line))
+
+
 found = [(path.relative_to(ROOT).as_posix(), *it) for glob in DOCUMENTS for path in ROOT.glob(glob) for it in findings(path)]
-found = sorted(it for it in found if not any(it[0] == name and part in it[3] for name, part in EXCEPTIONS))
+found = sorted(it for it in [*found, *sources()] if not any(it[0] == name and part in it[3] for name, part in EXCEPTIONS))
 for name, line, rule, text in found:
     print(f"{name}:{line}: {rule}: {text[:160]}")
 sys.exit(f"{len(found)} findings: {dict(Counter(it[2] for it in found))}" if found else 0)

@@ -1,8 +1,8 @@
-"""piad behind the proxies of docs/OPERATIONS.md, as they stand there: nginx, Caddy, Envoy.
+"""Tests piad behind the proxies of docs/how-to/operate.md, as configured there: nginx, Caddy, Envoy.
 
     proxies.py PROGRAM            # the server to start, such as target/debug/piad
 
-Events come through while their job is computed, jobs end with their client, large bodies and gRPC come through.
+Events pass while their job is computed, jobs end with their client, large bodies and gRPC pass.
 Needs the packages of requirements.txt, and Debian's nginx-light, caddy and openssl.
 """
 
@@ -25,10 +25,10 @@ from grpc_health.v1 import health_pb2, health_pb2_grpc
 from over_http import server
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-OPERATIONS = ROOT / "docs" / "OPERATIONS.md"
+OPERATIONS = ROOT / "docs/how-to/operate.md"
 CADDYFILE = ROOT / "deploy" / "Caddyfile.tls"
 
-# It goes on until it is cancelled.
+# It runs until it is cancelled.
 ENDLESS = {
     "curve": {"points": [[i % 7, i * i % 11, i] for i in range(200)]},
     "stop": {"tolerance": 0, "max_iterations": 1_000_000_000},
@@ -36,7 +36,7 @@ ENDLESS = {
 
 
 class Proxy:
-    """Where a proxy listens, and the file with the certificate of its authority, if it speaks TLS."""
+    """The address of a proxy, and the file of its CA certificate, if it uses TLS."""
 
     def __init__(self, port: int, authority: pathlib.Path | None):
         self.port, self.authority = port, authority
@@ -79,7 +79,7 @@ def snippet(language: str) -> str:
 
 
 def replaced(text: str, **places: tuple[str, str]) -> str:
-    """The text with addresses and files of this test instead of its own."""
+    """Replaces addresses and files by those of this test."""
     for name, (old, new) in places.items():
         assert old in text, f"there is no {name}: {old}"
         text = text.replace(old, new)
@@ -88,7 +88,7 @@ def replaced(text: str, **places: tuple[str, str]) -> str:
 
 @contextlib.contextmanager
 def running(proxy: Proxy, folder: pathlib.Path, *command: str | pathlib.Path, **environment: str):
-    """A proxy that passes on requests; stopped at the end."""
+    """Runs a proxy that forwards requests."""
     log = folder / "log"
     with log.open("w") as file:
         process = subprocess.Popen(command, stdout=file, stderr=file, env=os.environ | environment)
@@ -110,7 +110,7 @@ def running(proxy: Proxy, folder: pathlib.Path, *command: str | pathlib.Path, **
 
 
 def answers(proxy: Proxy) -> bool:
-    # It may not listen, or have no certificate yet.
+    # It may not listen yet, or have no certificate.
     with contextlib.suppress(OSError, http.client.HTTPException):
         return proxy.ask("GET", "/livez")[0] == 200
     return False
@@ -176,7 +176,7 @@ def envoy(upstream: str, folder: pathlib.Path):
         yield proxy
 
 
-# What must come through
+# Requests that must pass
 
 
 def event(stream: http.client.HTTPResponse) -> tuple[str, dict]:
@@ -191,7 +191,7 @@ def event(stream: http.client.HTTPResponse) -> tuple[str, dict]:
 
 
 def streams(proxy: Proxy) -> None:
-    """The first iteration is here while the job runs; after that it is cancelled, and the stream ends."""
+    """The first iteration arrives while the job runs; then it is cancelled, and the stream ends."""
     with contextlib.closing(proxy.connect()) as connection:
         connection.request("POST", "/v1/jobs/stream?view=errors", json.dumps(ENDLESS), {"Content-Type": "application/json"})
         stream = connection.getresponse()
@@ -207,7 +207,7 @@ def streams(proxy: Proxy) -> None:
 
 
 def quiet_streams(proxy: Proxy) -> None:
-    """The first iteration does not wait for others, whatever the stream consists of."""
+    """The first iteration is not delayed, for each kind of stream."""
     for kind in ("text/event-stream", "application/x-ndjson"):
         with contextlib.closing(proxy.connect()) as connection:
             headers = {"Content-Type": "application/json", "Accept": kind}
@@ -222,7 +222,7 @@ def quiet_streams(proxy: Proxy) -> None:
 
 
 def jobs_end_with_their_client(proxy: Proxy) -> None:
-    """A client that goes away is gone for the server as well, although nothing is sent."""
+    """The server notices that a client disconnects, although nothing is sent."""
     connection = proxy.connect()
     path = "/v1/jobs/stream?view=errors&every=1000000000&on_disconnect=cancel"
     connection.request("POST", path, json.dumps(ENDLESS), {"Content-Type": "application/json"})
@@ -232,7 +232,7 @@ def jobs_end_with_their_client(proxy: Proxy) -> None:
     connection.close()
     deadline = time.monotonic() + 120
     while proxy.state(job["id"]) != "cancelled":
-        assert time.monotonic() < deadline, "the job goes on without its client"
+        assert time.monotonic() < deadline, "the job continues without its client"
         time.sleep(0.05)
 
 
@@ -248,7 +248,7 @@ def the_page(proxy: Proxy) -> None:
 
 
 def no_metrics(proxy: Proxy) -> None:
-    """The proxy itself refuses the metrics, also below a base path."""
+    """The proxy blocks the metrics, also below a base path."""
     for path in ("/metrics", "/fits/metrics", "/metrics?a=b"):
         status, body = proxy.ask("GET", path)
         assert status == 404 and b"/problems/" not in body, (path, status, body)
@@ -267,7 +267,7 @@ ROUNDS = 20
 
 
 def main() -> None:
-    # No comment tells the server that a client has gone.
+    # No comment makes the server notice the disconnection.
     flags = ["--max-iterations", "1000000000", "--trusted-proxy", "127.0.0.0/8", "--heartbeat", "3600"]
     with server(sys.argv[1], *flags) as base:
         upstream = base.removeprefix("http://")

@@ -1,12 +1,12 @@
-"""Fits files of surfaces as people have them, by the command, and measures the whole surface.
+"""Fits typical files of surfaces with the command, and measures the whole surface.
 
     scans.py PROGRAM                # such as target/debug/piad
 
-Scans around an axis and a centre, a scan with ragged borders and a hole, elevations with gaps, sections that begin
-anywhere, a piece of a mesh in three formats, ridges and spiky heights. *Away* is the largest distance of points of the
-exact surface from the fit, by the tangent planes at 400 × 400 samples; *outside* is how far the whole
-rectangle leaves the box of the data, as a part of its diagonal. OpenCASCADE says whether the face of the STEP file is
-valid. Needs the packages of requirements.txt.
+Scans around an axis and a centre, a scan with ragged borders and a hole, elevations with gaps,
+sections with any start point, a piece of a mesh in three formats, ridges and spiky heights. *Away*
+is the largest distance of points of the exact surface from the fit, by the tangent planes at 400 ×
+400 samples; *outside* is the excess of the whole rectangle over the bounding box of the data, relative to its diagonal.
+OpenCASCADE checks the face of the STEP file. Needs the packages of requirements.txt.
 """
 
 import json
@@ -32,12 +32,12 @@ SIDE = 400
 
 @dataclass
 class Kind:
-    """A file, the words of the command, and what the result must be."""
+    """A file, the arguments of the command, and the required result."""
 
     name: str
     text: str | bytes
     words: list[str]
-    # Points of the exact surface, and how far the fit may be from them.
+    # Points of the exact surface, and the allowed distance of the fit from them.
     exact: np.ndarray
     away: float
     outside: float
@@ -47,7 +47,7 @@ class Kind:
 
 
 def rows(points: np.ndarray, head: str = "") -> str:
-    """Lines of numbers; blank ones where there are several lists of points."""
+    """Lines of numbers, with blank lines between lists of points."""
     lists = points if isinstance(points, list) else [points]
     separate = "," if head else " "
     blocks = ["\n".join(separate.join(f"{x:.6f}" for x in point) for point in part) for part in lists]
@@ -114,7 +114,8 @@ def scans() -> list[Kind]:
         scan("pipe of 300°, turned", lambda n: turned(pipe(n, 300), axis, 40), (4 * NOISE, 0.03, 60)),
         scan("sphere", lambda n: sphere(n, 25), (4 * NOISE, 0.03, 120), (True, False)),
         scan("ragged", lambda n: ragged(n, 12), (4 * NOISE, 0.03, 60)),
-        # The plane nearest to them is not that of x and y, and corners of its rectangle are beyond the highest point.
+        # The plane nearest to them is not that of x and y, and corners of its rectangle are above
+        # the highest point.
         scan("ragged, higher", lambda n: ragged(n, 25), (4 * NOISE, 0.07, 80)),
         Kind("steep heights", rows(steep(4000)), auto(0.005), steep(400), 0.01, 0.03, 400),
     ]
@@ -150,7 +151,7 @@ def terrain() -> list[Kind]:
 
 
 def sections(turn: float, mixed: bool) -> Kind:
-    """Closed sections with numbers of points of their own, which begin anywhere and may go either way around."""
+    """Closed sections with different numbers of points, start points and directions."""
 
     def section(k: float, angle: np.ndarray) -> np.ndarray:
         a, b = 6 + 1.5 * np.sin(k), 4 + 0.8 * k
@@ -212,12 +213,12 @@ class Fit:
         normal = normals[nearest]
         lengths = np.linalg.norm(normal, axis=1)
         along = np.abs(((some - self.samples.reshape(-1, 3)[nearest]) * normal).sum(axis=1)) / np.maximum(lengths, 1e-300)
-        # At a pole there is no normal, and beyond a border the distance is that from it.
+        # At a pole there is no normal, and beyond a border the distance is that from the border.
         beyond = (lengths < 1e-12) | (gap > 3 * np.sqrt(lengths) + along)
         return float(np.where(beyond, gap, along).max())
 
     def outside(self, points: np.ndarray) -> float:
-        """How far the surface leaves the box of points, as a part of its diagonal."""
+        """The excess of the surface over the bounding box of points, relative to its diagonal."""
         low, high = points.min(axis=0), points.max(axis=0)
         samples = self.samples.reshape(-1, 3)
         beyond = np.maximum(low - samples.min(axis=0), samples.max(axis=0) - high)
@@ -225,7 +226,7 @@ class Fit:
 
 
 def check(program: str, folder: str, kind: Kind) -> list[str]:
-    """What is wrong with the fit of a file."""
+    """The errors of the fit of a file."""
     source, stem = os.path.join(folder, "points" + kind.suffix), os.path.join(folder, "result")
     with open(source, "wb") as file:
         file.write(kind.text if isinstance(kind.text, bytes) else kind.text.encode())

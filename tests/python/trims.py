@@ -1,4 +1,5 @@
-"""Trims surfaces of a real server to their data, and measures what OpenCASCADE and trimesh read of the files.
+"""Trims surfaces of a real server to their data, and measures the files with OpenCASCADE and
+trimesh.
 
     trims.py PROGRAM                # the server to start, such as target/debug/piad
 
@@ -21,9 +22,9 @@ from OCP.TopAbs import TopAbs_FACE, TopAbs_WIRE
 import cad
 from over_http import fetch, server
 
-# Areas of exact surfaces, and of triangles, as parts of the area of the result.
+# Deviations of areas of exact surfaces and of triangles, relative to the area of the result.
 EXACT, MESH = 3e-4, 1e-2
-# The points whose distances from the files are measured, which takes milliseconds each.
+# The number of points whose distances are measured, which takes milliseconds each.
 MEASURED = 300
 
 
@@ -98,7 +99,7 @@ def places(surface: dict) -> np.ndarray:
 
 
 def measure(path: str, trim: dict, points: np.ndarray, error: float, name: str) -> str:
-    """Checks a file of a CAD system, and says what it has."""
+    """Checks a CAD file and describes it."""
     file = cad.CadFile(path, None)
     faces, wires = (cad.explore(file.shape, kind) for kind in (TopAbs_FACE, TopAbs_WIRE))
     assert BRepCheck_Analyzer(file.shape).IsValid(), f"{name}: {path} is not valid"

@@ -1,8 +1,10 @@
-// The fit of a curve over gRPC, from proto/piad/v1/fitting.proto alone: no JSON, and no piad.hpp.
+// Fits a curve over gRPC with code generated from proto/piad/v1/fitting.proto, without JSON or
+// piad.hpp.
 //
 //     grpc [HOST:PORT]         # such as 127.0.0.1:8080; a token is taken from PIAD_TOKEN
 //
-// When the connection breaks or the server stops, the job is watched again after the last iteration that arrived.
+// If the connection breaks or the server stops, the stream resumes after the last iteration
+// received.
 
 #include <grpcpp/grpcpp.h>
 
@@ -25,7 +27,7 @@ namespace {
 
 namespace v1 = piad::v1;
 
-// A call is not credentials of TLS: without TLS a token goes as plain metadata.
+// Call credentials require TLS: without it a token is sent as plain metadata.
 void authorise(grpc::ClientContext& context) {
     if (const char* token = std::getenv("PIAD_TOKEN")) context.AddMetadata("authorization", std::string("Bearer ") + token);
 }
@@ -48,7 +50,7 @@ std::string random_key() {
     return std::to_string(device()) + "-" + std::to_string(device()) + "-" + std::to_string(device()) + "-" + std::to_string(device());
 }
 
-// A job; sent again with the same key this makes one job.
+// Creates a job; retries with the same key create no second one.
 v1::Job create(v1::FittingService::Stub& stub, const v1::JobInput& input) {
     v1::CreateJobRequest request;
     *request.mutable_input() = input;
@@ -66,7 +68,7 @@ v1::Job create(v1::FittingService::Stub& stub, const v1::JobInput& input) {
     return response.job();
 }
 
-// Follows a job up to its end, through broken connections; returns its last iteration.
+// Watches a job until it ends, across broken connections; returns its last iteration.
 v1::Iteration watch(v1::FittingService::Stub& stub, const std::string& id) {
     v1::Iteration last;
     std::optional<std::uint64_t> seen;
@@ -113,7 +115,7 @@ v1::FitResult result(v1::FittingService::Stub& stub, const std::string& id) {
 
 int main(int argc, char** argv) try {
     grpc::ChannelArguments arguments;
-    // Messages are as large as the data; the limit of gRPC is 4 MB otherwise.
+    // Messages are as large as the data; the default limit of gRPC is 4 MB.
     arguments.SetMaxReceiveMessageSize(-1);
     const auto channel = grpc::CreateCustomChannel(argc > 1 ? argv[1] : "127.0.0.1:8080", grpc::InsecureChannelCredentials(), arguments);
     const auto stub = v1::FittingService::NewStub(channel);

@@ -1,9 +1,9 @@
-// Fits a curve and a surface, follows the iterations, makes both in OpenCASCADE (7.6 or later), offsets them, checks the
-// offsets and writes all four as STEP.
+// Fits a curve and a surface, watches the iterations, converts both to OpenCASCADE (7.6 or later),
+// offsets them, checks the offsets and writes all four as STEP.
 //
 //     occt [URL [FILE]]        # such as http://127.0.0.1:8080 offsets.step; a token is taken from PIAD_TOKEN
 //
-// `to_curve` and `to_surface` are what another program takes from here.
+// Copy `to_curve` and `to_surface` into your own program.
 
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -47,7 +47,7 @@
 
 namespace {
 
-// Distinct knots and how often each occurs.
+// Distinct knots and their multiplicities.
 struct Knots {
     explicit Knots(const piad::Direction& direction) {
         if (direction.knots.empty()) throw std::invalid_argument("the basis " + direction.basis + " has no knots: ask for a B-spline or Bernstein basis");
@@ -67,7 +67,7 @@ struct Knots {
     std::vector<int> counts;
 };
 
-// The control point at this place. Points of the plane get z = 0.
+// The control point at this index. Plane points get z = 0.
 gp_Pnt pole(const piad::Geometry& geometry, std::size_t index) {
     const std::size_t dimension = geometry.dimension();
     double xyz[3] = {0, 0, 0};
@@ -86,7 +86,7 @@ Handle(Geom_BSplineCurve) to_curve(const piad::Geometry& geometry) {
         weights.SetValue(i, geometry.weights.empty() ? 1.0 : geometry.weights[index]);
     }
     const Knots knots(geometry.directions[0]);
-    // Equal weights make a polynomial B-spline.
+    // Equal weights yield a polynomial B-spline.
     return new Geom_BSplineCurve(poles, weights, knots.distinct(), knots.multiplicities(), geometry.degree());
 }
 
@@ -112,7 +112,7 @@ void require(bool condition, const std::string& what) {
     if (!condition) throw std::runtime_error(what);
 }
 
-// The last iteration of a fit, which is shown while it is computed.
+// Returns the last iteration of a fit and shows progress.
 piad::Iteration fitted(const piad::Client& client, const piad::Json& job) {
     piad::Iteration last;
     const auto end = client.watch(job, [&](const piad::Iteration& iteration) {
@@ -123,7 +123,7 @@ piad::Iteration fitted(const piad::Client& client, const piad::Json& job) {
     return last;
 }
 
-// A section through which a curve of the plane goes.
+// Sample points of a planar section.
 piad::Json section() {
     piad::Json points = piad::Json::array();
     for (int i = 0; i <= 40; ++i) points.push_back({i / 4.0, std::sin(i / 8.0)});
@@ -164,7 +164,7 @@ double error_of(const Handle(Geom_BSplineSurface) & surface, const piad::Json& r
 
 double between(double low, double high, int step, int steps) { return low + (high - low) * step / steps; }
 
-// The offset of a curve in its plane; everywhere at its distance.
+// The offset of a curve in its plane, checked to have this distance everywhere.
 Handle(Geom_OffsetCurve) offset(const Handle(Geom_BSplineCurve) & curve, double distance) {
     Handle(Geom_OffsetCurve) moved = new Geom_OffsetCurve(curve, distance, gp_Dir(0, 0, 1));
     for (int i = 0; i <= 500; ++i) {
@@ -174,14 +174,14 @@ Handle(Geom_OffsetCurve) offset(const Handle(Geom_BSplineCurve) & curve, double 
     return moved;
 }
 
-// The same as a B-spline: OpenCASCADE leaves offset curves out of STEP without a word.
+// Converts it to a B-spline: OpenCASCADE silently omits offset curves from STEP.
 Handle(Geom_BSplineCurve) as_bspline(const Handle(Geom_Curve) & curve, double tolerance) {
     const GeomConvert_ApproxCurve approximation(curve, tolerance, GeomAbs_C2, 1000, 8);
     require(approximation.HasResult() && approximation.MaxError() <= tolerance, "OpenCASCADE cannot approximate the offset of the curve");
     return approximation.Curve();
 }
 
-// The offset of a face: valid, and everywhere at its distance, the border included.
+// The offset of a face, checked to be valid and at this distance everywhere, including the border.
 TopoDS_Face offset(const TopoDS_Face& face, double distance) {
     BRepOffset_MakeOffset maker;
     maker.Initialize(face, distance, 1e-6, BRepOffset_Skin, Standard_False, Standard_False, GeomAbs_Arc);
@@ -210,7 +210,7 @@ int count(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
     return number;
 }
 
-// All shapes in one file, which is read again.
+// Writes all shapes to one file and reads it back.
 void write_step(const std::string& file, const std::vector<TopoDS_Shape>& shapes) {
     STEPControl_Writer writer;
     for (const auto& shape : shapes) require(writer.Transfer(shape, STEPControl_AsIs) == IFSelect_RetDone, "OpenCASCADE cannot translate to STEP");
@@ -219,7 +219,7 @@ void write_step(const std::string& file, const std::vector<TopoDS_Shape>& shapes
     require(reader.ReadFile(file.c_str()) == IFSelect_RetDone, "OpenCASCADE cannot read what it has written");
     reader.TransferRoots();
     require(count(reader.OneShape(), TopAbs_FACE) == 2, "the file has another number of faces");
-    // Each face has four.
+    // Each face has four edges.
     require(count(reader.OneShape(), TopAbs_EDGE) == 2 + 2 * 4, "the file has another number of edges");
 }
 
@@ -254,7 +254,7 @@ void run(const std::string& url, const std::string& file) {
 
 int main(int argc, char** argv) {
     try {
-        // OpenCASCADE tells much about its files.
+        // Silences the messages of OpenCASCADE.
         Message::DefaultMessenger()->RemovePrinters(STANDARD_TYPE(Message_PrinterOStream));
         run(argc > 1 ? argv[1] : "http://127.0.0.1:8080", argc > 2 ? argv[2] : "offsets.step");
         return 0;

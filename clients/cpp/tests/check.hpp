@@ -1,4 +1,4 @@
-// The least that tests need: CHECK and a list of tests.
+// A minimal test framework: CHECK and a list of tests.
 
 #ifndef PIAD_TESTS_CHECK_HPP
 #define PIAD_TESTS_CHECK_HPP
@@ -31,7 +31,7 @@ struct Registration {
     throw std::logic_error(message.str());
 }
 
-// The exception of this kind that `call` throws. A failure of the test if it throws none.
+// Returns the exception of this type thrown by `call`; fails the test if there is none.
 template <class Kind, class Call>
 Kind thrown(const char* file, int line, const Call& call) {
     try {

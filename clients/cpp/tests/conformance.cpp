@@ -1,5 +1,6 @@
-// conformance SCENARIO URL TOKEN: runs one scenario with the JSON document on stdin through the client alone, and
-// prints one JSON object. All clients of the project have this program; one test compares what they print.
+// conformance SCENARIO URL TOKEN: runs one scenario with the JSON document on stdin through the
+// client, and prints one JSON object. Each client of the project has this program; a test compares
+// their outputs.
 
 #include <chrono>
 #include <cstdio>
@@ -47,7 +48,7 @@ Json fit(const Scenario& scenario) {
     return fit_of(job);
 }
 
-// What a stream gives; `each` is called for each iteration.
+// Summarises a stream; `each` is called for each iteration.
 template <class Each>
 Json watched(const Scenario& scenario, const Each& each) {
     Json numbers = Json::array();

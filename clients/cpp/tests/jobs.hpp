@@ -32,14 +32,14 @@ inline piad::Json surface() {
     return {{"surface", {{"points", rows}}}};
 }
 
-// A fit that makes exactly so many iterations.
+// A fit with exactly this number of iterations.
 inline piad::Json iterations(std::uint64_t count, std::size_t size = 12) {
     auto job = curve(size);
     job["stop"] = {{"tolerance", 0}, {"max_iterations", count}};
     return job;
 }
 
-// A fit that goes on until somebody cancels it.
+// A fit that runs until it is cancelled.
 inline piad::Json endless() { return iterations(1000000000); }
 
 }  // namespace testing

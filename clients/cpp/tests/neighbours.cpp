@@ -1,5 +1,5 @@
-// The header beside headers that define macros with common names, as those of X11, Windows, macOS and OpenCASCADE do.
-// That the program links at all shows that it can be included in several files.
+// Includes the header with macros of common names, as in X11, Windows, macOS and OpenCASCADE.
+// Linking the program checks that it can be included in several files.
 
 #include <curl/curl.h>
 

@@ -1,4 +1,4 @@
-// A server that says what a test tells it to: one answer for each connection.
+// A server with scripted responses: one for each connection.
 
 #ifndef PIAD_TESTS_SCRIPTED_HPP
 #define PIAD_TESTS_SCRIPTED_HPP
@@ -23,10 +23,10 @@ namespace testing {
 
 class ScriptedServer {
 public:
-    // Writes an answer to the socket, which is closed afterwards.
+    // Writes a response to the socket, which is then closed.
     using Answer = std::function<void(int)>;
 
-    // The last answer is repeated for further connections.
+    // The last response is repeated for further connections.
     explicit ScriptedServer(std::vector<Answer> answers) : answers_(std::move(answers)) {
         listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
         sockaddr_in address{};
@@ -50,7 +50,7 @@ public:
 
     const std::string& url() const { return url_; }
 
-    // The heads and bodies that have arrived.
+    // The heads and bodies of the requests.
     std::vector<std::string> requests() const {
         const std::lock_guard<std::mutex> lock(mutex_);
         return requests_;
@@ -68,7 +68,7 @@ private:
         }
     }
 
-    // Reads a whole request, so that closing the socket does not reset the connection.
+    // Reads a complete request, so that closing the socket does not reset the connection.
     void receive(int peer) {
         std::string request;
         std::array<char, 4096> buffer{};
@@ -94,7 +94,7 @@ private:
     std::thread thread_;
 };
 
-// Writes all of it; false if nobody reads.
+// Writes all of it; returns false if the peer does not read.
 inline bool send_all(int peer, const std::string& text) {
     std::size_t sent = 0;
     while (sent < text.size()) {
@@ -105,14 +105,15 @@ inline bool send_all(int peer, const std::string& text) {
     return true;
 }
 
-// An answer with this status and body.
+// A response with this status and body.
 inline ScriptedServer::Answer says(const std::string& status, const std::string& body, const std::string& headers = "") {
     return [=](int peer) {
         send_all(peer, "HTTP/1.1 " + status + "\r\nConnection: close\r\nContent-Length: " + std::to_string(body.size()) + "\r\n" + headers + "\r\n" + body);
     };
 }
 
-// An event stream that breaks off after these events. The chunk is never complete, so that this is no end.
+// An event stream that disconnects after these events. Its chunk is incomplete, so this is not a
+// regular end.
 inline ScriptedServer::Answer streams(const std::string& events) {
     return [=](int peer) {
         send_all(peer, "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nTransfer-Encoding: chunked\r\n\r\nffffff\r\n" + events);

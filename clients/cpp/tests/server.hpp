@@ -19,7 +19,8 @@ namespace testing {
 
 class Server {
 public:
-    // `token`: what it asks for, if not empty. `store`: a file with its jobs, for a server that is to come back.
+    // `token`: required by the server, if not empty. `store`: a file of jobs, for a server that is
+    // restarted.
     explicit Server(std::string token = "", std::string store = ":memory:") : token_(std::move(token)), store_(std::move(store)) { start(); }
     ~Server() { stop(SIGKILL); }
     Server(const Server&) = delete;
@@ -27,17 +28,17 @@ public:
 
     std::string url() const { return "http://" + address_; }
 
-    // Ends the program by a signal.
+    // Terminates the server with a signal.
     void stop(int signal) {
         if (process_ <= 0) return;
         ::kill(process_, signal);
         ::waitpid(process_, nullptr, 0);
         process_ = 0;
-        // The end of the program is the end of its log.
+        // The log ends when the program ends.
         reader_.join();
     }
 
-    // Starts it again on the same port.
+    // Restarts it on the same port.
     void start() {
         std::array<int, 2> log{};
         if (::pipe2(log.data(), O_CLOEXEC) != 0) throw std::runtime_error("there is no pipe");
@@ -59,7 +60,7 @@ public:
         }
         ::close(log[1]);
         wait_for_address(log[0]);
-        // A log that nobody reads would stop the server in the end.
+        // A full pipe would block the server.
         reader_ = std::thread([file = log[0]] {
             std::array<char, 4096> buffer{};
             while (::read(file, buffer.data(), buffer.size()) > 0) {
@@ -93,7 +94,7 @@ private:
     std::thread reader_;
 };
 
-// One for all tests that need nothing special.
+// A shared server for tests without special needs.
 inline Server& server() {
     static Server one;
     return one;

@@ -1,4 +1,4 @@
-// Streams: what they leave out, breaks, restarts, slow readers and stop tokens.
+// Streams: skipped iterations, broken connections, restarts, slow readers and stop tokens.
 
 #include <algorithm>
 #include <atomic>
@@ -58,7 +58,8 @@ std::string iteration(int number, const std::string& id = "") {
 
 const std::string end = event("end", "end", R"({"state":"converged","reason":null,"detail":null,"iterations":3,"error":null,"elapsed":0.5,"links":null})");
 
-// Stops `call` from another thread after this time; checks that it throws `Stopped` soon, and returns how soon.
+// Cancels `call` from another thread after this time; checks that it throws `Stopped` soon and
+// returns the delay.
 template <class Call>
 double stopped_after(milliseconds time, const Call& call) {
     const piad::StopSource source;
@@ -217,7 +218,7 @@ TEST(exceptions_of_the_function_are_thrown_on) {
     CHECK_EQUAL(std::string(THROWN(piad::ConnectionLost, client().watch(testing::curve(), lost)).what()), "mine");
     CHECK_EQUAL(calls, 1);
     THROWN(int, client().watch(testing::curve(), [](const Iteration&) { throw 7; }));
-    // Others can be asked meanwhile.
+    // Other requests work meanwhile.
     std::string state;
     client().watch(testing::curve(), [&](const Iteration&) { state = client().fit(testing::curve(4)).state; });
     CHECK_EQUAL(state, "converged");
@@ -275,7 +276,8 @@ TEST(a_slow_function_holds_the_server_back) {
         during = sent;
         return false;
     });
-    // What the buffers of the kernel hold, at both ends; without limit it would be hundreds of megabytes.
+    // The size of the kernel's buffers at both ends; unbounded reading would take hundreds of
+    // megabytes.
     CHECK(during < (32u << 20));
 }
 
@@ -289,7 +291,7 @@ TEST(stopped_in_the_middle_of_a_stream) {
     });
     CHECK(count > 0);
     CHECK(busy < 0.5);
-    // Where nothing arrives.
+    // While nothing arrives.
     const ScriptedServer silent({[](int peer) {
         streams(described() + iteration(0))(peer);
         std::array<char, 1> byte{};
@@ -312,7 +314,7 @@ TEST(stopped_while_waiting) {
         options.stop = token;
         client().create(testing::endless(), options);
     }) < 0.5);
-    // The pause before another attempt.
+    // The delay before a retry.
     const ScriptedServer busy({testing::says("503 Service Unavailable", "", "Retry-After: 30\r\n")});
     CHECK(stopped_after(milliseconds(200), [&](const piad::StopToken& token) { Client(busy.url()).job("j", token); }) < 0.5);
     const auto begin = Clock::now();
@@ -332,7 +334,7 @@ TEST(a_server_that_is_killed_and_comes_back) {
     const auto end = client.watch(testing::iterations(4000, 200), [&](const Iteration& one) {
         numbers.push_back(one.number);
         if (one.number != 5) return;
-        // Killed while the stream is read; the next iterations are perhaps still on their way.
+        // Killed while the stream is read; further iterations may be in transit.
         server.stop(SIGKILL);
         restart = std::async(std::launch::async, [&] {
             std::this_thread::sleep_for(milliseconds(300));
@@ -342,7 +344,7 @@ TEST(a_server_that_is_killed_and_comes_back) {
     restart.get();
     CHECK_EQUAL(end->state, "exhausted");
     CHECK(is_complete(numbers, 4000));
-    // A server that stops as it should ends its streams without an end of the job.
+    // A server that shuts down ends its streams without an `end` event.
     auto job = client.create(testing::iterations(20000, 200));
     std::vector<std::uint64_t> others;
     job.watch([&](const Iteration& one) {

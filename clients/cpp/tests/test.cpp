@@ -1,4 +1,4 @@
-// Fits, jobs and what can be done with them, on a real server. Runs all tests, or those named.
+// Fits, jobs and their operations, on a real server. Runs all tests, or those named.
 
 #include <algorithm>
 #include <chrono>
@@ -36,7 +36,7 @@ TEST(a_curve) {
     CHECK_EQUAL(result.knots().size(), 14u + 3u + 1u);
     CHECK(result.weights.empty());
     CHECK_EQUAL(result.directions[0].parameters.size(), 12u);
-    // A clamped curve begins at its first data point.
+    // A clamped curve starts at its first data point.
     CHECK_EQUAL(result.control_points[0], 0.0);
     CHECK_EQUAL(result.control_points[2], 1.0);
 }
@@ -274,7 +274,7 @@ TEST(tokens) {
     auto job = Client(server.url(), options).create(testing::curve());
     CHECK_EQUAL(job.wait().state, "converged");
     CHECK(!job.ticket().empty());
-    // A server without tokens has no tickets.
+    // A server without tokens issues no tickets.
     auto open = client().create(testing::curve());
     CHECK_EQUAL(THROWN(piad::ApiError, open.ticket()).type, "/problems/no-tickets");
 }

@@ -1,9 +1,10 @@
-// A component of Grasshopper that fits a curve while the definition stays usable: the fit runs on the server, its
-// iterations are shown as they arrive, at most 20 times a second, and new inputs cancel the fit before.
+// A Grasshopper component that fits a curve without blocking the definition: the fit runs on the
+// server, its iterations are shown as they arrive, at most 20 times a second, and new inputs cancel
+// the previous fit.
 //
-// Compile it with Piad.cs and the symbol PIAD_RHINO into a .gha (README.md says how). It could not be run in Grasshopper
-// where it is developed: it is compiled against stubs of the signatures, and its logic (starting, cancelling,
-// showing, failing) is tested with them; parameters, icons and the thread of the window are not.
+// Compile it with Piad.cs and the symbol PIAD_RHINO into a .gha (see README.md). It is tested
+// against stubs of Grasshopper: starting, cancelling, showing and failing; parameters, icons and
+// the user interface thread are not tested.
 
 using System;
 using System.Collections.Generic;
@@ -22,14 +23,14 @@ namespace PiadExamples
     {
         private const int MillisecondsBetweenPictures = 50;
 
-        // What the thread of a fit and that of the window share.
+        // State shared by the fit and the user interface thread.
         private readonly object gate = new object();
         private Fit fit;
 
         /// <summary>Called by Grasshopper.</summary>
         public GrasshopperFit() : base("Piad fit", "Fit", "Fits a curve through points, iteration by iteration", "Curve", "Spline") { }
 
-        /// <summary>The id of the component, which stays the same for ever.</summary>
+        /// <summary>The id of the component, which never changes.</summary>
         public override Guid ComponentGuid { get { return new Guid("6d8f2a0c-9c0e-4f4b-8a4e-3c2c6f6f51d7"); } }
 
         /// <summary>Ends the fit with the component.</summary>
@@ -52,7 +53,7 @@ namespace PiadExamples
             pManager.AddPointParameter("Points", "P", "Data points, in order", GH_ParamAccess.list);
             pManager.AddIntegerParameter("Degree", "D", "Degree of the B-spline", GH_ParamAccess.item, 3);
             pManager.AddNumberParameter("Tolerance", "T", "Largest allowed distance from a point", GH_ParamAccess.item, 0.001);
-            pManager.AddBooleanParameter("Closed", "C", "Whether the curve is periodic", GH_ParamAccess.item, false);
+            pManager.AddBooleanParameter("Closed", "C", "True if the curve is periodic", GH_ParamAccess.item, false);
             pManager.AddTextParameter("Server", "S", "Address of the server", GH_ParamAccess.item, "http://127.0.0.1:8080");
             pManager.AddTextParameter("Token", "K", "Token of the server, if it asks for one", GH_ParamAccess.item);
             pManager[5].Optional = true;
@@ -67,12 +68,14 @@ namespace PiadExamples
             pManager.AddTextParameter("State", "S", "running, converged, exhausted, stalled, failed or cancelled", GH_ParamAccess.item);
         }
 
-        /// <summary>Starts a fit where the inputs are new, and gives what is known. It never waits.</summary>
+        /// <summary>Starts a fit for new inputs and outputs the latest state. Never
+        /// blocks.</summary>
         protected override void SolveInstance(IGH_DataAccess DA)
         {
             if (DA.Iteration > 0)
             {
-                // There is one fit for a component: a second list would cancel that of the first one again and again.
+                // A component has one fit: a second list would cancel that of the first one
+                // repeatedly.
                 AddRuntimeMessage(GH_RuntimeMessageLevel.Warning, "only the first list of points is fitted: use a component for each");
                 return;
             }
@@ -125,7 +128,7 @@ namespace PiadExamples
             return started;
         }
 
-        // Cancels the fit before.
+        // Cancels the previous fit.
         private void Start(Fit next)
         {
             Fit last;
@@ -149,8 +152,8 @@ namespace PiadExamples
                     {
                         Degree = run.Inputs.Degree, Tolerance = run.Inputs.Tolerance, Closed = run.Inputs.Closed,
                     };
-                    // Iterations that come faster than they can be shown are left out by the server, and a fit that
-                    // nobody looks at any more ends with its connection.
+                    // The server skips iterations that arrive faster than they are shown, and an
+                    // abandoned fit ends with its connection.
                     var options = new WatchOptions { View = "control_points", Pace = "latest", CancelOnDisconnect = true };
                     var sincePicture = Stopwatch.StartNew();
                     JobEnd end = await client.CreateStream(request, options).ForEachAsync(async iteration =>
@@ -181,7 +184,7 @@ namespace PiadExamples
             Show(run);
         }
 
-        // Solutions are expired on the thread of the window, if the fit is still the one that is wanted.
+        // Expires the solution on the user interface thread, if the fit is still current.
         private void Show(Fit run)
         {
             Rhino.RhinoApp.InvokeOnUiThread((Action)(() =>

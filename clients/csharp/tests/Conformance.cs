@@ -1,5 +1,5 @@
-// The program that all clients of piad have: `conformance SCENARIO URL TOKEN` reads a JSON document from standard
-// input, talks to the server through Piad.cs alone, and prints one JSON object.
+// The conformance program of this client: `conformance SCENARIO URL TOKEN` reads a JSON document
+// from standard input, talks to the server through Piad.cs, and prints one JSON object.
 
 using System;
 using System.Collections.Generic;
@@ -31,7 +31,7 @@ public static class Conformance
         }
         finally
         {
-            // Mono aborts its thread of timers at the end, and crashes if that is just sorting them.
+            // Mono aborts its timer thread at exit, and crashes if that is sorting its timers.
             Thread.Sleep(100);
         }
     }
@@ -89,7 +89,7 @@ public static class Conformance
             PiadJob job = await client.JobAsync(stream.JobId);
             await job.CancelAsync();
             string state = job.State;
-            // Again, which changes nothing.
+            // Repeated, without effect.
             await job.CancelAsync();
             return new JObject { { "state", state }, { "again", job.State } };
         }

@@ -1,4 +1,4 @@
-// The tests: every method of a group is one. Usage: tests PROGRAM [NAME…]
+// The tests: each method of a group is one. Usage: tests PROGRAM [NAME…]
 
 using System;
 using System.Collections.Generic;
@@ -86,7 +86,7 @@ public static class Tests
     }
 }
 
-/// <summary>What comes out of fits.</summary>
+/// <summary>Results of fits.</summary>
 public static class FitTests
 {
     public static async Task ACurveIsThatOfTheOneRequestFit(Server server)
@@ -328,7 +328,7 @@ public static class FitTests
         }
     }
 
-    /// <summary>Asks for pages of two jobs.</summary>
+    /// <summary>Requests pages of two jobs.</summary>
     private sealed class Smaller : System.Net.Http.DelegatingHandler
     {
         public Smaller(System.Net.Http.HttpMessageHandler inner) : base(inner) { }

@@ -1,4 +1,5 @@
-// The adapters and the component of Grasshopper with stubs of their hosts: what is passed on, not what hosts make of it.
+// The adapters and the Grasshopper component with stubs of their hosts: checks the values passed to
+// the hosts.
 
 using System;
 using System.Collections.Concurrent;
@@ -12,7 +13,7 @@ using Piad;
 using PiadExamples;
 using Rhino.Geometry;
 
-/// <summary>What hosts are given.</summary>
+/// <summary>Values passed to hosts.</summary>
 public static class HostTests
 {
     public static async Task RhinoGetsKnotsWithoutTheFirstAndTheLast(Server server)
@@ -93,7 +94,7 @@ public static class HostTests
             Check.Equal(10, (await client.JobsAsync("converged")).Single().Json.Value<int>("points"), "points of the new fit");
             var time = Stopwatch.StartNew();
             while ((await client.JobsAsync("running")).Count > 0 && time.Elapsed < TimeSpan.FromSeconds(20)) await Task.Delay(50);
-            Check.Equal(0, (await client.JobsAsync("running")).Count, "fits that nobody looks at");
+            Check.Equal(0, (await client.JobsAsync("running")).Count, "abandoned fits");
         }
     }
 

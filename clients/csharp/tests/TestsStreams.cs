@@ -1,4 +1,4 @@
-// Streams: what they show, and how they go on.
+// Streams: content and resumption.
 
 using System;
 using System.Collections.Generic;
@@ -11,7 +11,7 @@ using System.Threading.Tasks;
 using Newtonsoft.Json.Linq;
 using Piad;
 
-/// <summary>What streams show.</summary>
+/// <summary>Content of streams.</summary>
 public static class StreamTests
 {
     public static async Task EachIterationComesOnceAndInOrder(Server server)
@@ -30,7 +30,7 @@ public static class StreamTests
             Check.Same(Enumerable.Range(0, (int)end.Iterations + 1).Select(k => (long)k), numbers, "numbers");
             FitResult result = await (await client.JobAsync(stream.JobId)).ResultAsync();
             Check.Same(Tests.Flat(result.Curve.ControlPoints), Tests.Flat(last.Curve.ControlPoints), "control points of the last");
-            Check.That(last.Rate < 1 && last.Predicted >= last.Number && last.Moved > 0, "the last iteration tells its rate");
+            Check.That(last.Rate < 1 && last.Predicted >= last.Number && last.Moved > 0, "the last iteration has its rate");
         }
     }
 
@@ -268,7 +268,7 @@ public static class StreamTests
                 most = Math.Max(most, GC.GetTotalMemory(true) - before);
                 sent += iteration.Curve.ControlPoints.Length * 32;
             });
-            // The collector of Mono keeps some that nobody has any more.
+            // The garbage collector of Mono retains some unreachable objects.
             Check.That(sent > 30000000 && most < 16000000, most + " bytes are held of a stream of " + sent);
         }
     }
@@ -329,7 +329,7 @@ public static class StreamTests
     }
 }
 
-/// <summary>Connections that break, and servers that stop.</summary>
+/// <summary>Broken connections and stopped servers.</summary>
 public static class BreakTests
 {
     public static async Task CutStreamsGoOn(Server server)
@@ -343,7 +343,7 @@ public static class BreakTests
             Check.Equal("POST /v1/jobs/stream", relay.Requests[0], "the first request");
             Check.Equal(4, relay.Requests.Count(request => request.Contains("stream") || request.Contains("events")), "connections");
             int[] after = relay.LastIds.Skip(1).Take(3).Select(int.Parse).ToArray();
-            Check.That(after[0] > 0 && after[1] > after[0] && after[2] > after[1], "streams go on after an iteration: " + string.Join(", ", after));
+            Check.That(after[0] > 0 && after[1] > after[0] && after[2] > after[1], "streams resume after an iteration: " + string.Join(", ", after));
         }
     }
 
@@ -448,7 +448,7 @@ public static class BreakTests
             using (var client = new PiadClient(own.Url, new PiadOptions { HttpMessageHandler = relay }))
             {
                 bool ended = false;
-                // More than what is on its way when the server ends.
+                // More than is in transit when the server ends.
                 await CheckCompleteAsync(client, new CurveRequest(Tests.Wave(10000)) { Tolerance = 1e-12 }, async iteration =>
                 {
                     if (iteration.Number < 5 || ended) return;

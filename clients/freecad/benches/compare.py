@@ -1,6 +1,7 @@
-"""The workbench beside FreeCAD's approxSurface on three clouds, as a table: `clients/freecad/run compare`.
+"""Compares the workbench with FreeCAD's approxSurface on three point clouds: `clients/freecad/run
+compare`.
 
-Each measurement is a FreeCAD of its own, so that it can be ended: `PIAD_CASE` says which one.
+Each measurement runs in its own FreeCAD process, so that it can be ended: `PIAD_CASE` selects it.
 """
 
 import json
@@ -22,13 +23,14 @@ from scipy.spatial import cKDTree
 from freecad.piad_workbench import fitting, points, server, shape
 from freecad.piad_workbench.settings import defaults
 
-# Seconds for one surface.
+# Time limit for one surface, in seconds.
 LIMIT = 60
 POLES = (8, 12, 16, 24, 32, 48, 60)
 
 
 def sphere():
-    """10,000 points of a patch of a sphere with a radius of 50 mm, as a scanner would: with noise of 0.02 mm."""
+    """10,000 points of a spherical patch with a radius of 50 mm, with noise of 0.02 mm as of a
+    scanner."""
     rng = random.Random(1)
     values = []
     for _ in range(10000):
@@ -47,7 +49,8 @@ def elevations():
 
 
 def blade():
-    """The corners of a mesh of the suction side of a twisted blade: 120 mm high, 40 to 24 mm wide, 2,501 of them."""
+    """The 2,501 vertices of a mesh of the suction side of a twisted blade: 120 mm high, 40 to 24 mm
+    wide."""
     rows, columns = 41, 61
     corners = [[_blade(i / (columns - 1), j / (rows - 1)) for i in range(columns)] for j in range(rows)]
     facets = []
@@ -60,7 +63,7 @@ def blade():
 
 
 def _blade(along, up):
-    """A NACA section with 10 % of thickness and a bent mean line, dense at both ends."""
+    """A NACA section with 10 % thickness and a curved mean line, dense at both ends."""
     x = (1 - math.cos(math.pi * along)) / 2
     y = 0.5 * (0.2969 * math.sqrt(x) - 0.126 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4) + 0.3 * x * (1 - x)
     chord, twist = 40 * (1 - 0.4 * up), math.radians(20 + 35 * up)
@@ -104,8 +107,8 @@ def by_freecad(obj, u, v):
 def farthest(surface, obj):
     """The largest distance of all points from the nearest points of the surface.
 
-    Newton's steps from the nearest of 300 × 300 samples: where they miss the nearest point the distance
-    is too large, never too small.
+    Newton's method from the nearest of 300 × 300 samples: if it misses the nearest point, the
+    distance is too large, never too small.
     """
     u0, u1, v0, v1 = surface.bounds()
     places = [(u, v) for u in numpy.linspace(u0, u1, 300) for v in numpy.linspace(v0, v1, 300)]
@@ -144,12 +147,12 @@ def measure(case):
 
 
 def apart(**case):
-    """A measurement in a FreeCAD of its own; None if it takes too long or fails."""
+    """A measurement in a separate FreeCAD process; None if it takes too long or fails."""
     with tempfile.TemporaryDirectory() as folder:
         result = os.path.join(folder, "result")
         environment = {**os.environ, "PIAD_CASE": json.dumps(case), "PIAD_RESULT": result}
         try:
-            # Distances are measured as well, which takes longer than the surface.
+            # Measuring distances takes longer than the surface.
             subprocess.run(["freecadcmd", __file__], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, timeout=3 * LIMIT)
             with open(result) as file:
                 return json.load(file)

@@ -1,4 +1,4 @@
-"""What tests need of FreeCAD: panels that are clicked through, servers, screenshots."""
+"""Test helpers for FreeCAD: clicks in panels, servers, screenshots."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from freecad.piad_workbench.panel import FitPanel
 
 PROGRAM = os.environ["PIAD_PROGRAM"]
 PICTURES = os.environ["PIAD_PICTURES"]
-PATIENCE = 120.0
+TIMEOUT = 120.0
 
 
 def turn(seconds: float = 0.0) -> None:
-    """Lets FreeCAD work."""
+    """Processes events of FreeCAD."""
     end = time.monotonic() + seconds
     while True:
         QtGui.QApplication.processEvents()
@@ -36,20 +36,20 @@ def turn(seconds: float = 0.0) -> None:
 
 
 def until(condition: Callable[[], Any], what: str = "") -> Any:
-    """Lets FreeCAD work until something is the case."""
-    end = time.monotonic() + PATIENCE
+    """Processes events of FreeCAD until a condition holds."""
+    end = time.monotonic() + TIMEOUT
     while True:
         turn()
         found = condition()
         if found:
             return found
         if time.monotonic() > end:
-            raise AssertionError(f"not within {PATIENCE} s: {what or condition}")
+            raise AssertionError(f"not within {TIMEOUT} s: {what or condition}")
         time.sleep(0.005)
 
 
 class Server:
-    """A server of its own, which can be killed."""
+    """A server that can be killed."""
 
     def __init__(self) -> None:
         command = [PROGRAM, "--listen", "127.0.0.1:0", "--store", ":memory:"]
@@ -69,7 +69,7 @@ class Server:
 
 
 class WorkbenchTest(unittest.TestCase):
-    """A document and the program that the workbench starts."""
+    """A document and the program of the workbench."""
 
     server: Any = None
     """A `Server` that ends with the test."""
@@ -117,7 +117,7 @@ class WorkbenchTest(unittest.TestCase):
         return panel()
 
     def picture(self, name: str) -> None:
-        """The window, as a person sees it."""
+        """A screenshot of the window."""
         turn(0.2)
         screen = QtGui.QApplication.primaryScreen()
         screen.grabWindow(0).save(os.path.join(PICTURES, f"{name}.png"))
@@ -136,12 +136,12 @@ _panels: list[Any] = []
 
 
 def panel() -> Any:
-    """The panel that was opened last, which FreeCAD does not tell."""
+    """The panel that was opened last, which FreeCAD does not expose."""
     return _panels[-1] if _panels else None
 
 
 def _remember(kind: type) -> None:
-    """Has a class of panels tell what it makes."""
+    """Records the instances of a class of panels."""
     make = kind.__init__
 
     def making(self: Any, *arguments: Any, **named: Any) -> None:
@@ -165,7 +165,7 @@ def button(name: str) -> Any:
 
 
 def preferences(**values: str) -> None:
-    """Sets the preferences of the workbench; those that are not given are empty."""
+    """Sets the preferences of the workbench; others are empty."""
     group = App.ParamGet(server.PREFERENCES)
     for name in ("Server", "Token", "Program"):
         group.SetString(name, values.get(name, ""))
@@ -177,10 +177,10 @@ def wave(count: int = 60) -> list[tuple[float, float, float]]:
 
 
 def dome(count: int = 2000, noise: float = 0.0) -> list[tuple[float, float, float]]:
-    """A part of a sphere of radius 50, scattered as by a scanner, the same every time."""
+    """Part of a sphere of radius 50, scattered as by a scanner, deterministic."""
     points = []
     for i in range(count):
-        # Points of a sequence that fills the square evenly (Roberts' R2), and of one for the noise.
+        # A low-discrepancy sequence (Roberts' R2) for positions, and one for the noise.
         x, y, e = ((i * step) % 1 - 0.5 for step in (0.7548776662466927, 0.5698402909980532, 0.6180339887498949))
         radius = 50 + 2 * noise * e
         z = math.sqrt(1 - x * x - y * y)
@@ -195,7 +195,8 @@ def viewport() -> Any:
 
 
 def mouse(kind: str, place: tuple[int, int]) -> None:
-    """An event of the left button: press, move or release. Places count from the lower left corner."""
+    """An event of the left button: press, move or release. Positions count from the lower left
+    corner."""
     kinds = {
         "press": (QtCore.QEvent.MouseButtonPress, QtCore.Qt.LeftButton, QtCore.Qt.LeftButton),
         "move": (QtCore.QEvent.MouseMove, QtCore.Qt.NoButton, QtCore.Qt.LeftButton),
@@ -203,7 +204,7 @@ def mouse(kind: str, place: tuple[int, int]) -> None:
     }
     what, button_, buttons = kinds[kind]
     target = viewport()
-    # Pixels of the scene are not those of the widget on every screen.
+    # Pixels of the scene may differ from those of the widget.
     width, height = Gui.ActiveDocument.ActiveView.getSize()
     position = QtCore.QPointF(place[0] * target.width() / width, (height - 1 - place[1]) * target.height() / height)
     event = QtGui.QMouseEvent(what, position, button_, buttons, QtCore.Qt.NoModifier)

@@ -1,6 +1,6 @@
-"""Runs the tests inside of FreeCAD, when its window is there: `freecad inside.py`.
+"""Runs the tests inside FreeCAD, once its window is open: `freecad inside.py`.
 
-PIAD_TESTS are names of tests (all without it), PIAD_RESULT is the file for what has come of them.
+PIAD_TESTS are names of tests (default: all), PIAD_RESULT is the file for the result.
 """
 
 import os
@@ -15,7 +15,8 @@ sys.path.insert(0, FOLDER)
 
 
 def main() -> None:
-    """The status is 0 if all tests have passed. FreeCAD itself would ask about open documents at its end."""
+    """Exits with status 0 if all tests passed. A regular exit of FreeCAD would ask about open
+    documents."""
     status = 1
     with open(os.environ["PIAD_RESULT"], "w") as result:
         try:

@@ -1,4 +1,4 @@
-"""The object in a document: what it keeps, and when it fits again."""
+"""The object in a document: stored properties, and refitting."""
 
 import os
 import tempfile

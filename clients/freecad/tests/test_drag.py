@@ -22,7 +22,7 @@ class Drags(WorkbenchTest):
         return panel
 
     def place(self, point):
-        """Where a point is on the screen, once the view stands still: the panel takes room from it."""
+        """The position of a point on the screen, after the panel has resized the view."""
         seen = []
 
         def stands_still():
@@ -34,7 +34,7 @@ class Drags(WorkbenchTest):
         return seen[-1]
 
     def drag(self, panel, index, by, steps=4):
-        """Takes a point so many pixels along."""
+        """Drags a point by this number of pixels."""
         x, y = self.place(panel.positions()[index])
         mouse("move", (x, y))
         mouse("press", (x, y))

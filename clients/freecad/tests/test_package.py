@@ -1,4 +1,4 @@
-"""What the add-on manager and translators get."""
+"""Files for the add-on manager and translators."""
 
 import glob
 import os

@@ -1,4 +1,4 @@
-"""The panel of a fit, clicked through."""
+"""The panel of a fit, operated by clicks."""
 
 import math
 
@@ -170,7 +170,7 @@ class Surfaces(WorkbenchTest):
         button("OK").click()
         obj = self.document.Objects[-1]
         self.assertNear(obj.Shape, points[::40], obj.Tolerance.Value * (1 + 1e-9))
-        # The surface ends where the points do, and has no wings.
+        # The surface ends at the points, without overshoot.
         self.assertLess(obj.Shape.BoundBox.DiagonalLength, 1.1 * panel.points.size)
         obj.ViewObject.ShowErrors = True
         self.picture("surface_done")

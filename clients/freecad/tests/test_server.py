@@ -1,4 +1,4 @@
-"""Servers that are not there, go away, or refuse."""
+"""Servers that are missing, stop, or reject requests."""
 
 from PySide import QtGui
 

@@ -1,4 +1,4 @@
-"""From a scanned mesh to a trimmed face: the tutorial "Fit a trimmed face to a mesh" of docs/FITTING.md."""
+"""From a scanned mesh to a trimmed face: the tutorial "Fit a trimmed face to a mesh" of docs/tutorials/mesh-to-step.md."""
 
 import math
 import os

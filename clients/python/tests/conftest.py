@@ -18,7 +18,7 @@ PROGRAM = os.environ.get("PIAD_PROGRAM", str(ROOT / "target" / "debug" / "piad")
 
 
 class Server:
-    """A server that can be killed and started again with the same data at the same address."""
+    """A server that can be killed and restarted with the same data at the same address."""
 
     def __init__(self, store: str, *flags: str, token: str = ""):
         self._store, self._flags = store, flags
@@ -40,13 +40,13 @@ class Server:
             found = re.search(r"listening on https?://([^\s\"]+)", line)
             if found:
                 self.address = found.group(1)
-                # A full pipe would stop the server.
+                # A full pipe would block the server.
                 threading.Thread(target=self._process.stderr.read, daemon=True).start()
                 return
         raise AssertionError(f"{PROGRAM} has not started")
 
     def kill(self) -> None:
-        """SIGKILL: nothing is said to anybody."""
+        """Sends SIGKILL: connections are not closed cleanly."""
         self._process.kill()
         self._process.wait()
 

@@ -1,4 +1,4 @@
-"""The client for event loops does what the other one does; tasks that are cancelled leave nothing open."""
+"""The asynchronous client behaves like the blocking one; cancelled tasks leave nothing open."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def test_all_methods(server: Server, tmp_path: Path) -> None:
     with_client(server, work)
 
 
-def test_mistakes_are_the_same(server: Server) -> None:
+def test_errors_are_the_same(server: Server) -> None:
     async def work(client: piad.AsyncClient) -> None:
         with pytest.raises(piad.ApiError) as refused:
             await client.create([[0, 0], [1, 1], [1, 1], [2, 0]])
@@ -115,19 +115,19 @@ def test_mistakes_are_the_same(server: Server) -> None:
         assert wrong.value.problem.errors[0].parameter == "every"
         with pytest.raises(piad.WaitTimeout):
             await (await client.create(MANY, **ENDLESS)).wait(0.05)
-        # The warning is about the line that asks for the fit.
-        with warnings.catch_warnings(record=True) as told:
+        # The warning refers to the line that requests the fit.
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             await client.fit(MANY, basis="bernstein", max_iterations=2)
-        assert [(it.category, it.filename) for it in told] == [(piad.NotConverged, __file__)]
-        # Also where a task of its own runs it, which has no caller.
-        with warnings.catch_warnings(record=True) as told:
+        assert [(it.category, it.filename) for it in caught] == [(piad.NotConverged, __file__)]
+        # Also in a task of its own, which has no caller.
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             task = asyncio.create_task(client.fit(MANY, basis="bernstein", max_iterations=2))
             line = inspect.currentframe().f_lineno - 1  # type: ignore[union-attr]
             await asyncio.gather(task, asyncio.wait_for(client.fit(MANY, basis="bernstein", max_iterations=3), 30))
-        # Either of the two may end first.
-        assert sorted((it.filename, it.lineno) for it in told) == [(__file__, line), (__file__, line + 2)]
+        # Either may end first.
+        assert sorted((it.filename, it.lineno) for it in caught) == [(__file__, line), (__file__, line + 2)]
 
     with_client(server, work)
     with pytest.raises(ValueError, match="one attempt"):
@@ -148,8 +148,8 @@ def test_where_nobody_listens_is_known_soon() -> None:
 
 
 class Flaky(httpx.AsyncBaseTransport):
-    """Answers from a list first, then the real ones; an exception is a broken connection after the
-    request has arrived.
+    """Serves responses from a list first, then real ones; an exception is a connection that breaks after the request
+    arrived.
     """
 
     def __init__(self, *answers: httpx.Response | httpx.TransportError):
@@ -181,7 +181,7 @@ def test_lost_answers_make_one_job(server: Server, client: piad.Client) -> None:
 
 @pytest.mark.parametrize("changed", [False, True])
 def test_streams_survive_kills(durable_server: Server, changed: bool) -> None:
-    """SIGKILL in mid-stream, twice, while another task waits for the job."""
+    """Kills the server twice in mid-stream while another task waits for the job."""
 
     async def work(client: piad.AsyncClient) -> None:
         job = await client.create(MANY, basis="bernstein", relative_tolerance=1e-15, max_iterations=3000)
@@ -243,7 +243,7 @@ def test_cancelled_tasks_close_their_connections(server: Server, waiting: str) -
         with pytest.raises(asyncio.CancelledError):
             await task
         await until_no_stream_is_open(server)
-        # The client is as good as before, and so is the job.
+        # The client still works, and so does the job.
         assert (await job.refresh()).state == "running"
         assert (await job.cancel()).state == "cancelled"
 
@@ -286,7 +286,7 @@ def test_loops_that_are_left_close_their_connections(server: Server) -> None:
 
 
 def test_slow_readers_hold_the_server_back(server: Server) -> None:
-    """100,000 iterations of 200 points are half a gigabyte; what a connection holds is a fraction of it."""
+    """100,000 iterations of 200 points are half a gigabyte; a connection buffers a fraction of it."""
     sent: list[int] = []
 
     class Counting(httpx.AsyncHTTPTransport):
@@ -381,7 +381,7 @@ def test_sockets_and_certificates(tmp_path: Path) -> None:
 
 
 def test_the_other_client_works_inside_of_an_event_loop(server: Server) -> None:
-    """As in notebooks: it blocks the loop, and needs none."""
+    """As in notebooks: it blocks the event loop and needs none."""
 
     async def main() -> None:
         with piad.Client(server.url) as client:

@@ -43,7 +43,7 @@ def test_items_are_what_fits_of_their_own_are(client: piad.Client) -> None:
 
 
 def test_thousands_of_items_from_a_generator(client: piad.Client) -> None:
-    """More than one request has; the indices of what is wrong are those of the batch."""
+    """More items than fit in one request; indices in errors are those of the batch."""
     taken = 0
 
     def items() -> Iterator[Any]:
@@ -73,7 +73,7 @@ def test_defaults_hold_for_items_that_do_not_say_it(client: piad.Client) -> None
     fitted = list(client.batch(items, defaults, degree=2, tolerance=1e-12))
     assert [item.state for item in fitted] == ["exhausted", "exhausted", "exhausted"]
     assert [item.iteration for item in fitted] == [2, 1, 2]
-    # What is reached is there, and why it is not enough.
+    # The result has the achieved distance and the reason of the failure.
     assert fitted[0].curve.degree == 2 and fitted[1].curve.degree == 5 and fitted[2].surface.degrees == (2, 2)
     assert fitted[0].problem is not None and fitted[0].problem.type == "/problems/not-converged"
     with pytest.raises(piad.ApiError, match="/defaults/tolerance"):
@@ -125,7 +125,7 @@ def test_a_server_without_room_is_asked_again() -> None:
         count = request.content.count(b"\n")
         lines = [f'{{"index": {index}, "state": "failed", "problem": {{"detail": "/items/{index}: no"}}}}\n' for index in range(count)]
         if asked == 2:
-            # The answer breaks off after the first item.
+            # The connection breaks after the first item.
             return httpx.Response(200, text=lines[0])
         return httpx.Response(200, text="".join(lines) + '{"totals": {}}\n')
 

@@ -1,4 +1,4 @@
-"""Surfaces that join where one is constrained to the boundary of the other."""
+"""Surfaces that join along a boundary to which one is constrained."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def patch(first: float) -> Any:
 
 
 def derivative(surface: piad.Surface, side: str, along: Any, step: float = 1e-5) -> Any:
-    """By differences of the second order, from within."""
+    """Computed by one-sided differences of second order."""
     axis, end = side.split("_")
     low, high = surface.domain[0 if axis == "u" else 1]
     at, inward = (low, step) if end == "start" else (high, -step)

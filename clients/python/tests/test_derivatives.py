@@ -31,7 +31,7 @@ def quotients(tops: Any, bottoms: Any) -> Any:
 def test_curves_against_scipy(client: piad.Client, name: str) -> None:
     curve = client.fit(**FITS[name]).curve
     spline = curve.to_scipy(homogeneous=True)
-    # At the end of a closed curve scipy goes on with the first interval, where the highest derivative may be another.
+    # At the end of a closed curve scipy continues in the first interval, where the highest derivative may differ.
     u = np.linspace(*curve.domain, 41)[: 40 if curve.closed else 41]
     values = [spline(u, k) for k in range(curve.degree + 2)]
     if curve.weights is not None:
@@ -84,7 +84,7 @@ def test_surfaces_against_opencascade(client: piad.Client, name: str) -> None:
 
 @pytest.mark.parametrize("name", CURVES)
 def test_curves_against_differences(client: piad.Client, name: str) -> None:
-    """Of all bases, by values alone."""
+    """For all bases, from values only."""
     job = client.create(**FITS[name])
     job.wait()
     curve = job.iteration(0).geometry
@@ -141,7 +141,7 @@ def test_derivatives_are_exact_to_rounding() -> None:
 
 
 def spline(knots: list[Fraction], points: list[Fraction], degree: int, u: Fraction, order: int) -> Fraction:
-    """de Boor's recursions in exact arithmetic; the last interval has its end, too."""
+    """De Boor's recursion in exact arithmetic; the last interval includes its end."""
     last = max(i for i in range(degree, len(knots) - degree - 1) if knots[i] < knots[i + 1])
     span = min(max(i for i in range(len(knots)) if knots[i] <= u), last)
 
@@ -159,7 +159,7 @@ def spline(knots: list[Fraction], points: list[Fraction], degree: int, u: Fracti
 
 
 def test_where_derivatives_jump() -> None:
-    """A knot as often as the degree: the derivative there is that of what follows, that of the second order, too."""
+    """At a knot of multiplicity `degree` both derivatives are those from the right."""
     basis = piad.Basis("bspline", 2, (0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0))
     curve = piad.Curve(basis, np.array([[0.0], [1.0], [0.0], [3.0], [0.0]]))
     assert curve.evaluate([1.0 - 1e-9, 1.0], derivative=1).ravel() == pytest.approx([-2.0, 6.0])

@@ -31,7 +31,7 @@ CLIENT = "clients/python/README.md"
 SECTIONS = ["Five minutes", "Many fits at once", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
 
 
-PAGES = [("README.md", "From CAD"), ("docs/FITTING.md", "Patches that join"), *((CLIENT, section) for section in SECTIONS)]
+PAGES = [("README.md", "From CAD"), ("docs/how-to/constraints-and-patches.md", "Patches that join"), *((CLIENT, section) for section in SECTIONS)]
 
 
 @pytest.mark.parametrize(("page", "section"), PAGES)
@@ -43,9 +43,9 @@ def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, m
 
 
 def test_differences_are_read_as_documented(server: Server, capsys: pytest.CaptureFixture[str]) -> None:
-    code = snippets("docs/STREAMS.md", "Differences")[0].replace("http://127.0.0.1:8080", server.url)
+    code = snippets("docs/reference/events.md", "Differences")[0].replace("http://127.0.0.1:8080", server.url)
     program: dict[str, Any] = {}
-    exec(compile(code, "docs/STREAMS.md", "exec"), program)
+    exec(compile(code, "docs/reference/events.md", "exec"), program)
     assert len(capsys.readouterr().out.splitlines()) > 3
     with piad.Client(server.url) as client:
         job = next(client.jobs())
@@ -71,12 +71,16 @@ def test_examples_are_typed(section: str, tmp_path: Path) -> None:
     example.write_text(snippets(CLIENT, section)[0], encoding="utf-8")
     mypy = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path), str(example)]
     environment = {**os.environ, "MYPYPATH": str(ROOT / "clients/python/src")}
-    told = subprocess.run(mypy, capture_output=True, text=True, env=environment, cwd=tmp_path, check=False)
-    wrong = [line for line in told.stdout.splitlines() if line.startswith(str(example))]
-    assert not wrong and told.returncode in (0, 1), told.stdout + told.stderr
+    output = subprocess.run(mypy, capture_output=True, text=True, env=environment, cwd=tmp_path, check=False)
+    wrong = [line for line in output.stdout.splitlines() if line.startswith(str(example))]
+    assert not wrong and output.returncode in (0, 1), output.stdout + output.stderr
 
 
-@pytest.mark.parametrize("page", ["docs/FITTING.md", "docs/JOBS.md", "docs/STREAMS.md"])
+METHODS = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "docs/explanation/methods").glob("*.md"))
+HOW_TO = [f"docs/how-to/{name}.md" for name in ("choose-a-fit", "scans-and-sections", "corners-and-polylines")]
+
+
+@pytest.mark.parametrize("page", [*METHODS, *HOW_TO, "docs/reference/job.md", "docs/reference/events.md"])
 def test_jobs_in_json_converge(page: str, server: Server) -> None:
     blocks = re.findall(r"```json\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.S)
     jobs = [job for job in map(json.loads, blocks) if "curve" in job or "surface" in job]

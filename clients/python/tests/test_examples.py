@@ -1,4 +1,4 @@
-"""The example scripts, with the programs that they are for or with stand-ins for these."""
+"""The example scripts, with their host programs or stubs of them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ EXAMPLES = ROOT / "examples" / "python"
 
 @pytest.fixture(autouse=True)
 def at_this_server(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Scripts of CAD systems name the usual address."""
+    """Scripts of CAD systems use the default address."""
     usual = piad.Client
     monkeypatch.setattr(piad, "Client", lambda _address: usual(server.url))
 
@@ -48,7 +48,7 @@ def test_freecad(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 class RhinoPoints:
-    """The list of RhinoCommon over the one of rhino3dm: a place and a weight make one point."""
+    """Adapts the list of rhino3dm to RhinoCommon: position and weight are one point."""
 
     def __init__(self, curve: Any):
         self._curve = curve
@@ -107,5 +107,5 @@ def test_blender(monkeypatch: pytest.MonkeyPatch) -> None:
     vertices, edges, faces = mesh.from_pydata.call_args.args
     assert len(vertices) == 200 and len(edges) == 199 and not faces
     assert thing.shape_key_add.call_count == scene.frame_end + 1 > 10
-    # Each iteration is a frame that is played, the first one too.
+    # Each iteration is one frame, including the first.
     assert scene.frame_start == 0 and ops.wm.save_as_mainfile.called

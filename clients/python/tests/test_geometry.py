@@ -1,4 +1,4 @@
-"""Curves and surfaces are what the server says they are, here and in other packages."""
+"""Curves and surfaces equal those of the server, here and in other packages."""
 
 from __future__ import annotations
 
@@ -266,7 +266,7 @@ def test_ends_have_the_derivatives_that_are_given(client: piad.Client) -> None:
     repeated = client.fit(points, ends="repeated", method="direct").geometry
     assert isinstance(repeated, piad.Curve)
     assert np.allclose(repeated.to_scipy()(low, 1), 0, atol=1e-12)
-    # What is usual is more than ten times nearer to the circle.
+    # The default is more than ten times nearer to the circle.
     usual = client.fit(points, method="direct").geometry
     far = [np.abs(np.linalg.norm(it.evaluate(np.linspace(low, high, 200)), axis=1) - 1).max() for it in (usual, repeated)]
     assert 10 * far[0] < far[1]

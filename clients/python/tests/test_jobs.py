@@ -75,14 +75,14 @@ def test_data_are_measured_from_the_nearest_points(client: piad.Client) -> None:
     points = np.column_stack([np.cos(angles), np.sin(angles)]) * (1 + 0.01 * (-1) ** np.arange(60))[:, None]
     job = client.create(points, method={"kind": "least_squares", "control_points": 7})
     result = job.result(60)
-    told = job.deviation(distances=True)
-    assert told.max <= result.error.max and told.rms <= result.error.rms
-    assert told.distances.shape == (60,) and told.distances[told.at] == told.max
-    assert list(told.percentiles) == [50, 90, 95, 99]
+    deviation = job.deviation(distances=True)
+    assert deviation.max <= result.error.max and deviation.rms <= result.error.rms
+    assert deviation.distances.shape == (60,) and deviation.distances[deviation.at] == deviation.max
+    assert list(deviation.percentiles) == [50, 90, 95, 99]
     places = result.curve.evaluate(np.linspace(*result.curve.domain, 20001))
     nearest = np.linalg.norm(places[None, :, :] - points[:, None, :], axis=2).min(axis=1)
-    # Places lie 1.6e-4 apart.
-    assert np.abs(nearest - told.distances).max() < 2e-4
+    # Samples are 1.6e-4 apart.
+    assert np.abs(nearest - deviation.distances).max() < 2e-4
     first = job.deviation(0)
     assert (first.iteration, first.distances) == (0, None)
     grid = np.array(SURFACE)
@@ -143,9 +143,9 @@ def test_jobs_are_found_waited_for_and_deleted(client: piad.Client) -> None:
 def test_servers_may_ask_for_a_token(client: piad.Client, tmp_path: Path) -> None:
     token = f"piad_{'0123456789abcdef' * 4}"
     server = Server(str(tmp_path / "data"), token=token)
-    with piad.Client(server.url) as nobody, piad.Client(server.url, token=token) as owner:
+    with piad.Client(server.url) as anonymous, piad.Client(server.url, token=token) as owner:
         with pytest.raises(piad.ApiError) as refused:
-            nobody.create(CURVE)
+            anonymous.create(CURVE)
         assert refused.value.problem.type == "/problems/unauthenticated"
         job = owner.create(CURVE)
         assert job.wait(30).ended

@@ -1,4 +1,4 @@
-"""Pictures, drawn to files: PIAD_PICTURES names a folder that keeps them."""
+"""Plots, drawn to files: PIAD_PICTURES names a folder to keep them in."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def ink(ax: Any, path: Path) -> float:
-    """The part of the picture that is not white."""
+    """The part of the image that is not white."""
     ax.figure.savefig(path)
     return float((plt.imread(path)[..., :3] < 1).any(axis=-1).mean())
 
@@ -99,7 +99,7 @@ def test_errors_fall(client: piad.Client, folder: Path) -> None:
     assert largest.get_ydata().tolist() == [it.error.max for it in iterations]
     assert rms.get_xdata().tolist() == [it.number for it in iterations]
     assert (ax.get_yscale(), limit.get_ydata()[0]) == ("log", 1e-6)
-    # An iterator does, too.
+    # Iterators are accepted, too.
     assert len(piad.plot(job.iterations(every=5)).get_lines()) == 2
 
 

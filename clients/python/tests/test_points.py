@@ -35,7 +35,7 @@ def test_surfaces_are_said_or_seen(client: piad.Client) -> None:
     assert len(client.fit(rows.points, degree={"u": 1, "v": 2}).surface.control_points) == 2
 
 
-def test_mistakes_have_lines(client: piad.Client) -> None:
+def test_errors_have_lines(client: piad.Client) -> None:
     with pytest.raises(piad.ApiError) as refused:
         client.read_points("x,y\n1,2\n3,oops\n4\n")
     problem = refused.value.problem
@@ -87,7 +87,7 @@ def test_sections_and_meshes_are_fitted_as_they_are_read(client: piad.Client) ->
 
 
 def test_files_of_surfaces_are_fitted(client: piad.Client) -> None:
-    """Clouds on request, sections and meshes by themselves."""
+    """Point clouds on request, sections and meshes automatically."""
     cloud = "\n".join(f"{37 * i % 20 / 7:.4f} {53 * i % 17 / 5:.4f} {0.1 * (37 * i % 20) * (i % 17):.4f}" for i in range(200))
     with pytest.raises(piad.ApiError, match="order"):
         client.fit_file(cloud, tolerance=10.0)

@@ -57,7 +57,7 @@ def test_previews_start_from_iterations_without_control_points(client: piad.Clie
     assert [level.control_points is not None for level in job.preview({3: MOVED}, start=start, max_iterations=2)] == [True] * 3
 
 
-def test_mistakes_in_previews(client: piad.Client) -> None:
+def test_errors_in_previews(client: piad.Client) -> None:
     job = client.create(CURVE)
     job.wait()
     with pytest.raises(piad.ApiError) as refused:

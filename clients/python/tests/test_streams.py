@@ -1,4 +1,4 @@
-"""Every iteration once and in order, whatever happens to the connection."""
+"""Each iteration once and in order, even if connections break."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_streams_of_the_job_itself(client: piad.Client) -> None:
 
 @pytest.mark.parametrize("changed", [False, True])
 def test_streams_survive_kills(durable_server: Server, changed: bool) -> None:
-    """SIGKILL in mid-stream, twice, and a new start with the same data at the same port."""
+    """Kills the server twice in mid-stream and restarts it with the same data and port."""
     with piad.Client(durable_server.url) as client:
         job = client.create(MANY, basis="bernstein", relative_tolerance=1e-15, max_iterations=3000)
         numbers: list[int] = []
@@ -119,8 +119,8 @@ def test_streams_give_up(durable_server: Server) -> None:
 
 
 class Flaky(httpx.BaseTransport):
-    """Answers from a list first, then the real ones; an exception is a broken connection after the
-    request has arrived.
+    """Serves responses from a list first, then real ones; an exception is a connection that breaks after the request
+    arrived.
     """
 
     def __init__(self, *answers: httpx.Response | httpx.TransportError):

@@ -1,4 +1,4 @@
-"""The client where only httpx is installed."""
+"""The client with only httpx installed."""
 
 from __future__ import annotations
 

@@ -1,14 +1,15 @@
-// What reading differences costs, in nanoseconds a number: `npm run build && node bench/deltas.mjs`. Five seconds.
+// Measures decoding of differences in nanoseconds per number: `npm run build && node bench/deltas.mjs`. Takes five
+// seconds.
 //
-// The numbers are those of curves of 10,000 and of 100,000 points in space, whose steps take 2, 4 and 8 bits. Where the
-// engine has no base64 of its own, as browsers have since 2025, that of Node takes its place with `native`.
+// The curves have 10,000 and 100,000 points in space, with differences of 2, 4 and 8 bits. If the engine has no
+// `Uint8Array.fromBase64` (browsers since 2025), `native` uses the base64 of Node.
 
 if (process.argv[2] === "native") Uint8Array.fromBase64 ??= (text) => new Uint8Array(Buffer.from(text, "base64"));
 const { moved } = await import("../dist/arrays.js");
 
 const BLOCK = 256;
 
-/** Whole numbers of 2ᵇ⁻¹ and less, of either sign, in blocks of this width. */
+/** Integers of magnitude up to 2ᵇ⁻¹, in blocks of this width. */
 function packed(places, dimension, width) {
   const bytes = [];
   let seed = 1;
@@ -31,7 +32,7 @@ function median(seconds) {
   return seconds.sort((a, b) => a - b)[seconds.length >> 1];
 }
 
-/** The median seconds of reading an event. */
+/** The median time of reading an event, in seconds. */
 function reading(places, width, times) {
   const text = packed(places, 3, width);
   let points = { data: new Float64Array(3 * places), shape: [places, 3] };
@@ -43,7 +44,7 @@ function reading(places, width, times) {
   return median(seconds);
 }
 
-// Compiled by then.
+// Warms up the compiler.
 for (const width of [2, 4, 8]) reading(10_000, width, 100);
 console.log("| points | bits | ns a number |\n|---|---|---|");
 for (const places of [10_000, 100_000]) {

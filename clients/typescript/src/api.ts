@@ -1,4 +1,4 @@
-/** The types of the API, by their names in its description. */
+/** The types of the API, by their names in the OpenAPI document. */
 
 import type { operations } from "./description.js";
 

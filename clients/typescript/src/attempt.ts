@@ -1,14 +1,14 @@
-/** Requests that end with their caller's signal, or when the server is silent for too long. */
+/** Requests that end with the caller's signal, or when the server is silent for too long. */
 
 import { ConnectionLost } from "./errors.js";
 
-// Bytes in a second: servers give bodies up that come more slowly.
+// Bytes per second: servers reject bodies that arrive more slowly.
 const SLOWEST_BODY = 16 * 1024;
 
 /** A function like the global `fetch`. */
 export type Fetch = (url: string, init: RequestInit) => Promise<Response>;
 
-/** What is sent. */
+/** The request. */
 export interface Sent extends RequestInit {
   readonly body?: string | Blob;
 }
@@ -17,27 +17,27 @@ export interface Sent extends RequestInit {
 export class Attempt {
   readonly #controller = new AbortController();
   readonly #signal: AbortSignal | undefined;
-  readonly #patience: number;
+  readonly #maxSilence: number;
   #silent = false;
 
-  /** `patience` is how many seconds the server may be silent. */
-  constructor(signal: AbortSignal | undefined, patience: number) {
+  /** `maxSilence` is the longest silence of the server in seconds. */
+  constructor(signal: AbortSignal | undefined, maxSilence: number) {
     this.#signal = signal;
-    this.#patience = patience;
+    this.#maxSilence = maxSilence;
     signal?.addEventListener("abort", this.#abort, { once: true });
   }
 
-  /** The beginning of the answer. Nobody tells how much of a body has gone: large ones have longer. */
+  /** The head of the response. `fetch` does not report upload progress, so large bodies get more time. */
   async send(fetch: Fetch, url: string, init: Sent): Promise<Response> {
-    const seconds = this.#patience + sizeOf(init.body) / SLOWEST_BODY;
+    const seconds = this.#maxSilence + sizeOf(init.body) / SLOWEST_BODY;
     return this.#listen(url, seconds, () => fetch(url, { ...init, signal: this.#controller.signal }));
   }
 
-  /** The body of the answer, each piece when it is asked for: who asks for no more stops the server. */
+  /** The body of the response. Chunks are read on demand, so a slow consumer holds back the server. */
   async *chunks(response: Response): AsyncGenerator<Uint8Array, void, undefined> {
     const reader = response.body?.getReader();
     while (reader !== undefined) {
-      const { done, value } = await this.#listen(response.url, this.#patience, () => reader.read());
+      const { done, value } = await this.#listen(response.url, this.#maxSilence, () => reader.read());
       if (done) return;
       yield value;
     }
@@ -50,7 +50,7 @@ export class Attempt {
     return new Blob(parts, { type: response.headers.get("Content-Type") ?? "" });
   }
 
-  /** Closes the connection, unless it is free for another request. */
+  /** Closes the connection, unless it can be reused. */
   end(): void {
     this.#signal?.removeEventListener("abort", this.#abort);
     this.#controller.abort();
@@ -58,7 +58,7 @@ export class Attempt {
 
   readonly #abort = (): void => this.#controller.abort(this.#signal?.reason);
 
-  /** Waits for the server, which may be silent for so many seconds. */
+  /** Waits for the server, with this limit of its silence in seconds. */
   async #listen<T>(url: string, seconds: number, next: () => Promise<T>): Promise<T> {
     this.#signal?.throwIfAborted();
     const timer = setTimeout(this.#giveUp, seconds * 1000);
@@ -78,12 +78,12 @@ export class Attempt {
   };
 
   #lost(url: string, cause: unknown): ConnectionLost {
-    const why = this.#silent ? `more than ${this.#patience} s of silence` : reason(cause);
+    const why = this.#silent ? `more than ${this.#maxSilence} s of silence` : reason(cause);
     return new ConnectionLost(`lost the connection to ${url}: ${why}`, { cause });
   }
 }
 
-/** What broke the connection; Node has an error behind the one that it throws. */
+/** The cause of a broken connection, which Node wraps in another error. */
 function reason(error: unknown): string {
   if (!(error instanceof Error)) return String(error);
   const { cause } = error;
@@ -91,7 +91,7 @@ function reason(error: unknown): string {
   return `${error.message}: ${cause.message || (cause as { code?: string }).code}`;
 }
 
-/** About how many bytes a body has. */
+/** The approximate size of a body in bytes. */
 function sizeOf(body: Sent["body"]): number {
   if (body === undefined) return 0;
   return typeof body === "string" ? body.length : body.size;

@@ -1,44 +1,44 @@
-/** How long to wait before trying again, and how often. */
+/** Delays and number of retries. */
 
 import { ApiError, ConnectionLost, type PiadError } from "./errors.js";
 
 const FIRST = 0.25;
 const LONGEST = 30;
 
-// Servers that ask for more are not waited for: the caller is told.
-const MOST_PATIENT = 60;
+// If the server requests a longer delay, the error is thrown instead.
+const LONGEST_DELAY = 60;
 
-// Too many requests, and what proxies and servers say that have no room or no time.
+// Too many requests, and the statuses of overloaded servers and proxies.
 const TRY_AGAIN = new Set([429, 502, 503, 504]);
 
-// How often a server is tried that has never answered. One that has may be starting again.
+// The number of attempts for a server that has never responded. One that has responded may be restarting.
 const FIRST_CONTACT = 3;
 
-/** Counts failures in a row and waits between them. */
-export class Patience {
+/** Counts consecutive failures and waits between attempts. */
+export class Retries {
   readonly #attempts: () => number;
   #failures = 0;
 
-  /** `attempts` says how often something is tried, at most. */
+  /** `attempts` is the maximum number of attempts. */
   constructor(attempts: () => number) {
     this.#attempts = attempts;
   }
 
-  /** Something has been achieved: the failures before do not count any more. */
+  /** Resets the count of failures after progress. */
   reset(): void {
     this.#failures = 0;
   }
 
-  /** Waits after a failure, `atLeast` so many seconds; throws it if trying again is of no use, or has been of none. */
+  /** Waits after a failure, at least `atLeast` seconds; throws it if a retry is useless or no attempts are left. */
   async wait(error: PiadError, signal: AbortSignal | undefined, atLeast = 0): Promise<void> {
     this.#failures += 1;
     const asked = Math.max(atLeast, error instanceof ApiError ? (error.retryAfter ?? 0) : 0);
-    if (!mayTryAgain(error) || this.#failures >= this.#attempts() || asked > MOST_PATIENT) throw error;
+    if (!mayTryAgain(error) || this.#failures >= this.#attempts() || asked > LONGEST_DELAY) throw error;
     await sleep(delay(this.#failures, asked), signal);
   }
 }
 
-/** How often a server is tried at all. */
+/** The maximum number of attempts for a server. */
 export function attemptsFor(hasAnswered: boolean, attempts: number): number {
   return hasAnswered ? attempts : Math.min(attempts, FIRST_CONTACT);
 }
@@ -48,15 +48,15 @@ function mayTryAgain(error: PiadError): boolean {
 }
 
 /**
- * The seconds to wait after so many failures in a row: twice as many each time, and by chance up to half
- * more, so that clients of a server that comes back do not come all at once.
+ * The seconds to wait after this number of consecutive failures. The delay doubles each time, with up to 50% random
+ * jitter so that clients do not all reconnect at once.
  */
 function delay(failures: number, atLeast: number): number {
   const doubled = Math.min(Math.max(atLeast, FIRST) * 2 ** (failures - 1), LONGEST);
   return Math.max(doubled, atLeast) * (1 + Math.random() / 2);
 }
 
-/** The seconds in the Retry-After header, which may be a date. */
+/** Parses the Retry-After header, which may be a date, as seconds. */
 export function retryAfter(headers: Headers): number | null {
   const value = headers.get("Retry-After");
   if (value === null) return null;

@@ -1,4 +1,4 @@
-/** Batches: many fits in one request, and what comes of each. */
+/** Batches: many fits in one request, and their results. */
 
 import type * as api from "./api.js";
 import type { Call, Connection } from "./connection.js";
@@ -7,53 +7,53 @@ import { ApiError, ConnectionLost, PiadError, type Problem } from "./errors.js";
 import { type Result, resultOf } from "./iteration.js";
 import type { Cancellable } from "./options.js";
 
-// A request is sent as a whole before its answer is read: the server reads this much ahead of its answers.
+// A request is sent completely before its response is read: the server reads this far ahead.
 const PART_LENGTH = 256 * 1024;
 const PART_ITEMS = 5000;
 
-// Items that come slowly are sent after so many milliseconds.
+// Milliseconds after which a partly filled request is sent.
 const PART_TIME = 500;
 
 const LINES = "application/x-ndjson";
 
-/** What can be asked for beside the items. */
+/** Options of a batch. */
 export interface Batching extends Cancellable {
-  /** Fields of jobs, without points, for items that do not have them. */
+  /** Job fields other than points, for items that do not set them. */
   readonly defaults?: Readonly<Record<string, unknown>> | undefined;
-  /** How numbers travel; base64 is the default. */
+  /** The encoding of numbers; base64 is the default. */
   readonly encoding?: api.NumberEncoding | undefined;
 }
 
-/** What came of an item of a batch. */
+/** The result of an item of a batch. */
 export interface BatchItem {
-  /** Its place among the items, from 0. */
+  /** Its index in the batch, from 0. */
   readonly index: number;
   readonly name: string | null;
-  /** `failed` also if it is no fit that can be computed. */
+  /** `failed` also if the item is invalid. */
   readonly state: api.JobState;
-  /** The number of the last iteration; null if there was none. */
+  /** The number of the last iteration; null if there is none. */
   readonly iteration: number | null;
   readonly error: api.FitError | null;
-  /** The last iteration, also of a fit that has not converged; its id is empty. */
+  /** The last iteration, also if the fit has not converged; its id is empty. */
   readonly result: Result | null;
   /** Why it has not converged; its pointers begin with `/items/3` or `/defaults`. */
   readonly problem: Problem | null;
-  /** What was understood of its points, in sentences, such as the parameters that were chosen. */
+  /** Notes about the interpretation of its points, such as the chosen parameters. */
   readonly notices: readonly string[];
 }
 
-/** How many items of a batch have ended so far. */
+/** Counts of the items of a batch that have ended. */
 export interface BatchTotals {
   readonly items: number;
   readonly converged: number;
-  /** Those that have not converged. */
+  /** The number that have not converged. */
   readonly failed: number;
 }
 
-/** Jobs, also such as come one by one. */
+/** Jobs, as an iterable or async iterable. */
 export type Items = Iterable<api.JobRequest> | AsyncIterable<api.JobRequest>;
 
-/** The items of a batch in their order, as they end. It can be read once. */
+/** The results of a batch, in the order of the items, as they complete. It can be iterated once. */
 export class Batch implements AsyncIterable<BatchItem> {
   readonly #connection: Connection;
   readonly #items: AsyncGenerator<BatchItem, void, undefined>;
@@ -66,7 +66,7 @@ export class Batch implements AsyncIterable<BatchItem> {
     this.#items = this.#read(items);
   }
 
-  /** How many have ended so far. */
+  /** Counts of the items so far. */
   get totals(): BatchTotals {
     return this.#totals;
   }
@@ -88,9 +88,9 @@ export class Batch implements AsyncIterable<BatchItem> {
     }
   }
 
-  /** Fits some items. After a broken connection those are sent again that have no answer. */
+  /** Fits a group of items. After a broken connection, items without a result are sent again. */
   async *#fit(lines: readonly string[], first: number): AsyncGenerator<BatchItem, void, undefined> {
-    const patience = this.#connection.patience();
+    const retries = this.#connection.retries();
     for (let sent = 0; sent < lines.length; ) {
       const rest = lines.slice(sent);
       try {
@@ -100,7 +100,7 @@ export class Batch implements AsyncIterable<BatchItem> {
           else if (!("index" in line)) throw new ApiError(line.problem);
           else {
             sent += 1;
-            patience.reset();
+            retries.reset();
             yield itemOf(line, first + sent - 1);
           }
         }
@@ -108,12 +108,12 @@ export class Batch implements AsyncIterable<BatchItem> {
         throw new ConnectionLost("the answer to the batch has no end");
       } catch (error) {
         if (!(error instanceof PiadError)) throw error;
-        await patience.wait(error, this.#options.signal);
+        await retries.wait(error, this.#options.signal);
       }
     }
   }
 
-  /** The lines of the answer to some items. */
+  /** The lines of the response to a group. */
   async *#lines(items: readonly string[]): AsyncGenerator<api.BatchLine, void, undefined> {
     const { defaults, encoding = "base64", signal } = this.#options;
     const begin = defaults === undefined ? "" : `${JSON.stringify({ defaults })}\n`;
@@ -134,7 +134,7 @@ export class Batch implements AsyncIterable<BatchItem> {
   }
 }
 
-/** An item of a batch, of which it is at this place. */
+/** An item of a batch, with its index. */
 function itemOf(line: api.BatchItem, index: number): BatchItem {
   const { name = null, state, iteration = null, error = null, problem, notices = [] } = line;
   const fitted = (kind: "curve" | "surface", geometry: api.FitGeometry | undefined): Result | null => {
@@ -146,7 +146,7 @@ function itemOf(line: api.BatchItem, index: number): BatchItem {
   return { index, name, state, iteration, error, result, problem: moved, notices };
 }
 
-/** A problem with an item of a request, by the index of the item in the batch. */
+/** Replaces the index of the item in its request by that in the batch. */
 function movedTo(problem: Problem, own: number, index: number): Problem {
   const place = new RegExp(`/items/${own}(?![0-9])`, "g");
   const moved = (text: string) => text.replace(place, `/items/${index}`);
@@ -156,12 +156,12 @@ function movedTo(problem: Problem, own: number, index: number): Problem {
   return { ...problem, detail: moved(problem.detail), ...(errors && { errors }) };
 }
 
-/** Items as lines, some at a time. */
+/** Groups items as lines. */
 async function* parts(items: Items): AsyncGenerator<readonly string[], void, undefined> {
   let part: string[] = [];
   let [length, begun] = [0, 0];
   for await (const item of items) {
-    // Numbers that JSON does not have are null, so that the item fails alone.
+    // NaN and infinity become null, so that only this item fails.
     const line = `${JSON.stringify(item)}\n`;
     if (part.length > 0 && length + line.length > PART_LENGTH) {
       yield part;
@@ -178,7 +178,7 @@ async function* parts(items: Items): AsyncGenerator<readonly string[], void, und
   if (part.length > 0) yield part;
 }
 
-/** The lines of a text that comes in pieces. */
+/** Splits chunks of text into lines. */
 async function* linesOf(chunks: AsyncIterable<Uint8Array>): AsyncGenerator<string, void, undefined> {
   const decoder = new TextDecoder();
   let begun = "";

@@ -1,4 +1,4 @@
-/** The client: where fits begin. */
+/** The client. */
 
 import type * as api from "./api.js";
 import type { Fetch } from "./attempt.js";
@@ -9,20 +9,23 @@ import { Job, create, createStream } from "./job.js";
 import type { Cancellable, Creation, Making, Repeatable } from "./options.js";
 import type { Stream } from "./stream.js";
 
-// The server is asked to answer when a job has ended, if that is within so many seconds.
+// The server is asked to wait up to this many seconds for the end of a job before it responds.
 const WAIT = 10;
 
-/** How a server is reached. */
+/** Connection settings. */
 export interface ClientOptions {
-  /** How often a request is sent, or a stream opened again without an iteration in between, while connections break or the server has no room; 8 is the default. A server that has never answered is tried three times. */
+  /**
+   * The maximum number of times a request is sent, or a stream is opened without receiving an iteration; 8 by default.
+   * A server that has never responded is tried three times.
+   */
   readonly attempts?: number | undefined;
-  /** How many seconds the server may be silent; 60 is the default, and the least for streams. */
+  /** The longest silence of the server in seconds; 60 by default, which is the minimum for streams. */
   readonly timeout?: number | undefined;
-  /** Of a server that asks for one: a token of `piad token create`. */
+  /** A token of `piad token create`, for a server that requires one. */
   readonly token?: string | undefined;
-  /** What goes with every request. */
+  /** Headers of each request. */
   readonly headers?: RequestInit["headers"] | undefined;
-  /** Used instead of the global one, for proxies, certificates and tests. */
+  /** Replaces the global `fetch`, for proxies, certificates and tests. */
   readonly fetch?: Fetch | undefined;
 }
 
@@ -30,7 +33,7 @@ export interface ClientOptions {
 export class Client {
   readonly #connection: Connection;
 
-  /** `url` is where the server is; in a page it may be relative to that. */
+  /** `url` is the address of the server; in a page it may be relative. */
   constructor(url: string | URL = "http://127.0.0.1:8080", options: ClientOptions = {}) {
     const { attempts = 8, timeout = 60, token, fetch = (url, init) => globalThis.fetch(url, init) } = options;
     if (!(attempts >= 1)) throw new RangeError("there is one attempt at least");
@@ -40,12 +43,12 @@ export class Client {
     this.#connection = new Connection(settings);
   }
 
-  /** A new job. */
+  /** Creates a job. */
   create(request: api.JobRequest, options: Creation = {}): Promise<Job> {
     return create(this.#connection, "/v1/jobs", request, options);
   }
 
-  /** The iterations of a new job, in the answer to the request for it. */
+  /** Creates a job and streams its iterations in the response. */
   createStream<const View extends api.View = api.View>(
     request: api.JobRequest,
     options: Making<View> = {},
@@ -54,8 +57,8 @@ export class Client {
   }
 
   /**
-   * The result of a new job, when it has ended. A fit that has not reached its tolerance is a result, too: its
-   * `state` is not `converged`.
+   * Creates a job and waits for its result. A fit that has not reached its tolerance also has a result, whose `state`
+   * is not `converged`.
    */
   async fit(request: api.JobRequest, options: Repeatable = {}): Promise<Result> {
     const job = await this.create(request, { ...options, wait: WAIT });
@@ -63,8 +66,8 @@ export class Client {
   }
 
   /**
-   * The result of a fit that is no job and is kept nowhere. A fit that does not come within its tolerance is an
-   * `ApiError` with status 422. It takes one request, which proxies may not let wait for long.
+   * Fits without creating a job; nothing is stored. Throws `ApiError` with status 422 if the tolerance is not reached.
+   * Use it for short fits: proxies may time out.
    */
   async fitOnce(
     request: api.JobRequest,
@@ -76,9 +79,9 @@ export class Client {
   }
 
   /**
-   * Many fits, which are much quicker together than one by one: what comes of each, in order, as an async iterator.
-   * Items may come from a generator; they are taken and sent some at a time, and nothing of them is kept. An item that
-   * fails ends nothing: it has a `problem`.
+   * Fits many items, which is much faster than one request each. Returns an async iterator over the results, in order.
+   * Items may come from a generator; they are read and sent in groups, and not stored. A failed item has a `problem`
+   * and does not end the batch.
    */
   batch(items: Items, options: Batching = {}): Batch {
     return new Batch(this.#connection, items, options);
@@ -90,7 +93,7 @@ export class Client {
     return new Job(this.#connection, await this.#connection.json<api.Job>({ path, signal }));
   }
 
-  /** All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time. */
+  /** All jobs, newest first, fetched as they are used, `page` (1 to 1000) at a time. */
   async *jobs(
     options: Cancellable & { readonly state?: api.JobState | undefined; readonly page?: number | undefined } = {},
   ): AsyncGenerator<Job, void, undefined> {
@@ -99,16 +102,16 @@ export class Client {
     for (;;) {
       for (const job of page.jobs) yield new Job(this.#connection, job);
       if (page.next === null) return;
-      // The path is that of the server as it sees itself, perhaps with a prefix that is part of the address here.
+      // The server may put its base path before the link, which the URL already has.
       const more = page.next.slice(page.next.indexOf("?"));
       page = await this.#connection.json<api.JobPage>({ path: `/v1/jobs${more}`, signal });
     }
   }
 
   /**
-   * The points of a file (CSV, tables with blanks, airfoils, clouds of points) as the curve or surface of a job:
+   * Reads the points of a file (CSV, tables, airfoils, point clouds) as the curve or surface of a job:
    * `client.create({ curve: (await client.readPoints(file)).curve })`. `size`, such as `40x60`, makes them rows and
-   * columns of a surface. An `ApiError` tells what is wrong at which line.
+   * columns of a surface. Errors in a file name their lines (`ApiError`).
    */
   readPoints(
     content: string | Blob,
@@ -118,42 +121,42 @@ export class Client {
     return this.#connection.json({ method: "POST", path: "/v1/points", query: { "surface.size": size }, text, signal });
   }
 
-  /** What the server can do and its limits. */
+  /** The features and limits of the server. */
   capabilities(options: Cancellable = {}): Promise<api.Capabilities> {
     return this.#get("/v1/capabilities", options);
   }
 
-  /** How fast classical PIA converges with each basis at the same parameters. */
+  /** The convergence rates of classical PIA with each basis at the same parameters. */
   rates({ signal, ...query }: Cancellable & api.Query<"compareBases"> = {}): Promise<api.Rates> {
     return this.#connection.json({ path: "/v1/rates", query, signal });
   }
 
-  /** The kinds of problems, and what to do about them. */
+  /** The problem types, with remedies. */
   problems(options: Cancellable = {}): Promise<api.ProblemTypes> {
     return this.#get("/problems", options);
   }
 
-  /** One kind of problem, by its type or the last part of it. */
+  /** A problem type, by its name or the last part of it. */
   problem(type: string, options: Cancellable = {}): Promise<api.ProblemType> {
     return this.#get(`/problems/${encodeURIComponent(type.replace("/problems/", ""))}`, options);
   }
 
-  /** What the server is, and where its parts are. */
+  /** The name and version of the server, with links. */
   service(options: Cancellable = {}): Promise<api.Service> {
     return this.#get("/", options);
   }
 
-  /** The description of the API, in OpenAPI. */
+  /** The OpenAPI document. */
   description(options: Cancellable = {}): Promise<Record<string, unknown>> {
     return this.#get("/openapi.json", options);
   }
 
-  /** Whether the server runs. */
+  /** True if the server is running. */
   live(options: Cancellable = {}): Promise<api.Health> {
     return this.#get("/livez", options);
   }
 
-  /** Whether the server takes jobs; one that is starting is waited for. */
+  /** True if the server accepts jobs; waits for one that is starting. */
   ready(options: Cancellable = {}): Promise<api.Health> {
     return this.#get("/readyz", options);
   }

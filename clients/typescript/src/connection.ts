@@ -1,37 +1,37 @@
-/** Requests that are sent again when that helps, and answers as values or errors. */
+/** Requests with retries; responses as values or errors. */
 
 import type * as api from "./api.js";
 import { Attempt, type Fetch, type Sent } from "./attempt.js";
-import { Patience, attemptsFor, retryAfter } from "./backoff.js";
+import { Retries, attemptsFor, retryAfter } from "./backoff.js";
 import { ApiError, PiadError, type Problem, ProtocolError } from "./errors.js";
 import { encoded } from "./json.js";
 
-/** What can be a query parameter; lists are separated by commas. */
+/** Values of query parameters; lists are separated by commas. */
 export type Parameters = Readonly<Record<string, string | number | boolean | readonly number[] | null | undefined>>;
 
 /** A request. */
 export interface Call {
   readonly method?: "GET" | "POST" | "DELETE";
-  /** The path below the address of the server; it may have a query of its own. */
+  /** The path below the address of the server; it may contain a query. */
   readonly path: string;
   readonly query?: Parameters | undefined;
-  /** What is sent as JSON. */
+  /** A body that is sent as JSON. */
   readonly body?: unknown;
-  /** What is sent as it is, instead. */
+  /** A body that is sent unchanged. */
   readonly text?: { readonly type: string; readonly content: string | Blob };
   readonly headers?: Readonly<Record<string, string>>;
   readonly signal?: AbortSignal | undefined;
-  /** A status of problems that is an answer, too. */
+  /** An error status that counts as success. */
   readonly accepted?: number;
 }
 
-/** The answer to a request, whose body is read by who asked. */
+/** A response, whose body is read by the caller. */
 export interface Answer {
   readonly response: Response;
   readonly attempt: Attempt;
 }
 
-/** What is the same for all requests to a server. */
+/** Settings of all requests to a server. */
 export interface Settings {
   readonly baseUrl: string;
   readonly attempts: number;
@@ -44,8 +44,8 @@ export interface Settings {
 const QUIET_STREAM = 60;
 
 /**
- * The way to a server. Every request may be sent more than once: those that create something carry a key by
- * which the server recognises them.
+ * A connection to a server. Each request may be sent more than once: those that create something have a key by which
+ * the server recognises them.
  */
 export class Connection {
   readonly #settings: Settings;
@@ -55,24 +55,24 @@ export class Connection {
     this.#settings = settings;
   }
 
-  /** A count of failures, as many as this server is worth. */
-  patience(): Patience {
-    return new Patience(() => attemptsFor(this.#hasAnswered, this.#settings.attempts));
+  /** A counter of failures with the limit for this server. */
+  retries(): Retries {
+    return new Retries(() => attemptsFor(this.#hasAnswered, this.#settings.attempts));
   }
 
-  /** The longest time in seconds that the server may be asked to wait before it answers. */
+  /** The longest wait, in seconds, that may be requested from the server. */
   get longestWait(): number {
     return this.#settings.timeout / 2;
   }
 
-  /** The object that is answered. */
+  /** The JSON object of the response. */
   async json<T>(call: Call): Promise<T> {
     return this.request(call, async ({ response, attempt }) => parse<T>(await (await attempt.body(response)).text()));
   }
 
-  /** What `read` makes of an answer that is not an error; it is read again when the connection breaks. */
+  /** Returns `read` of a successful response; after a broken connection the request is repeated. */
   async request<T>(call: Call, read: (answer: Answer) => Promise<T>): Promise<T> {
-    const patience = this.patience();
+    const retries = this.retries();
     const init = this.#init(call, "application/json");
     for (;;) {
       const attempt = new Attempt(call.signal, this.#settings.timeout);
@@ -80,14 +80,14 @@ export class Connection {
         return await read({ response: await this.#send(attempt, call, init), attempt });
       } catch (error) {
         if (!(error instanceof PiadError)) throw error;
-        await patience.wait(error, call.signal);
+        await retries.wait(error, call.signal);
       } finally {
         attempt.end();
       }
     }
   }
 
-  /** An event stream. Nothing is tried again; the attempt has to be ended. */
+  /** Opens an event stream without retries; the attempt must be ended. */
   async stream(call: Call): Promise<Answer> {
     const attempt = new Attempt(call.signal, Math.max(this.#settings.timeout, QUIET_STREAM));
     try {
@@ -121,7 +121,7 @@ export class Connection {
   }
 }
 
-/** The address of a server, without a slash at the end. */
+/** The address of a server, without a trailing slash. */
 export function serverUrl(text: string | URL): string {
   const base = (globalThis as { location?: { href: string } }).location?.href;
   const url = new URL(text, base);
@@ -136,7 +136,7 @@ function search(query: Parameters | undefined): string {
   return given.length === 0 ? "" : `?${new URLSearchParams(given.map(([name, value]) => [name, String(value)]))}`;
 }
 
-/** A value of the API from its JSON. */
+/** Parses JSON of the API. */
 export function parse<T>(text: string): T {
   try {
     return JSON.parse(text) as T;
@@ -145,7 +145,7 @@ export function parse<T>(text: string): T {
   }
 }
 
-/** The problem that the server names; of others on the way, what the status says. */
+/** The problem in a response; for responses of proxies it is made from the status. */
 async function refusal(response: Response, attempt: Attempt): Promise<ApiError> {
   const text = await (await attempt.body(response)).text();
   const named = response.headers.get("Content-Type")?.startsWith("application/problem+json") === true;

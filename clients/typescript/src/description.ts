@@ -2195,7 +2195,7 @@ export interface components {
          */
         JobState: "queued" | "running" | "converged" | "exhausted" | "stalled" | "failed" | "cancelled";
         /**
-         * @description Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was requested, else converged; convexity: no step keeps the turns of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.
+         * @description Why a job ended, where its state does not say it. minimum: a least-squares fit is at its minimum, which is stalled if it is above a tolerance that was requested, else converged; convexity: no step keeps the convexity of the data; nilpotent: the extended method has come to its end; rounding: distances do not fall any more; diverging: distances grow.
          * @example minimum
          * @enum {string}
          */

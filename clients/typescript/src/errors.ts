@@ -1,8 +1,8 @@
-/** What can go wrong, as classes; all of them are {@link PiadError}. */
+/** Errors, which are all derived from {@link PiadError}. */
 
 import type * as api from "./api.js";
 
-/** A problem object (RFC 9457). Its type is "about:blank" where it was not a piad server that answered. */
+/** A problem object (RFC 9457). Its type is "about:blank" if another server responded. */
 export type Problem = Omit<api.Problem, "type"> & { type: api.Problem["type"] | "about:blank" };
 
 /** The base of all errors of this package. */
@@ -10,12 +10,12 @@ export class PiadError extends Error {
   override readonly name: string = "PiadError";
 }
 
-/** The server refused a request. */
+/** The server rejected a request. */
 export class ApiError extends PiadError {
   override readonly name = "ApiError";
-  /** The problem object of the answer. */
+  /** The problem object of the response. */
   readonly problem: Problem;
-  /** The seconds after which the server asked to be tried again (`Retry-After`). */
+  /** The delay in seconds requested by the server (`Retry-After`). */
   readonly retryAfter: number | null;
 
   constructor(problem: Problem, retryAfter: number | null = null) {
@@ -24,12 +24,12 @@ export class ApiError extends PiadError {
     this.retryAfter = retryAfter;
   }
 
-  /** What kind of problem it is, such as "/problems/invalid-fit", where the server explains it. */
+  /** The problem type, such as "/problems/invalid-fit", which is also the path of its description. */
   get type(): Problem["type"] {
     return this.problem.type;
   }
 
-  /** The kind in words. */
+  /** The title of the problem type. */
   get title(): string {
     return this.problem.title;
   }
@@ -39,28 +39,28 @@ export class ApiError extends PiadError {
     return this.problem.status;
   }
 
-  /** What is wrong this time. */
+  /** The description of this error. */
   get detail(): string {
     return this.problem.detail;
   }
 
-  /** All that is wrong, each with its place. */
+  /** All errors, with their locations. */
   get errors(): readonly api.FieldError[] {
     return this.problem.errors ?? [];
   }
 
-  /** The values of the body that are wrong, as JSON pointers (RFC 6901). */
+  /** JSON pointers (RFC 6901) to the invalid values of the body. */
   get pointers(): readonly string[] {
     return this.errors.flatMap(({ pointer }) => pointer ?? []);
   }
 }
 
-/** The server could not be reached, or the connection broke, more often than is tried. */
+/** The server was unreachable or the connection broke on each attempt. */
 export class ConnectionLost extends PiadError {
   override readonly name = "ConnectionLost";
 }
 
-/** The server answered something that is not of this API. */
+/** The response does not conform to this API. */
 export class ProtocolError extends PiadError {
   override readonly name = "ProtocolError";
 }
@@ -68,7 +68,7 @@ export class ProtocolError extends PiadError {
 /** A job ended without a result. */
 export class JobFailed extends PiadError {
   override readonly name = "JobFailed";
-  /** The job, as it ended. */
+  /** The ended job. */
   readonly status: api.Job;
 
   constructor(status: api.Job) {

@@ -1,4 +1,4 @@
-/** A client of piad: curves and surfaces through data points, every iteration of the fit as it is computed. */
+/** A client of piad, which fits curves and surfaces to data points and streams each iteration. */
 
 export type * as api from "./api.js";
 export type { Tensor } from "./arrays.js";

@@ -5,31 +5,31 @@ import { type Tensor, copy, line, moved, tensor } from "./arrays.js";
 import { ProtocolError } from "./errors.js";
 import { type Shape, shapeOf, withKnots } from "./shape.js";
 
-/** What is known of an iteration in each view. */
+/** The parts of an iteration in each view. */
 interface Level {
-  /** From 0 on. */
+  /** Counted from 0. */
   readonly number: number;
-  /** The distances from the data points, in their units. */
+  /** The distances from the data points, in data units. */
   readonly error: api.FitError;
-  /** How many control points the step to this level has moved. */
+  /** The number of control points moved by the step to this iteration. */
   readonly moved: number;
-  /** The factor by which the step has made the largest distance smaller. */
+  /** The factor by which the step has reduced the largest distance. */
   readonly rate: number | null;
-  /** About how many iterations the fit takes in all, by what is known at this level. */
+  /** The total number of iterations, as predicted at this iteration. */
   readonly predicted: number | null;
-  /** The smallest of the milestones that this is the first level to reach. */
+  /** The smallest milestone first reached by this iteration. */
   readonly milestone: number | null;
   readonly badWeight: api.BadWeight | null;
-  /** With the knots of this level, of fits that choose them. */
+  /** With the knots of this iteration, if the fit chooses them. */
   readonly shape: Shape;
 }
 
 /** An iteration with its control points. */
 export interface FittedIteration extends Level {
   readonly view: "control_points";
-  /** Complete, end copies included, also where the server only sends what has changed. */
+  /** Complete, including repeated control points, even if the server sends only changes. */
   readonly controlPoints: Tensor;
-  /** Of homogeneous fits, which move them. */
+  /** Weights of homogeneous fits, which change. */
   readonly weights: Tensor | null;
 }
 
@@ -37,11 +37,11 @@ export interface FittedIteration extends Level {
 export interface SampledIteration extends Level {
   readonly view: "samples";
   readonly samples: Tensor;
-  /** The parameters of a curve, or those of u and of v. */
+  /** The parameters of a curve, or of u and v. */
   readonly parameters: Lines;
 }
 
-/** Numbers of a curve, or those of u and of v. */
+/** The numbers of samples of a curve, or of u and v. */
 export type Lines = readonly [Float64Array] | readonly [Float64Array, Float64Array];
 
 /** An iteration without geometry. */
@@ -49,13 +49,13 @@ export interface ErrorIteration extends Level {
   readonly view: "errors";
 }
 
-/** An iteration; its `view` tells what is there. */
+/** An iteration; its `view` determines which fields it has. */
 export type Iteration = FittedIteration | SampledIteration | ErrorIteration;
 
 /** The iterations of a view. */
 export type IterationIn<View extends api.View> = Extract<Iteration, { view: View }>;
 
-/** The last level of a fit that has ended. */
+/** The last iteration of a fit that has ended. */
 export interface Result {
   /** The id of the job. */
   readonly id: string;
@@ -66,19 +66,19 @@ export interface Result {
   readonly error: api.FitError;
   readonly badWeight: api.BadWeight | null;
   readonly shape: Shape;
-  /** Where on it the data points lie: on a curve, or those of u and of v. */
+  /** The parameters of the data points: of a curve, or of u and v. */
   readonly parameters: Lines;
-  /** End copies included. */
+  /** Including repeated control points. */
   readonly controlPoints: Tensor;
-  /** Of homogeneous fits; fixed ones are in `shape`. */
+  /** Weights of homogeneous fits; fixed ones are in `shape`. */
   readonly weights: Tensor | null;
-  /** What is left of a surface that is trimmed. */
+  /** The trimmed region of a surface. */
   readonly trim: api.Trimmed | null;
 }
 
 /**
- * Reads an iteration. `shape` is that of the level before, whose knots this one may change; one that only
- * says what has changed is applied to the level `before`.
+ * Parses an iteration. `shape` is that of the previous iteration, whose knots this one may change; one that contains
+ * only changes is applied to the iteration `before`.
  */
 export function iterationOf(event: api.IterationEvent, shape: Shape, before: Iteration | null): Iteration {
   const level = {
@@ -115,7 +115,7 @@ export function resultOf(value: api.FitResult): Result {
     error: value.error,
     badWeight: value.bad_weight ?? null,
     shape: shapeOf(value),
-    // They have 64 bits in any encoding.
+    // They are 64-bit numbers in each encoding.
     parameters: lines(value.parameters, value.encoding && "base64"),
     controlPoints: points(value, value.control_points),
     weights: homogeneous ? weightsOf(value, weights as api.WeightArray) : null,
@@ -145,7 +145,7 @@ function lines(value: api.FitResult["parameters"], encoding: Written["encoding"]
 
 type Geometry = Pick<FittedIteration, "view" | "controlPoints" | "weights"> | Pick<SampledIteration, "view" | "samples" | "parameters">;
 
-/** The numbers before, moved by steps. */
+/** Adds differences to the previous numbers. */
 function movedFrom(before: Iteration | null, event: api.IterationEvent): Geometry {
   const dimension = event.shape?.at(-1) ?? 1;
   const next = (array: Tensor, step: number | undefined, text: unknown, dimension: number) => {
@@ -165,7 +165,7 @@ function movedFrom(before: Iteration | null, event: api.IterationEvent): Geometr
   };
 }
 
-/** The control points before, with those that have moved. */
+/** The previous control points, with those that have moved. */
 function applied(changes: api.Changes, before: Iteration | null): Pick<FittedIteration, "controlPoints" | "weights"> {
   if (before?.view !== "control_points") {
     throw new ProtocolError("the server sent changes before what has changed; those of an ephemeral edit need `from`, the iteration with control points that it starts from");

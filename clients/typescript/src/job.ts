@@ -8,8 +8,8 @@ import { type Cancellable, type Creation, type Editing, type Looking, type Measu
 import { type Shape, shapeOf } from "./shape.js";
 import { Stream } from "./stream.js";
 
-// What a stream is like that only tells of the beginning and the end, whatever the job sets for its own.
-// No job has so many iterations.
+// Settings of a stream that has only the first and last iteration, which override those of the job.
+// No job has this many iterations.
 const ENDS_ONLY = {
   view: "errors",
   every: 1_000_000_000,
@@ -21,9 +21,9 @@ const ENDS_ONLY = {
   digits: "full",
 } as const;
 
-/** A job, and what can be done with it. */
+/** A job and its operations. */
 export class Job {
-  /** What the server said last; `refresh` asks it again. */
+  /** The last state received from the server; `refresh` updates it. */
   status: api.Job;
   readonly #connection: Connection;
   #shape: Shape | null = null;
@@ -38,26 +38,26 @@ export class Job {
     return this.status.id;
   }
 
-  /** Whether the job went no further when the server was asked last. */
+  /** True if the job had ended in the last state received. */
   get ended(): boolean {
     return this.status.state !== "queued" && this.status.state !== "running";
   }
 
-  /** Asks the server how the job stands. */
+  /** Fetches the current state of the job. */
   async refresh(options: Cancellable = {}): Promise<api.Job> {
     return (this.status = await this.#get<api.Job>("", {}, options));
   }
 
   /**
-   * The iterations of the job, as they are computed and then up to its end. Every one from 0 on (or after
-   * `after`) comes, unless `every`, `milestones` or `pace: "latest"` leave some out.
+   * The iterations of the job, as they are computed, until it ends. Each one from 0 (or after `after`) arrives, unless
+   * `every`, `milestones` or `pace: "latest"` skip some.
    */
   iterations<const View extends api.View = api.View>(options: Watching<View> = {}): Stream<IterationIn<View>> {
     const call = watching(this.id, shown(options, this.status.stream), options.signal);
     return new Stream(this.#connection, { first: call, next: () => call, after: options.after });
   }
 
-  /** One iteration, by default the last; those to come are waited for. */
+  /** One iteration, by default the last; waits for one that is not computed yet. */
   async iteration<const View extends api.View = "control_points">(
     number: api.ParameterK = "last",
     options: Looking<View> = {},
@@ -68,7 +68,7 @@ export class Job {
     return iterationOf(level, shape, null) as Iteration as IterationIn<View>;
   }
 
-  /** The bases of the fit; of one that chooses its knots those of iteration 0. Waits until the job has begun. */
+  /** The bases of the fit; if it chooses its knots, those of iteration 0. Waits until the job has started. */
   async shape(options: Cancellable = {}): Promise<Shape> {
     if (this.#shape !== null) return this.#shape;
     for await (const { event, data } of this.#ends(options).events()) {
@@ -84,8 +84,8 @@ export class Job {
   }
 
   /**
-   * The last level, when the job has ended: waits for that. A job that was cancelled has a result if it got
-   * anywhere; `JobFailed` if there is none.
+   * Waits for the last iteration. A cancelled job has a result if it computed an iteration; otherwise throws
+   * `JobFailed`.
    */
   async result(options: Cancellable & { readonly encoding?: api.NumberEncoding | undefined } = {}): Promise<Result> {
     const status = this.ended ? this.status : await this.wait(options);
@@ -93,7 +93,10 @@ export class Job {
     return resultOf(await this.#get<api.FitResult>("/result", { encoding: options.encoding ?? "base64" }, options));
   }
 
-  /** The result, or an iteration, as a file such as STEP for CAD systems. Formats are those of docs/FILES.md. `samples` is for gltf, stl, ply, dxf, svg, geojson, gpx and csv, `dots` for svg, `units` for step and iges. */
+  /**
+   * Exports the result, or an iteration, as a file such as STEP for CAD systems; docs/reference/files.md lists the formats.
+   * `samples` is for gltf, stl, ply, dxf, svg, geojson, gpx and csv, `dots` for svg, `units` for step and iges.
+   */
   async file(
     format: api.ParameterFormat,
     options: Pick<Looking, "samples" | "signal"> & { readonly iteration?: api.ParameterK | undefined; readonly dots?: api.ParameterDots | undefined; readonly units?: api.ParameterUnits | undefined } = {},
@@ -105,61 +108,64 @@ export class Job {
     return this.#connection.request(call, (answer) => fileOf(answer, `${this.id}.${format}`));
   }
 
-  /** The job as it was asked for. */
+  /** The request that created the job. */
   input(options: Cancellable = {}): Promise<api.JobRequest> {
     return this.#get("/input", {}, options);
   }
 
-  /** How far the data are from the nearest points of an iteration, by default the last; with `list` also for each point. */
+  /**
+   * The distances of the data from the nearest points of an iteration, by default the last; with `list` also of each
+   * point.
+   */
   deviation(options: Cancellable & { readonly iteration?: api.ParameterK | undefined; readonly list?: boolean | undefined } = {}): Promise<api.Deviation> {
     const { iteration, list } = options;
     return this.#get("/deviation", { iteration, list }, options);
   }
 
   /**
-   * Curvature of a curve or principal curvatures of a surface at samples and where they are least and largest, length or
-   * area, and continuity at knots, of an iteration, by default the last.
+   * Curvature of a curve or principal curvatures of a surface at samples, their extremes, length or area, and
+   * continuity at knots, of an iteration, by default the last.
    */
   curvature(options: Measuring = {}): Promise<api.Shape> {
     const { iteration, samples, spacing, by } = options;
     return this.#get("/shape", { iteration, samples, spacing, by }, options);
   }
 
-  /** Where the points that a local fit does not adjust end. */
+  /** The limits of the points that a local fit does not adjust. */
   limit(options: Cancellable = {}): Promise<api.Limit> {
     return this.#get("/limit", {}, options);
   }
 
   /**
-   * Opens the stream of the job for a minute where no token can be sent, as `EventSource`: the query parameter
-   * `ticket` of `/v1/jobs/{id}/events`. An `ApiError` with status 409 if the server asks for no tokens.
+   * Returns a ticket that opens the stream of the job for one minute without a token, as for `EventSource`: the query
+   * parameter `ticket` of `/v1/jobs/{id}/events`. Throws `ApiError` with status 409 if the server requires no tokens.
    */
   ticket({ signal }: Cancellable = {}): Promise<api.Ticket> {
     return this.#connection.json({ method: "POST", path: `${this.#path}/tickets`, signal });
   }
 
-  /** Stops the job. An `ApiError` with status 409 if it has already ended. */
+  /** Cancels the job. Throws `ApiError` with status 409 if it has already ended. */
   async cancel({ signal }: Cancellable = {}): Promise<api.Job> {
     return (this.status = await this.#connection.json({ method: "POST", path: `${this.#path}/cancel`, signal }));
   }
 
   /**
-   * Makes the server forget the job. That there is none is no error: the answer to the same request before may
-   * have been lost, and browsers send one again without telling.
+   * Deletes the job. A missing job is no error: the response to an earlier attempt may have been lost, and browsers
+   * retry silently.
    */
   async delete({ signal }: Cancellable = {}): Promise<void> {
     const call: Call = { method: "DELETE", path: this.#path, signal, accepted: 404 };
     await this.#connection.request(call, ({ response, attempt }) => attempt.body(response));
   }
 
-  /** A new job that starts from the control points of this one; what is not given stays. */
+  /** Creates a job that starts from the control points of this one; other settings are kept. */
   async edit(request: api.EditRequest, options: Creation = {}): Promise<Job> {
     return create(this.#connection, `${this.#path}/edits`, request, options);
   }
 
   /**
-   * The iterations of a new job that starts from the control points of this one. An ephemeral edit
-   * (`ephemeral: true`) is no job: nothing of it is left when the loop ends or is left.
+   * Creates a job that starts from the control points of this one and streams its iterations. An ephemeral edit
+   * (`ephemeral: true`) is no job: nothing is stored when the loop ends.
    */
   editStream<const View extends api.View = api.View>(
     request: api.EditRequest,
@@ -183,14 +189,14 @@ export class Job {
   }
 }
 
-/** A new job. However often the request has to be sent, its key makes it one. */
+/** Creates a job. Its key makes retries create a single job. */
 export async function create(connection: Connection, path: string, body: unknown, options: Creation): Promise<Job> {
   const headers = creating(options, connection.longestWait);
   const { signal } = options;
   return new Job(connection, await connection.json<api.Job>({ method: "POST", path, body, headers, signal }));
 }
 
-/** The stream of a new job, which goes on as that of any job when its connection breaks. */
+/** The stream of a new job, which is resumed like that of any job when its connection breaks. */
 export function createStream<View extends api.View>(
   connection: Connection,
   path: string,
@@ -202,7 +208,7 @@ export function createStream<View extends api.View>(
   const { signal, from } = options;
   const { on_disconnect: _, ...reading } = query;
   if ("ephemeral" in body && body.ephemeral === true) {
-    // There is nothing to find by a key, and nothing to go on with.
+    // Nothing is stored, so there is nothing to find by a key or to resume.
     return new Stream(connection, { first: { method: "POST", path, query, body, signal }, next: null, from });
   }
   const headers = creating({ idempotencyKey: options.idempotencyKey }, 0);

@@ -1,15 +1,15 @@
 /** Bodies of requests as JSON. */
 
-/** A body as JSON; a `RangeError` names the first number in it that JSON does not have. */
+/** Encodes a body as JSON; a `RangeError` names the first number that is not finite. */
 export function encoded(body: unknown): string {
   const text = JSON.stringify(body);
-  // JSON has null where a number is not finite, and servers read null as "not given".
+  // `JSON.stringify` writes null for a number that is not finite, and servers read null as absent.
   const found = text.includes("null") ? notFinite(body, "") : undefined;
   if (found !== undefined) throw new RangeError(`${found}: numbers must be finite`);
   return text;
 }
 
-/** A number that is NaN or infinite, and where it is: `curve.points[3][1] is NaN`. */
+/** Describes a number that is NaN or infinite with its location: `curve.points[3][1] is NaN`. */
 function notFinite(value: unknown, path: string): string | undefined {
   if (typeof value === "number") return Number.isFinite(value) ? undefined : `${path} is ${value}`;
   if (typeof value !== "object" || value === null) return undefined;

@@ -1,4 +1,4 @@
-/** What stays from iteration to iteration, and the knots, which may change. */
+/** The parts that are constant over iterations, and the knots, which may change. */
 
 import type * as api from "./api.js";
 import { type Tensor, line } from "./arrays.js";
@@ -7,21 +7,21 @@ import { type Tensor, line } from "./arrays.js";
 export interface Basis {
   readonly kind: api.BasisKind;
   readonly degree: number;
-  /** Null of the Ball bases, which have none, and of streams with `describe: "none"`. */
+  /** Null for Ball bases, which have no knots, and in streams with `describe: "none"`. */
   readonly knots: Float64Array | null;
   readonly closed: boolean;
 }
 
-/** The bases of a curve or surface, and weights that stay. */
+/** The bases of a curve or surface, and fixed weights. */
 export interface Shape {
   readonly kind: api.GeometryKind;
-  /** That of a curve, or those of u and v. */
+  /** One for a curve, two for u and v of a surface. */
   readonly bases: readonly [Basis] | readonly [Basis, Basis];
-  /** Fixed weights of all control points, end copies included. */
+  /** Fixed weights of all control points, including repeated ones. */
   readonly fixedWeights: Tensor | null;
 }
 
-/** What has a shape: the `job` event of a stream, and results. */
+/** JSON with a shape: the `job` event of a stream, and results. */
 type Shaped = Pick<api.JobEvent, "kind" | "basis" | "degree" | "closed" | "knots" | "rational" | "encoding"> & {
   readonly weights?: api.JobEvent["weights"] | api.ResultWeights;
 };
@@ -32,7 +32,7 @@ export function shapeOf(value: Shaped): Shape {
   return { kind: value.kind, bases, fixedWeights: fixedWeights(value, bases) };
 }
 
-/** The same with the knots of an iteration, of a fit that chooses them. */
+/** The same with the knots of an iteration, if the fit chooses them. */
 export function withKnots(shape: Shape, knots: NonNullable<api.IterationEvent["knots"]>): Shape {
   const [u, v] = shape.bases;
   if (v === undefined) return { ...shape, bases: [{ ...u, knots: lineOf(of(knots)) }] };
@@ -45,7 +45,7 @@ export function withKnots(shape: Shape, knots: NonNullable<api.IterationEvent["k
 
 type Way = "u" | "v";
 
-/** A value of one direction: objects have one for each. */
+/** The value for one direction: objects have one for each. */
 function of<T>(value: T | { readonly u: T; readonly v: T }, way?: Way): T {
   const both = typeof value === "object" && value !== null && "u" in value;
   return (both ? value[way ?? "u"] : value) as T;
@@ -60,12 +60,12 @@ function basis(value: Shaped, way?: Way): Basis {
   };
 }
 
-/** Knots have 64 bits in each encoding. */
+/** Knots are 64-bit numbers in each encoding. */
 function lineOf(knots: api.KnotArray): Float64Array | null {
   return knots === null ? null : line(knots);
 }
 
-/** Those of surfaces are products of those of rows and columns. */
+/** Weights of surfaces are products of those of rows and columns. */
 function fixedWeights(value: Shaped, bases: Shape["bases"]): Tensor | null {
   if (value.rational !== "fixed" || value.weights === undefined || value.weights === null) return null;
   const [u, v] = bases.map((basis, i) => {

@@ -1,13 +1,13 @@
-/** Server-sent events (WHATWG HTML, section 9.2) in the pieces of a body. */
+/** Parses server-sent events (WHATWG HTML, section 9.2) from chunks of a body. */
 
 import { type EventSourceMessage, createParser } from "eventsource-parser";
 
-/** An event, or how many seconds to wait before connecting again. */
+/** An event, or the number of seconds to wait before reconnecting. */
 export type Piece = EventSourceMessage | { readonly retry: number };
 
 /**
- * The events in the pieces of a stream, which are asked for one by one: while nobody takes events, nothing is
- * read, and what is kept is what one piece completes. An event that is cut off by the end is dropped.
+ * Parses events from the chunks of a stream. Chunks are read on demand, and only the events of one chunk are buffered.
+ * An incomplete event at the end is dropped.
  */
 export async function* events(chunks: AsyncIterable<Uint8Array>): AsyncGenerator<Piece, void, undefined> {
   let complete: Piece[] = [];

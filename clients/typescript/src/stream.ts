@@ -3,40 +3,40 @@
 import type { EventSourceMessage } from "eventsource-parser";
 
 import type * as api from "./api.js";
-import type { Patience } from "./backoff.js";
+import type { Retries } from "./backoff.js";
 import { type Call, type Connection, parse } from "./connection.js";
 import { ConnectionLost, PiadError, ProtocolError } from "./errors.js";
 import { type Iteration, iterationOf } from "./iteration.js";
 import { type Shape, shapeOf } from "./shape.js";
 import { events } from "./sse.js";
 
-// As long as the server has not said how long to wait.
+// The delay until the server sends one.
 const RETRY = 2;
 
-/** Where a stream begins, and where it goes on. */
+/** The requests that open and resume a stream. */
 export interface Source {
-  /** The request that is sent until the job is known. */
+  /** The request that is sent until the id of the job is known. */
   readonly first: Call;
-  /** The one after that, with the id of the job; null where there is no job to go on with. */
+  /** The request after that, with the id of the job; null if the stream cannot be resumed. */
   readonly next: ((id: string) => Call) | null;
-  /** The number of the iteration after which it begins. */
+  /** The number of the iteration after which the stream starts. */
   readonly after?: number | undefined;
-  /** The iteration that an edit starts from. */
+  /** The iteration from which an edit starts. */
   readonly from?: Iteration | undefined;
 }
 
 /**
  * The iterations of a job as they are computed, each once and in order: `for await (const iteration of stream)`.
  *
- * Whenever the connection breaks or the server stops it is opened again after the last event that arrived.
- * The waiting time is the one that the server asks for, and grows as long as no iteration arrives. Nothing is
- * read ahead of the loop: while its body is slow, the server waits. A loop that is left closes the connection.
- * The stream of an ephemeral edit cannot go on: it throws `ConnectionLost` when its connection breaks.
+ * If the connection breaks or the server stops, the stream is reopened after the last event received. The delay is the
+ * one requested by the server and grows until an iteration arrives. Nothing is read ahead of the loop: a slow loop
+ * holds back the server. Leaving the loop closes the connection. The stream of an ephemeral edit cannot be resumed: it
+ * throws `ConnectionLost` when its connection breaks.
  */
 export class Stream<Item extends Iteration = Iteration> implements AsyncIterable<Item> {
-  /** What was said of the job when the connection was made; null before that. */
+  /** The state of the job when the connection was opened; null before that. */
   job: api.JobEvent | null = null;
-  /** How the job ended; null as long as that is not known. */
+  /** The end of the job; null until it is received. */
   end: api.EndEvent | null = null;
   readonly #connection: Connection;
   readonly #source: Source;
@@ -61,9 +61,9 @@ export class Stream<Item extends Iteration = Iteration> implements AsyncIterable
     }
   }
 
-  /** The events as the server writes them. The `job` event comes with every connection. */
+  /** The events as the server writes them. Each connection begins with a `job` event. */
   async *events(): AsyncGenerator<api.EventLine, void, undefined> {
-    const reading = new Reading(this.#connection.patience(), this.#source);
+    const reading = new Reading(this.#connection.retries(), this.#source);
     for (;;) {
       try {
         for await (const event of reading.once(this.#connection)) {
@@ -81,24 +81,24 @@ export class Stream<Item extends Iteration = Iteration> implements AsyncIterable
   }
 }
 
-/** How far a stream has been read. */
+/** The position in a stream. */
 class Reading {
-  readonly #patience: Patience;
+  readonly #retries: Retries;
   readonly #source: Source;
   #id: string | null = null;
   #seen: number | null;
-  /** The id of that iteration: its number, unless the server has said more. */
+  /** The event id of that iteration: its number, possibly with a suffix. */
   #last: string | null;
   #retry = RETRY;
 
-  constructor(patience: Patience, source: Source) {
-    this.#patience = patience;
+  constructor(retries: Retries, source: Source) {
+    this.#retries = retries;
     this.#source = source;
     this.#seen = source.after ?? null;
     this.#last = this.#seen === null ? null : String(this.#seen);
   }
 
-  /** The events of one connection, without those that are known. */
+  /** The events of one connection, without those already received. */
   async *once(connection: Connection): AsyncGenerator<api.EventLine, void, undefined> {
     const { response, attempt } = await connection.stream(this.#call());
     try {
@@ -116,13 +116,13 @@ class Reading {
     }
   }
 
-  /** It has begun, and there is no job to go on with. */
+  /** The stream has started and cannot be resumed. */
   get cannotGoOn(): boolean {
     return this.#id !== null && this.#source.next === null;
   }
 
   wait(error: PiadError): Promise<void> {
-    return this.#patience.wait(error, this.#source.first.signal, this.#retry);
+    return this.#retries.wait(error, this.#source.first.signal, this.#retry);
   }
 
   #call(): Call {
@@ -132,11 +132,11 @@ class Reading {
     return { ...call, headers: { ...call.headers, "Last-Event-ID": this.#last } };
   }
 
-  /** Whether the event has not been seen, which it has been now. */
+  /** Returns true if the event is new, and marks it as seen. */
   #isNew(event: api.EventLine): boolean {
     if (event.event === "job") {
       this.#id = event.data.id;
-      // What follows are all iterations again, of another version of the server.
+      // The server was replaced by another version and sends all iterations again.
       if (event.data.resumed === "restarted") [this.#seen, this.#last] = [null, null];
     }
     if (event.event !== "iteration") return true;
@@ -144,12 +144,12 @@ class Reading {
     if (this.#seen !== null && k <= this.#seen) return false;
     this.#seen = k;
     this.#last = String(event.id);
-    this.#patience.reset();
+    this.#retries.reset();
     return true;
   }
 }
 
-/** An event, or null where it is of a kind that later versions may have. */
+/** Parses an event; null for kinds of later versions. */
 function eventOf({ event, id, data }: EventSourceMessage): api.EventLine | null {
   switch (event) {
     case "job":

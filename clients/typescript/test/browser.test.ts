@@ -7,15 +7,15 @@ import { after, before, describe, test } from "node:test";
 
 import { type Browser, type Page, chromium } from "playwright-core";
 
-import { Stage } from "./backstage.js";
+import { LocalEnvironment } from "./environment.js";
 import { scenarios } from "./scenarios/index.js";
 import { Server } from "./server.js";
-import type { Backstage } from "./world.js";
+import type { Environment } from "./world.js";
 
 const PACKAGE = new URL("..", import.meta.url);
 const CHROMIUM = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
 
-// No bundler: the page loads what is published, and its parser.
+// No bundler: the page loads the published files and their parser.
 const IMPORTS = {
   imports: {
     piad: "/dist/index.js",
@@ -24,15 +24,15 @@ const IMPORTS = {
 };
 const HTML = `<!doctype html><title>a page</title><script type="importmap">${JSON.stringify(IMPORTS)}</script>`;
 
-/** What runs in the page: a scenario by its name, with what is behind the page as functions of it. */
-async function play([name, url, methods]: [string, string, (keyof Backstage)[]]): Promise<string | null> {
+/** Runs a scenario in the page, with the servers behind it as functions. */
+async function play([name, url, methods]: [string, string, (keyof Environment)[]]): Promise<string | null> {
   const { Client } = await import("piad");
   const { scenarios } = (await import("/build/scenarios/index.js" as string)) as typeof import("./scenarios/index.js");
-  const backstage = Object.fromEntries(methods.map((method) => [method, Reflect.get(globalThis, method)]));
+  const environment = Object.fromEntries(methods.map((method) => [method, Reflect.get(globalThis, method)]));
   try {
     await scenarios[name]!({
       url,
-      backstage: backstage as unknown as Backstage,
+      environment: environment as unknown as Environment,
       client: (options, other = url) => new Client(other, options),
     });
     return null;
@@ -43,9 +43,9 @@ async function play([name, url, methods]: [string, string, (keyof Backstage)[]])
 
 describe("in a browser", () => {
   const server = new Server(":memory:");
-  const backstage = new Stage();
+  const environment = new LocalEnvironment();
   const pages = servePages();
-  const methods: (keyof Backstage)[] = ["durable", "kill", "restart", "proxy", "passed", "cutAfter", "loseAnswer", "nowhere"];
+  const methods: (keyof Environment)[] = ["durable", "kill", "restart", "proxy", "passed", "cutAfter", "loseAnswer", "nowhere"];
   let browser: Browser;
   let page: Page;
 
@@ -53,19 +53,19 @@ describe("in a browser", () => {
     await server.start();
     browser = await chromium.launch({ executablePath: CHROMIUM, args: ["--no-sandbox", "--disable-dev-shm-usage"] });
     page = await browser.newPage();
-    for (const method of methods) await page.exposeFunction(method, backstage[method]);
+    for (const method of methods) await page.exposeFunction(method, environment[method]);
     await page.goto(`http://localhost:${(pages.address() as AddressInfo).port}/`);
   });
   after(async () => {
     await browser?.close();
     pages.close();
-    await backstage.clear();
+    await environment.clear();
     await server.kill();
   });
 
   for (const name of Object.keys(scenarios)) {
     test(name, { timeout: 180_000 }, async () => {
-      const wrong = await page.evaluate(play, [name, server.url, methods] as [string, string, (keyof Backstage)[]]);
+      const wrong = await page.evaluate(play, [name, server.url, methods] as [string, string, (keyof Environment)[]]);
       if (wrong !== null) throw new Error(wrong);
     });
   }

@@ -1,16 +1,16 @@
-/** What tests say, in Node and in browsers. */
+/** Assertions, for Node and browsers. */
 
 /** Fails unless the condition holds. */
 export function ok(condition: unknown, message = "it does not hold"): asserts condition {
   if (!condition) throw new Error(message);
 }
 
-/** Fails unless both are the same, to the last bit of each number. */
+/** Fails unless both are equal, to the last bit of each number. */
 export function equal(actual: unknown, expected: unknown, message = "they differ"): void {
   if (!same(actual, expected)) throw new Error(`${message}: ${show(actual)} instead of ${show(expected)}`);
 }
 
-/** The error of this class that a promise ends with. */
+/** Returns the error of this class with which a promise rejects. */
 export async function refused<T extends Error>(promise: Promise<unknown>, kind: abstract new (...args: never[]) => T): Promise<T> {
   const error = await promise.then(
     () => new Error("nothing went wrong"),
@@ -27,7 +27,7 @@ export async function all<T>(items: AsyncIterable<T>): Promise<T[]> {
   return list;
 }
 
-/** The first item of a stream, which is then left. */
+/** Returns the first item of a stream and closes it. */
 export async function first<T>(items: AsyncIterable<T>): Promise<T> {
   for await (const item of items) return item;
   throw new Error("there is none");

@@ -2,22 +2,22 @@
 
 import { ApiError, Client, type Job, type Result, type Tensor, type api } from "piad";
 
-type Told = Record<string, unknown>;
+type Summary = Record<string, unknown>;
 
 const [scenario = "", url = "", token = ""] = process.argv.slice(2);
 const client = new Client(url, { token });
 
 const numbers = ({ data }: Tensor): number[] => Array.from(data);
 
-const told = (result: Result): Told => {
+const summary = (result: Result): Summary => {
   const [{ knots }] = result.shape.bases;
   const { state, iteration, error } = result;
   const ends = { control_points: numbers(result.controlPoints), knots: knots === null ? null : Array.from(knots) };
   return { state, iteration, error: error.max, ...ends };
 };
 
-/** What the stream of a new job brings. */
-async function levels(request: api.JobRequest, { pause = 0, ready = false } = {}): Promise<Told & { numbers: number[]; last: number[] }> {
+/** The events of the stream of a new job. */
+async function levels(request: api.JobRequest, { pause = 0, ready = false } = {}): Promise<Summary & { numbers: number[]; last: number[] }> {
   const stream = client.createStream(request, { view: "control_points" });
   const seen: number[] = [];
   let [first, last]: [number[], number[]] = [[], []];
@@ -37,8 +37,8 @@ async function refused(call: Promise<unknown>): Promise<ApiError> {
   throw new Error(`it was not refused: ${String(outcome)}`);
 }
 
-const scenarios: Readonly<Record<string, (request: never) => Promise<Told>>> = {
-  fit: async (request: api.JobRequest) => told(await client.fit(request)),
+const scenarios: Readonly<Record<string, (request: never) => Promise<Summary>>> = {
+  fit: async (request: api.JobRequest) => summary(await client.fit(request)),
   watch: (request: api.JobRequest) => levels(request),
   resume: (request: api.JobRequest) => levels(request, { ready: true }),
   slow: (request: api.JobRequest) => levels(request, { pause: 20 }),
@@ -66,7 +66,7 @@ const scenarios: Readonly<Record<string, (request: never) => Promise<Told>>> = {
     const job = await client.create(request, { wait: 60 });
     await job.wait();
     const edited = await job.edit(edit);
-    const result = told(await edited.result());
+    const result = summary(await edited.result());
     return { ...result, parent: job.id, is_parent: edited.status.parent?.id === job.id };
   },
 

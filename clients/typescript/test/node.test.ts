@@ -9,26 +9,26 @@ import { runInNewContext } from "node:vm";
 
 import { Client, type ClientOptions } from "piad";
 
-import { Stage } from "./backstage.js";
+import { LocalEnvironment } from "./environment.js";
 import { scenarios } from "./scenarios/index.js";
 import { ROOT, Server } from "./server.js";
 import { large } from "./shapes.js";
 
-// For people.
+// For users.
 const PAGES = new Set(["getPagePart", "getReference", "getReferenceFile"]);
 
 describe("in Node", () => {
   const server = new Server(":memory:");
-  const backstage = new Stage();
+  const environment = new LocalEnvironment();
   const used = new Set<string>();
 
   before(() => server.start());
   after(async () => {
-    await backstage.clear();
+    await environment.clear();
     await server.kill();
   });
 
-  /** A client whose requests are noted. */
+  /** A client that records its requests. */
   const client = (options: ClientOptions = {}, url = server.url): Client => {
     const { fetch = globalThis.fetch, ...others } = options;
     const noted: ClientOptions["fetch"] = (url, init) => {
@@ -39,7 +39,7 @@ describe("in Node", () => {
   };
 
   for (const [name, scenario] of Object.entries(scenarios)) {
-    test(name, { timeout: 180_000 }, () => scenario({ url: server.url, backstage, client }));
+    test(name, { timeout: 180_000 }, () => scenario({ url: server.url, environment, client }));
   }
 
   test("every operation of the API has been used", () => {

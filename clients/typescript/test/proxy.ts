@@ -4,7 +4,7 @@ import { once } from "node:events";
 import { type AddressInfo, type Server, type Socket, connect, createServer } from "node:net";
 
 export class Proxy {
-  /** How many bytes have gone to clients. */
+  /** The number of bytes sent to clients. */
   passed = 0;
   readonly #target: URL;
   readonly #open = new Set<Socket>();
@@ -27,12 +27,12 @@ export class Proxy {
     return `http://127.0.0.1:${(this.#server.address() as AddressInfo).port}`;
   }
 
-  /** The next answer breaks off before its first byte has come. */
+  /** Breaks the connection before the first byte of the next response. */
   loseAnswer(): void {
     this.#losing = true;
   }
 
-  /** Breaks the connection off that brings the last of so many bytes. */
+  /** Breaks the connection after this number of bytes. */
   cutAfter(bytes: number): void {
     this.#left = bytes;
   }
@@ -53,7 +53,7 @@ export class Proxy {
       });
     }
     client.pipe(server);
-    // Nothing is read from the server that the client does not take.
+    // Reads from the server only as fast as the client reads.
     server.on("data", (chunk) => {
       if (this.#isLost(chunk)) return void client.destroy();
       this.passed += chunk.length;
@@ -66,7 +66,7 @@ export class Proxy {
     server.on("end", () => client.end());
   }
 
-  /** Browsers drop what they have not read when a connection breaks: they are given time. */
+  /** Browsers discard unread bytes when a connection breaks, so they get time to read. */
   #cut(client: Socket, server: Socket, chunk: Buffer): void {
     server.pause();
     client.write(chunk.subarray(0, chunk.length + this.#left));
@@ -74,7 +74,7 @@ export class Proxy {
     setTimeout(() => client.end(), 500);
   }
 
-  /** Whether this is the answer to lose; preflights of browsers are none. */
+  /** True if this response is to be lost; preflights are not. */
   #isLost(chunk: Buffer): boolean {
     const lost = this.#losing && !/^access-control-allow-methods/im.test(chunk.toString("latin1"));
     if (lost) this.#losing = false;

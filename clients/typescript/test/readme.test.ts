@@ -11,7 +11,7 @@ import ts from "typescript";
 import { ROOT, Server } from "./server.js";
 
 const PACKAGE = fileURLToPath(new URL("..", import.meta.url));
-// Inside of the package, so that `piad` is this one.
+// Inside the package, so that `piad` resolves to it.
 const DIRECTORY = join(PACKAGE, "build/readme");
 
 interface Example {
@@ -20,7 +20,7 @@ interface Example {
   readonly file: string;
 }
 
-const guide = readFileSync(join(ROOT, "docs/CLIENTS.md"), "utf8");
+const guide = readFileSync(join(ROOT, "docs/reference/clients.md"), "utf8");
 const examples = [
   ...examplesIn(readFileSync(join(PACKAGE, "README.md"), "utf8"), "readme"),
   ...examplesIn(guide.slice(guide.indexOf("## Written clients"), guide.indexOf("## Python without a package")), "clients"),
@@ -58,7 +58,7 @@ function examplesIn(text: string, name: string): Example[] {
   return found;
 }
 
-/** Compiles files beside themselves; what is wrong with them. */
+/** Compiles files next to their sources and returns the errors. */
 function compiled(files: string[]): string[] {
   const { config } = ts.readConfigFile(join(PACKAGE, "test/tsconfig.json"), ts.sys.readFile);
   const { options } = ts.parseJsonConfigFileContent(config, ts.sys, join(PACKAGE, "test"));

@@ -11,7 +11,7 @@ import { fileURLToPath } from "node:url";
 export const ROOT = fileURLToPath(new URL("../../..", import.meta.url));
 const PROGRAM = process.env["PIAD_PROGRAM"] ?? join(ROOT, "target/debug/piad");
 
-/** A server that can be killed and started again with the same data at the same address. */
+/** A server that can be killed and restarted with the same data at the same address. */
 export class Server {
   #address = "127.0.0.1:0";
   #process: ChildProcess | undefined;
@@ -21,7 +21,7 @@ export class Server {
   readonly #basePath: string;
   readonly #token: string;
 
-  /** `data` is where jobs are kept; by default a directory that goes with the server. With a token it asks for that. */
+  /** `data` is the directory of jobs, by default a temporary one. With a token, the server requires it. */
   constructor(data?: string, basePath = "/", token = "") {
     this.#basePath = basePath;
     this.#token = token;
@@ -39,7 +39,7 @@ export class Server {
     const child = spawn(PROGRAM, flags, { env, stdio: ["ignore", "ignore", "pipe"] });
     this.#process = child;
     const log: string[] = [];
-    // All lines are read: a full pipe would stop the server.
+    // Reads all lines: a full pipe would block the server.
     const lines = createInterface({ input: child.stderr });
     this.#address = await new Promise<string>((resolve, reject) => {
       lines.on("line", (line) => {
@@ -53,7 +53,7 @@ export class Server {
     return this;
   }
 
-  /** SIGKILL: nothing is said to anybody. */
+  /** Sends SIGKILL: connections are not closed cleanly. */
   async kill(): Promise<void> {
     const child = this.#process;
     if (child === undefined || child.exitCode !== null || child.signalCode !== null) return;
@@ -61,7 +61,7 @@ export class Server {
     await once(child, "exit");
   }
 
-  /** Kills it and forgets its data. */
+  /** Kills the server and deletes its data. */
   async remove(): Promise<void> {
     await this.kill();
     if (this.#temporary) rmSync(this.#data, { recursive: true, force: true });

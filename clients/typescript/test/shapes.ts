@@ -44,7 +44,7 @@ export const AUTOMATIC: api.JobRequest = {
   stop: { tolerance: 1e-4 },
 };
 
-/** The same of a surface. */
+/** The same for a surface. */
 export const AUTOMATIC_SURFACE: api.JobRequest = {
   surface: { points: list(30, (i) => list(25, (j) => [i, j, 3 * sin(i / 4) * cos(j / 5)])) },
   method: { kind: "least_squares", control_points: "auto" },
@@ -53,13 +53,13 @@ export const AUTOMATIC_SURFACE: api.JobRequest = {
 
 const MANY = list(200, (i) => [i, i % 7]);
 
-/** A fit of so many iterations. */
+/** A fit with this number of iterations. */
 export function slow(iterations: number): api.JobRequest {
   const curve = { points: MANY, basis: { kind: "bernstein" } } as const;
   return { curve, stop: { relative_tolerance: 1e-15, max_iterations: iterations } };
 }
 
-/** A fit of so many iterations of a megabyte: small steps make them many. */
+/** A fit with this number of iterations of one megabyte each, made by small steps. */
 export function large(iterations: number): api.JobRequest {
   const points = list(30_000, (i) => [i, 100 * sin(i), cos(i * i)]);
   const curve = { points, parameters: "uniform" } as const;

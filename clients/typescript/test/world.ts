@@ -1,34 +1,34 @@
-/** What scenarios need of the world; they run in Node and in a browser. */
+/** The environment of scenarios, in Node or a browser. */
 
 import type { Client, ClientOptions } from "piad";
 
-/** Servers and proxies, which are processes of the machine: known by their addresses. */
-export interface Backstage {
-  /** Starts a server that keeps its jobs, perhaps with a path that clients see it below, or a token that it asks for. */
+/** Servers and proxies, identified by their addresses. */
+export interface Environment {
+  /** Starts a server that stores its jobs, optionally with a base path or a required token. */
   durable(basePath?: string, token?: string): Promise<string>;
-  /** SIGKILL: nothing is said to anybody. */
+  /** Sends SIGKILL: connections are not closed cleanly. */
   kill(server: string): Promise<void>;
-  /** Starts a server again, with the same data at the same address. */
+  /** Restarts a server with the same data at the same address. */
   restart(server: string): Promise<void>;
   /** Starts a proxy of a server. */
   proxy(server: string): Promise<string>;
-  /** How many bytes have gone through a proxy to clients. */
+  /** The number of bytes sent to clients through a proxy. */
   passed(proxy: string): Promise<number>;
-  /** Breaks the connection off that brings the last of so many bytes. */
+  /** Breaks the connection after this number of bytes. */
   cutAfter(proxy: string, bytes: number): Promise<void>;
-  /** The next answer breaks off before its first byte has come. */
+  /** Breaks the connection before the first byte of the next response. */
   loseAnswer(proxy: string): Promise<void>;
-  /** An address at which nobody listens. */
+  /** An address without a server. */
   nowhere(): Promise<string>;
 }
 
 export interface World {
   /** A server without other users. */
   readonly url: string;
-  readonly backstage: Backstage;
+  readonly environment: Environment;
   /** A client of that server, or of another one. */
   client(options?: ClientOptions, url?: string): Client;
 }
 
-/** What is done and found, by its name. */
+/** The scenarios by name. */
 export type Scenarios = Readonly<Record<string, (world: World) => Promise<void>>>;

@@ -29,5 +29,5 @@ pub mod export;
 pub mod import;
 pub mod json;
 #[doc(hidden)]
-pub mod short;
+pub mod text;
 pub mod wgs84;

@@ -1,6 +1,5 @@
 //! Internal interface for piad and piad-files. It may change at any time.
 
-pub use crate::about::About;
 pub use crate::basis::choice::DirectionChoice;
 pub use crate::basis::direction::Direction;
 pub use crate::data::aligned::Lane;
@@ -9,6 +8,7 @@ pub use crate::geometry::evaluation::Geometry;
 pub use crate::iteration::bases::Bases;
 pub use crate::iteration::system::System;
 pub use crate::iteration::{Iteration, Level};
+pub use crate::kind_info::KindInfo;
 pub use crate::matrix::forecast::Forecast;
 pub use crate::matrix::spectrum::least_eigenvalue;
 pub use crate::matrix::tensor::Tensor;

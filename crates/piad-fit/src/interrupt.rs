@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_not_wanted_any_more_is_given_up() {
+    fn abandoned_work_is_interrupted() {
         let checks = Arc::new(AtomicUsize::new(0));
         let counter = Arc::clone(&checks);
         let third: IsOver = Arc::new(move || counter.fetch_add(1, Ordering::Relaxed) == 2);

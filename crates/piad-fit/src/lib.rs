@@ -92,7 +92,6 @@
 //! of a new kind of graphics fitting method*, Appl. Math. Inf. Sci. 7 (2013) — **Deng13**; Piegl,
 //! Tiller, *The NURBS Book*, 2nd ed. (1997) — **PT97**.
 
-pub(crate) mod about;
 pub mod basis;
 pub mod data;
 pub(crate) mod ends;
@@ -103,6 +102,7 @@ pub mod geometry;
 pub(crate) mod interrupt;
 pub mod invalid;
 pub(crate) mod iteration;
+pub(crate) mod kind_info;
 pub(crate) mod knot_selection;
 pub(crate) mod linear;
 pub(crate) mod matrix;

@@ -7,7 +7,7 @@ use bytes::{BufMut, Bytes, BytesMut};
 use super::settings::Settings;
 use crate::api::json::view::batch::{self as view, BatchEnd, BatchProblem, BatchTotals, ItemEnd};
 use crate::api::json::view::to_bytes;
-use crate::api::language::Framing;
+use crate::api::media_type::Framing;
 use crate::api::problem::Problem;
 use crate::api::proto;
 use crate::job::content::Content;

@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_found_where_it_stands() {
+    fn errors_have_locations() {
         let item = br#"{"curve": {"points": [[0, 0]], "degree": 1}, "stop": {}}"#;
         for (pointer, expected) in [
             ("", false),

@@ -5,7 +5,7 @@ use bytes::{Buf, BytesMut};
 
 use super::pieces::Piece;
 use crate::api::problem::{Kind, Problem};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// The byte-order mark of UTF-8.
 const MARK: &[u8] = b"\xef\xbb\xbf";

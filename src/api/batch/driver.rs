@@ -18,10 +18,10 @@ use super::pieces::Piece;
 use super::settings::Settings;
 use super::splitter::Splitter;
 use super::task::Running;
+use crate::api::create_job::{self, PARSED_AT_ONCE};
 use crate::api::http::body_limits::{ARRIVING, SMALL, check_rate, take_memory};
 use crate::api::http::coding::Coding;
 use crate::api::json::view::batch::BatchTotals;
-use crate::api::order::{self, PARSED_AT_ONCE};
 use crate::api::problem::{Kind, Problem};
 use crate::job::memory::Permit;
 use crate::job::peer;
@@ -90,7 +90,7 @@ impl Batch {
         coding: Option<Coding>,
     ) -> Result<Self, Problem> {
         let app = &settings.app;
-        order::check_open(app)?;
+        create_job::check_open(app)?;
         let place = app.jobs.begin_batch()?;
         let limit = usize::try_from(app.config.max_body.as_u64()).unwrap_or(usize::MAX);
         let mut batch = Self {
@@ -147,7 +147,7 @@ impl Batch {
         let app = self.settings.app.clone();
         let end = tokio::select! {
             () = output.closed() => return,
-            () = app.stopped() => Err(order::stopping()),
+            () = app.stopped() => Err(create_job::stopping()),
             end = self.compute(&output) => end,
         };
         self.groups.clear();
@@ -299,7 +299,7 @@ impl Batch {
         self.totals.failed += lines.failed;
         let fatal = lines.fatal.take();
         for content in lines.into_contents() {
-            let gone = |_| Problem::new(Kind::Internal, "the client has gone");
+            let gone = |_| Problem::new(Kind::Internal, "the client has disconnected");
             output.send(Output::Lines(content)).await.map_err(gone)?;
         }
         fatal.map_or(Ok(()), Err)

@@ -7,10 +7,10 @@ use std::vec;
 
 use super::answer::{self, LineHead, Lines};
 use super::defaults::Defaults;
-use super::item::{Item, ItemWords, ReadItem};
+use super::item::{Item, ItemLocator, ReadItem};
 use super::settings::Settings;
-use crate::api::language::Language;
-use crate::api::order::PARSED_AT_ONCE;
+use crate::api::create_job::PARSED_AT_ONCE;
+use crate::api::media_type::Language;
 use crate::api::problem::Problem;
 use crate::api::proto::bounds;
 use crate::api::start::Base;
@@ -31,7 +31,7 @@ use crate::proto::messages as pb;
 pub(super) const SMALL_FIT: usize = 1024 * 1024;
 
 /// The lines of a group are sent when they have this many bytes.
-const ENOUGH: usize = 128 * 1024;
+const GROUP_BYTES: usize = 128 * 1024;
 
 /// Some items, and their results.
 pub(super) struct Group {
@@ -58,7 +58,7 @@ enum Stage {
     /// To be read.
     Unread,
     /// To be validated.
-    Read(Box<JobRequest>, ItemWords, Base),
+    Read(Box<JobRequest>, ItemLocator, Base),
     /// To be fitted, and returned in this form.
     Fitting(Fitting),
     /// Its line is to be written.
@@ -187,7 +187,7 @@ impl Group {
     fn step(&mut self, deadline: Instant) -> bool {
         match std::mem::replace(&mut self.stage, Stage::Unread) {
             Stage::Unread => self.read(),
-            Stage::Read(request, words, base) => self.check(*request, &words, base),
+            Stage::Read(request, locator, base) => self.check(*request, &locator, base),
             Stage::Fitting(fitting) => self.fit(fitting, deadline),
             Stage::Ended(fitting, ended) => self.write(fitting, &ended),
         }
@@ -202,15 +202,15 @@ impl Group {
         self.current = Some(item);
         match read {
             Err(problem) => self.fail(problem),
-            Ok(ReadItem { request, words }) => {
+            Ok(ReadItem { request, locator }) => {
                 self.want = request.base().cloned().map(Want::Base);
-                self.stage = Stage::Read(Box::new(request), words, Base::none());
+                self.stage = Stage::Read(Box::new(request), locator, Base::none());
             }
         }
     }
 
-    fn check(&mut self, request: JobRequest, words: &ItemWords, base: Base) {
-        let valid = base.validate(request, self.settings.limits, words);
+    fn check(&mut self, request: JobRequest, locator: &ItemLocator, base: Base) {
+        let valid = base.validate(request, self.settings.limits, locator);
         if self.items.as_slice().is_empty() {
             self.reading = None;
         }
@@ -318,7 +318,7 @@ impl Group {
             .batch_items
             .inc();
         let is_last = self.items.as_slice().is_empty();
-        if !is_last && (self.lines.len() >= ENOUGH || self.lines.has_large()) {
+        if !is_last && (self.lines.len() >= GROUP_BYTES || self.lines.has_large()) {
             self.want = Some(Want::Send);
         }
     }

@@ -7,13 +7,13 @@ use super::pieces::BodyForm;
 use super::settings::Settings;
 use crate::api::json::request;
 use crate::api::json::request::places::Places;
-use crate::api::language::Language;
-use crate::api::problem::{Kind, Location, Problem, Words};
+use crate::api::media_type::Language;
+use crate::api::problem::{Kind, Location, Locator, Problem};
 use crate::api::proto;
 use crate::api::proto::fields::MessageLayout;
 use crate::job::memory::Permit;
+use crate::model::errors::SpecPart;
 use crate::model::job::{JobRequest, LONGEST_NAME};
-use crate::model::mistakes::SpecPart;
 
 /// An item as it has arrived.
 pub(super) struct Item {
@@ -28,16 +28,16 @@ pub(super) struct Item {
 pub(super) struct ReadItem {
     pub(super) request: JobRequest,
     /// The locations of its parts.
-    pub(super) words: ItemWords,
+    pub(super) locator: ItemLocator,
 }
 
 /// The locations of the parts of an item.
-pub(super) enum ItemWords {
+pub(super) enum ItemLocator {
     Json(Places),
     Message(MessageLayout),
 }
 
-impl Words for ItemWords {
+impl Locator for ItemLocator {
     fn of(&self, place: SpecPart) -> String {
         match self {
             Self::Json(places) => places.of(place),
@@ -64,13 +64,13 @@ impl Settings {
         match self.language {
             Language::Json => {
                 let (request, places) = request::job::read(bytes, config.max_points)?;
-                let words = ItemWords::Json(places);
-                Ok(ReadItem { request, words })
+                let locator = ItemLocator::Json(places);
+                Ok(ReadItem { request, locator })
             }
             Language::Protobuf => {
                 let (request, layout) = proto::request::read(bytes, config)?;
-                let words = ItemWords::Message(layout);
-                Ok(ReadItem { request, words })
+                let locator = ItemLocator::Message(layout);
+                Ok(ReadItem { request, locator })
             }
         }
     }

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::pieces::Piece;
-use piad_files::short::without_mark;
+use piad_files::text::without_mark;
 
 /// The state of the parser.
 #[derive(Default)]

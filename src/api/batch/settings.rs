@@ -9,8 +9,8 @@ use prost::Message;
 use super::defaults::Defaults;
 use super::pieces::BodyForm;
 use crate::api::app::App;
-use crate::api::language::{Framing, Language};
-use crate::api::order;
+use crate::api::create_job;
+use crate::api::media_type::{Framing, Language};
 use crate::api::problem::{Problem, ProblemBody};
 use crate::api::proto::{self, fields};
 use crate::model::job::Limits;
@@ -36,16 +36,16 @@ impl Forms {
     /// The form of messages. Choices that suit neither curves nor surfaces are an error.
     pub(in crate::api) fn of_message(options: &pb::BatchOptions) -> Result<Self, Problem> {
         let (view, samples_u, samples_v) = (options.view, options.samples_u, options.samples_v);
-        let asked = pb::StreamOptions {
+        let stream_options = pb::StreamOptions {
             view,
             samples_u,
             samples_v,
             ..pb::StreamOptions::default()
         };
-        let spec = stream::spec(asked, "").map_err(fields::wrong)?;
+        let spec = stream::spec(stream_options, "").map_err(fields::wrong)?;
         let of = |surface| {
             let form = options::message_form(&spec, surface);
-            let form = form.map_err(|mistake| fields::wrong_choice(mistake, ""))?;
+            let form = form.map_err(|error| fields::wrong_choice(error, ""))?;
             Ok((spec.clone(), form))
         };
         Self::any(of(false), of(true))
@@ -132,7 +132,7 @@ impl Settings {
                 BodyForm::Messages => Language::Protobuf,
             },
             framing,
-            limits: order::limits(app),
+            limits: create_job::limits(app),
             forms,
             common: OnceLock::new(),
             notices: OnceLock::new(),

@@ -92,14 +92,14 @@ mod tests {
     fn pieces(form: BodyForm, body: &[u8], part: usize) -> Result<Vec<Piece>, String> {
         let mut splitter = Splitter::new(form, LIMIT);
         let mut pieces = Vec::new();
-        let told = |problem: Problem| problem.detail().to_owned();
+        let detail_of = |problem: Problem| problem.detail().to_owned();
         for part in body.chunks(part) {
             splitter.push(part);
-            while let Some(piece) = splitter.next().map_err(told)? {
+            while let Some(piece) = splitter.next().map_err(detail_of)? {
                 pieces.push(piece);
             }
         }
-        pieces.extend(splitter.finish().map_err(told)?);
+        pieces.extend(splitter.finish().map_err(detail_of)?);
         Ok(pieces)
     }
 
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_batch_is_refused_where_it_goes_wrong() {
+    fn invalid_batches_are_rejected_at_the_error() {
         for (body, reason) in [
             ("", "the body is empty"),
             ("[{}]", "expected an object with items"),

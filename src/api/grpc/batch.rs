@@ -19,7 +19,7 @@ use crate::api::batch::pieces::BodyForm;
 use crate::api::batch::sending::Sending;
 use crate::api::batch::settings::{Forms, Settings};
 use crate::api::http::request_id::REQUEST_ID;
-use crate::api::language::Framing;
+use crate::api::media_type::Framing;
 use crate::api::problem::Problem;
 use crate::job::scheduler::Broken;
 use crate::proto::messages as pb;

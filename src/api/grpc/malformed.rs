@@ -15,7 +15,7 @@ const MALFORMED: [&str; 4] = [
 ];
 
 /// The answer to a call, with the right status if its message could not be decoded.
-pub(super) fn told(response: Response) -> Response {
+pub(super) fn explained(response: Response) -> Response {
     let Some(status) = Status::from_header_map(response.headers()) else {
         return response;
     };

@@ -25,8 +25,8 @@ use super::batch;
 use super::malformed;
 use super::service;
 use crate::api::app::App;
+use crate::api::create_job::PARSED_AT_ONCE;
 use crate::api::http::body_limits;
-use crate::api::order::PARSED_AT_ONCE;
 use crate::api::proto::bounds;
 use crate::job::peer::Peer;
 use crate::proto::DESCRIPTORS;
@@ -48,7 +48,7 @@ pub(crate) fn routes(app: &App) -> Router<App> {
     );
     let batch = Router::new().route(&path, post(batch::fit_batch));
     let services = fitting.merge(batch).merge(operations(app));
-    services.layer(MapResponseLayer::new(malformed::told))
+    services.layer(MapResponseLayer::new(malformed::explained))
 }
 
 /// Receives the one message of a call like a body of REST. A large message is decoded off the threads
@@ -83,7 +83,7 @@ async fn take_in(State(app): State<App>, request: Request, next: Next) -> Respon
             tokio::select! {
                 answer = answer => answer,
                 // The request is abandoned, and so is its computation.
-                _ = gone => Status::cancelled("the client has gone").into_http(),
+                _ = gone => Status::cancelled("the client has disconnected").into_http(),
             }
         })
     });

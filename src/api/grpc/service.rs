@@ -10,16 +10,16 @@ use tonic::{Request, Response, Status};
 use uuid::Uuid;
 
 use crate::api::app::App;
-use crate::api::language::{Framing, Language};
-use crate::api::order::{self, EditOrder, Order};
+use crate::api::create_job::{self, EditOrder, Order};
+use crate::api::media_type::{Framing, Language};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::{edit, fields, names, request, view};
 use crate::api::rates::{self, RatesRequest, WrongPart};
-use crate::api::resuming::{self, Start};
+use crate::api::resume::{self, Start};
 use crate::api::stream::encode;
 use crate::api::stream::encoded::Encoded;
 use crate::api::stream::feed::{Event, Feed};
-use crate::api::{jobs, levels};
+use crate::api::{content, jobs};
 use crate::config::Config;
 use crate::job::quota::OpenStream;
 use crate::job::service::creating::Accepted;
@@ -55,10 +55,10 @@ impl Service {
         watch: Option<&StreamSpec>,
     ) -> Result<Accepted, Problem> {
         let Self(app) = self;
-        order::check_open(app)?;
+        create_job::check_open(app)?;
         let input = input.ok_or_else(|| Problem::at_field("input", "it is missing"))?;
         let key = self.key(key, "/v1/jobs", &input).await?;
-        if let Some(known) = order::known(app, key.as_ref()).await? {
+        if let Some(known) = create_job::known(app, key.as_ref()).await? {
             return Ok(known);
         }
         let length = input.encoded_len();
@@ -66,7 +66,7 @@ impl Service {
         let order = Order::new(app, length, read).await;
         let order = order.map_err(|problem| problem.within("input"))?;
         if let Some(spec) = watch {
-            let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+            let wrong = |error| fields::wrong_choice(error, "stream.");
             order.check_stream(spec, Framing::Protobuf).map_err(wrong)?;
         }
         order.make(app, key).await
@@ -78,22 +78,22 @@ impl Service {
         message: pb::EditJobRequest,
     ) -> Result<Accepted, Problem> {
         let Self(app) = self;
-        order::check_open(app)?;
+        create_job::check_open(app)?;
         let edit = message
             .edit
             .ok_or_else(|| Problem::at_field("edit", "it is missing"))?;
         let path = format!("/v1/jobs/{}/edits", parent.id());
         let key = self.key(message.idempotency_key, &path, &edit).await?;
-        if let Some(known) = order::known(app, key.as_ref()).await? {
+        if let Some(known) = create_job::known(app, key.as_ref()).await? {
             return Ok(known);
         }
         let within = |problem: Problem| problem.within("edit");
         let (length, owner) = (edit.encoded_len(), Arc::clone(parent));
-        let read = order::read(app, length, move || edit::edit(edit, owner.outline()));
+        let read = create_job::read(app, length, move || edit::edit(edit, owner.outline()));
         let (request, layout) = read.await.map_err(within)?;
         // The call has no stream.
         if request.ephemeral == Some(true) {
-            return Err(within(order::no_stream(&layout)));
+            return Err(within(create_job::no_stream(&layout)));
         }
         let edit = EditOrder::new(app, parent, request, &layout).await;
         edit.map_err(within)?.order.make(app, key).await
@@ -109,9 +109,10 @@ impl Service {
         if name.is_empty() {
             return Ok(None);
         }
-        order::check_key(&name).map_err(|detail| Problem::at_field("idempotency_key", detail))?;
+        create_job::check_key(&name)
+            .map_err(|detail| Problem::at_field("idempotency_key", detail))?;
         let body = Bytes::from(message.encode_to_vec());
-        let key = order::key(&self.0, name, path.to_owned(), body);
+        let key = create_job::key(&self.0, name, path.to_owned(), body);
         key.await.map(Some)
     }
 
@@ -139,7 +140,7 @@ async fn next(feed: Option<Feed>) -> Option<(Result<Encoded, Status>, Option<Fee
                 return Some((Err(problem.into()), None));
             }
             Some(Event::Stopping) => {
-                return Some((Err(order::stopping().retry_after(1).into()), None));
+                return Some((Err(create_job::stopping().retry_after(1).into()), None));
             }
             // Connections are kept open by HTTP/2 itself.
             Some(Event::Quiet) => continue,
@@ -162,7 +163,7 @@ fn form(job: &Job, view: i32, samples_u: u32, samples_v: u32) -> Result<Form, Pr
     // The choices are fields of the request itself.
     let spec = stream_of::spec(options, "").map_err(fields::wrong)?;
     let form = options::message_form(&spec, job.outline().surface);
-    form.map_err(|mistake| fields::wrong_choice(mistake, ""))
+    form.map_err(|error| fields::wrong_choice(error, ""))
 }
 
 /// The number of an iteration; numbers beyond those of any job are cut.
@@ -197,7 +198,7 @@ impl FittingService for Service {
         let outline = job.outline();
         let defaults = outline.label.stream.as_deref();
         let options = StreamOptions::new(&spec, defaults, true, outline.surface);
-        let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+        let wrong = |error| fields::wrong_choice(error, "stream.");
         let mut options = options.map_err(wrong)?;
         // A job that was created before has its own stream; only that one may cancel it.
         options.cancels &= !replayed;
@@ -271,7 +272,7 @@ impl FittingService for Service {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let form = form(&job, message.view, message.samples_u, message.samples_v)?;
-        let frame = levels::frame(&self.0, &job, message.iteration.map(level), None).await?;
+        let frame = content::frame(&self.0, &job, message.iteration.map(level), None).await?;
         let bytes = encode::frame(&job, &frame, &form).await?;
         Ok(Response::new(Encoded::response(bytes)))
     }
@@ -280,7 +281,7 @@ impl FittingService for Service {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let form = form(&job, message.view, message.samples_u, message.samples_v)?;
-        let bytes = levels::result_content(&job, form).await?;
+        let bytes = content::result_content(&job, form).await?;
         Ok(Response::new(Encoded::response(bytes)))
     }
 
@@ -291,7 +292,7 @@ impl FittingService for Service {
         let message = request.into_inner();
         let job = jobs::find(&self.0, &message.id).await?;
         let (frame, deviation) =
-            levels::deviation(&self.0, &job, message.iteration.map(level), None).await?;
+            content::deviation(&self.0, &job, message.iteration.map(level), None).await?;
         let iteration = frame.level.iteration;
         Ok(Response::new(view::deviation(
             iteration,
@@ -302,7 +303,7 @@ impl FittingService for Service {
 
     async fn get_input(&self, request: Request<pb::GetInputRequest>) -> Reply<Encoded> {
         let job = jobs::find(&self.0, &request.get_ref().id).await?;
-        let bytes = levels::input_content(&job, Language::Protobuf).await?;
+        let bytes = content::input_content(&job, Language::Protobuf).await?;
         Ok(Response::new(Encoded::response(bytes)))
     }
 
@@ -330,10 +331,10 @@ impl FittingService for Service {
         let defaults = outline.label.stream.as_deref();
         let surface = outline.surface;
         let options = StreamOptions::of_reader(&spec, defaults, true, surface);
-        let wrong = |mistake| fields::wrong_choice(mistake, "stream.");
+        let wrong = |error| fields::wrong_choice(error, "stream.");
         let options = options.map_err(wrong)?;
         let after = message.resume_after.map(level);
-        let start = after.map(|k| resuming::after_iteration(&job, k));
+        let start = after.map(|k| resume::after_iteration(&job, k));
         let start = start
             .transpose()
             .map_err(|detail| Problem::at_field("resume_after", detail))?;

@@ -7,13 +7,13 @@ use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::{StreamExt, stream};
 
-use crate::api::stream::sending::{ENOUGH, Outgoing};
+use crate::api::stream::sending::{Outgoing, SENT_BYTES};
 use crate::job::Job;
 use crate::job::content::Content;
 
 /// A content as an answer; large ones are streamed.
 pub(super) fn answer(job: &Arc<Job>, content: Content, content_type: &'static str) -> Response {
-    if content.rest.is_none() && content.head.len() <= ENOUGH {
+    if content.rest.is_none() && content.head.len() <= SENT_BYTES {
         return whole(content.head, content_type);
     }
     let length = content.length();

@@ -13,7 +13,7 @@ use flate2::read::GzDecoder;
 
 use super::coding::{self, Coding};
 use crate::api::problem::{Kind, Problem};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// A file, as `build.rs` lists it.
 pub(crate) struct Asset {
@@ -127,20 +127,20 @@ fn answer(headers: &HeaderMap, asset: &Asset, policy: &'static str) -> io::Resul
         (false, true) => Bytes::from_static(asset.gzip).into_response(),
         (false, false) => asset.plain()?.into_response(),
     };
-    let told = response.headers_mut();
-    told.extend(fixed);
+    let headers = response.headers_mut();
+    headers.extend(fixed);
     // The hash is ASCII, so that this never fails.
-    told.extend(
+    headers.extend(
         HeaderValue::try_from(tag)
             .ok()
             .map(|tag| (header::ETAG, tag)),
     );
     if !known {
         let media_type = HeaderValue::from_static(asset.media_type());
-        told.insert(header::CONTENT_TYPE, media_type);
+        headers.insert(header::CONTENT_TYPE, media_type);
         if packed {
             let coding = HeaderValue::from_static("gzip");
-            told.insert(header::CONTENT_ENCODING, coding);
+            headers.insert(header::CONTENT_ENCODING, coding);
         }
     }
     Ok(response)

@@ -18,7 +18,7 @@ use crate::api::batch::part_file::{BatchLine, PartFile};
 use crate::api::batch::pieces::BodyForm;
 use crate::api::batch::sending::Sending;
 use crate::api::batch::settings::{Forms, Settings};
-use crate::api::language::{Framing, NDJSON, SSE};
+use crate::api::media_type::{Framing, NDJSON, SSE};
 use crate::api::problem::{Kind, Problem};
 use crate::lines::Lines;
 use crate::model::stream::form::Digits;

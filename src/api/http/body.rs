@@ -7,10 +7,10 @@ use super::body_limits::ReceivedBody;
 use super::{body_limits, coding};
 use crate::api::app::App;
 use crate::api::batch::pieces::BodyForm;
-use crate::api::language::{JSON, Language, NDJSON, PROTOBUF};
+use crate::api::media_type::{JSON, Language, NDJSON, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
 use crate::api::proto::bounds::{self, Bounded};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// The media types of files of points. The format is detected by the content; these only say that
 /// it is a file.

@@ -10,7 +10,7 @@ use tonic::server::NamedService;
 use crate::api::app::App;
 use crate::api::grpc::service::Service;
 use crate::api::json::plain::never_null;
-use crate::api::language::{JSON, NDJSON, PROTOBUF, SSE};
+use crate::api::media_type::{JSON, NDJSON, PROTOBUF, SSE};
 use crate::config::Config;
 use crate::model::basis::BasisKind;
 use crate::model::method::{MethodKind, settings_of};

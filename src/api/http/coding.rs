@@ -7,7 +7,7 @@
 use axum::http::{HeaderMap, header};
 
 use crate::api::problem::{Kind, Problem};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// A coding of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clients_say_which_codings_they_like() {
+    fn clients_choose_codings() {
         for (values, expected) in [
             (&[][..], false),
             (&[""], false),

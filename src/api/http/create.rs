@@ -15,16 +15,16 @@ use super::points::Fields;
 use super::query::{OF_STREAMS, StreamQuery};
 use super::{body, events, jobs as shown};
 use crate::api::app::App;
+use crate::api::create_job;
+use crate::api::create_job::{EditOrder, Order};
 use crate::api::jobs;
 use crate::api::json;
 use crate::api::json::view::job::path;
-use crate::api::language::{Framing, Language};
-use crate::api::order;
-use crate::api::order::{EditOrder, Order};
-use crate::api::problem::{Problem, Words};
+use crate::api::media_type::{Framing, Language};
+use crate::api::problem::{Locator, Problem};
 use crate::api::proto;
 use crate::api::proto::bounds::Bounded;
-use crate::api::resuming::Start;
+use crate::api::resume::Start;
 use crate::api::stream::feed::Feed;
 use crate::config::Config;
 use crate::job::quota::OpenStream;
@@ -62,7 +62,7 @@ async fn post_job(app: App, request: Request, choice: Choice) -> Result<Response
     let fields = Fields::of_points(&request, &OF_STREAMS)?;
     let fields_of = fields.as_ref();
     let mut posted = Posted::read::<pb::JobInput>(&app, request, choice, fields_of).await?;
-    if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
+    if let Some(known) = create_job::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known, None).await;
     }
     let (language, body, room) = posted.take_body();
@@ -123,7 +123,7 @@ async fn post_edit(
 ) -> Result<Response, Problem> {
     let mut posted = Posted::read::<pb::Edit>(&app, request, choice, None).await?;
     // Before the parent is looked up, which may have been deleted.
-    if let Some(known) = order::known(&app, posted.key.as_ref()).await? {
+    if let Some(known) = create_job::known(&app, posted.key.as_ref()).await? {
         return posted.answer(&app, known, None).await;
     }
     let parent = jobs::find(&app, &id).await?;
@@ -132,7 +132,7 @@ async fn post_edit(
     let (framing, edit) = match language {
         Language::Json => {
             let read = move || json::request::edit::read(body, owner.outline());
-            let (edit, places) = order::read(&app, length, read).await?;
+            let (edit, places) = create_job::read(&app, length, read).await?;
             let framing = posted.ephemeral(&edit, &places)?;
             (framing, EditOrder::new(&app, &parent, edit, &places).await?)
         }
@@ -142,7 +142,7 @@ async fn post_edit(
                 let message = proto::request::decode(body, outline.grid.count())?;
                 proto::edit::edit(message, outline)
             };
-            let (edit, layout) = order::read(&app, length, read).await?;
+            let (edit, layout) = create_job::read(&app, length, read).await?;
             let framing = posted.ephemeral(&edit, &layout)?;
             (framing, EditOrder::new(&app, &parent, edit, &layout).await?)
         }
@@ -172,7 +172,7 @@ impl Posted {
         choice: Choice,
         fields: Option<&(StreamQuery, Fields)>,
     ) -> Result<Self, Problem> {
-        order::check_open(app)?;
+        create_job::check_open(app)?;
         let query: StreamQuery = match fields {
             None => negotiate::query(request.uri())?,
             Some((query, _)) => query.clone(),
@@ -194,7 +194,7 @@ impl Posted {
         };
         let key = match name {
             None => None,
-            Some(name) => Some(order::key(app, name, path, body.bytes.clone()).await?),
+            Some(name) => Some(create_job::key(app, name, path, body.bytes.clone()).await?),
         };
         Ok(Self {
             answer,
@@ -216,13 +216,13 @@ impl Posted {
     fn ephemeral(
         &self,
         edit: &EditRequest,
-        words: &impl Words,
+        locator: &impl Locator,
     ) -> Result<Option<Framing>, Problem> {
         if edit.ephemeral != Some(true) {
             return Ok(None);
         }
         let Answer::Events(framing) = self.answer else {
-            return Err(order::no_stream(words));
+            return Err(create_job::no_stream(locator));
         };
         if self.key.is_some() {
             let detail = "an ephemeral edit is not kept, so that there is nothing to find by a key";
@@ -322,7 +322,7 @@ fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, Problem> {
         return Ok(None);
     };
     let key = value.to_str().unwrap_or("");
-    order::check_key(key).map_err(|detail| Problem::at_header("Idempotency-Key", detail))?;
+    create_job::check_key(key).map_err(|detail| Problem::at_header("Idempotency-Key", detail))?;
     Ok(Some(key.to_owned()))
 }
 

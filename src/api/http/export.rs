@@ -8,7 +8,7 @@ use bytes::Bytes;
 
 use super::answer::answer;
 use super::negotiate;
-use crate::api::language::{JSON, PROTOBUF};
+use crate::api::media_type::{JSON, PROTOBUF};
 use crate::api::problem::{Kind, Problem};
 use crate::job::Job;
 use crate::job::content::{Content, Piece, Pieces};

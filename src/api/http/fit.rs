@@ -11,8 +11,8 @@ use super::points::Fields;
 use super::query::{IterationQuery, OF_RESULTS};
 use super::{body, create, export, negotiate};
 use crate::api::app::App;
-use crate::api::language::Language;
-use crate::api::order;
+use crate::api::create_job;
+use crate::api::media_type::Language;
 use crate::api::problem::Problem;
 use crate::job::Job;
 use crate::job::state::State as JobState;
@@ -20,7 +20,7 @@ use crate::proto::messages as pb;
 
 /// Fits, and answers with the geometry.
 pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Response, Problem> {
-    order::check_open(&app)?;
+    create_job::check_open(&app)?;
     let fields = Fields::of_points(&request, &OF_RESULTS)?;
     let (query, fields): (IterationQuery, _) = match fields {
         None => (negotiate::query(request.uri())?, None),
@@ -43,7 +43,7 @@ pub(super) async fn fit(State(app): State<App>, request: Request) -> Result<Resp
     let wanted = wanted(&job.0, query, representation).await?;
     let status = tokio::select! {
         status = job.0.ended() => status,
-        () = app.stopped() => return Err(order::stopping()),
+        () = app.stopped() => return Err(create_job::stopping()),
     };
     match status.state {
         JobState::Converged => show_result(&job.0, wanted).await,

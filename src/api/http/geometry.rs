@@ -13,22 +13,22 @@ use super::negotiate;
 use super::path::InPath;
 use super::query::{DeviationQuery, IterationQuery, ShapeQuery};
 use crate::api::app::App;
+use crate::api::content;
 use crate::api::jobs;
 use crate::api::json::view::deviation::DeviationView;
 use crate::api::json::view::limit::LimitView;
 use crate::api::json::view::to_bytes;
-use crate::api::language::{JSON, Language};
-use crate::api::levels;
+use crate::api::media_type::{JSON, Language};
+use crate::api::parse_uint::plain_number;
 use crate::api::problem::{Kind, Problem};
 use crate::api::stream::encode;
-use crate::api::whole::plain_number;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::scheduler::WorkLane;
 use crate::model::stream::form::{Digits, Encoding, Form};
 use crate::model::stream::options;
 use piad_files::export::{Format, Options, UnknownFormat};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::engine::Iteration;
 use piad_fit::engine::limit::{LIMIT_COST, MOST_ADJUSTED, NoLimit, local_limit};
 
@@ -62,7 +62,7 @@ async fn show_iteration(
     wanted: Wanted,
 ) -> Result<Response, Problem> {
     let wait = negotiate::wait(headers)?;
-    let frame = levels::frame(app, job, level(k)?, wait).await?;
+    let frame = content::frame(app, job, level(k)?, wait).await?;
     let part = Part::Iteration(frame.level.iteration);
     let (mut answer, extension) = match wanted {
         Wanted::Form(form) => {
@@ -88,7 +88,7 @@ pub(super) async fn input(
 ) -> Result<Response, Problem> {
     let language = negotiate::language(&headers)?;
     let job = jobs::find(&app, &id).await?;
-    let content = levels::input_content(&job, language).await?;
+    let content = content::input_content(&job, language).await?;
     let answer = answer(&job, content, language.media_type());
     Ok(named(
         answer,
@@ -126,7 +126,7 @@ pub(super) async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Respon
             Err(Problem::at_parameter("digits", detail))
         }
         Wanted::Form(form) => {
-            let content = levels::result_content(job, form.clone()).await?;
+            let content = content::result_content(job, form.clone()).await?;
             let language = language(&form);
             let answer = answer(job, content, language.media_type());
             Ok(named(
@@ -137,7 +137,7 @@ pub(super) async fn show_result(job: &Arc<Job>, wanted: Wanted) -> Result<Respon
             ))
         }
         Wanted::File(format, options) => {
-            let (_, frame) = levels::end(job).await?;
+            let (_, frame) = content::end(job).await?;
             let file = export::file(job, frame, format, options).await?;
             Ok(named(file, job.outline(), Part::Result, format.extension()))
         }
@@ -189,7 +189,7 @@ pub(super) async fn deviation(
     let (k, list) = query.choices()?;
     let job = jobs::find(&app, &id).await?;
     let wait = negotiate::wait(&headers)?;
-    let (frame, deviation) = levels::deviation(&app, &job, k, wait).await?;
+    let (frame, deviation) = content::deviation(&app, &job, k, wait).await?;
     let numbers = if list { deviation.distances.len() } else { 1 };
     let write = move || {
         let iteration = frame.level.iteration;
@@ -213,7 +213,7 @@ pub(super) async fn shape(
     let job = jobs::find(&app, &id).await?;
     let samples = query.samples(job.outline().surface)?;
     let wait = negotiate::wait(&headers)?;
-    let content = levels::shape(&app, &job, k, samples, wait).await?;
+    let content = content::shape(&app, &job, k, samples, wait).await?;
     Ok(answer(&job, content, JSON))
 }
 
@@ -266,7 +266,7 @@ async fn job_and_file(
     uri: &Uri,
 ) -> Result<(Arc<Job>, Wanted), Problem> {
     let format: Format = format.parse().map_err(|_: UnknownFormat| {
-        let detail = format!("there are no files of the format {}", quoted(format));
+        let detail = format!("unknown format {}", quoted(format));
         Problem::new(Kind::NotFound, detail)
     })?;
     let query: IterationQuery = negotiate::query(uri)?;
@@ -282,7 +282,7 @@ fn level(text: &str) -> Result<Option<usize>, Problem> {
     }
     plain_number(text).map(Some).ok_or_else(|| {
         let detail = format!(
-            "{} is no iteration: they are numbered from 0; there is also \"last\"",
+            "{} is not an iteration; expected a number from 0, or \"last\"",
             quoted(text)
         );
         Problem::new(Kind::NoSuchIteration, detail)

@@ -18,10 +18,10 @@ use super::path::InPath;
 use crate::access::file::Token;
 use crate::access::scope::Scope;
 use crate::api::app::App;
-use crate::api::order;
+use crate::api::create_job;
 use crate::api::problem::{Kind, Problem};
 use crate::telemetry;
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// The description of the server.
 #[derive(Serialize, JsonSchema)]
@@ -119,7 +119,7 @@ pub(super) async fn livez() -> Json<Health> {
 /// `GET /readyz`
 pub(super) async fn readyz(State(app): State<App>) -> Response {
     if *app.stopping.borrow() {
-        return order::stopping().into_response();
+        return create_job::stopping().into_response();
     }
     if let Err(error) = app.jobs.check_store() {
         return Problem::from(error).into_response();
@@ -180,7 +180,7 @@ pub(crate) async fn problem(InPath(slug): InPath<String>) -> Result<Json<Problem
     let mut kinds = Kind::ALL.into_iter();
     let known = kinds.find(|kind| kind.entry().slug == slug);
     known.map(|kind| Json(kind.into())).ok_or_else(|| {
-        let detail = format!("no problem is called {}", quoted(&slug));
+        let detail = format!("unknown problem type {}", quoted(&slug));
         Problem::new(Kind::NotFound, detail)
     })
 }

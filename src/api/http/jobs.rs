@@ -13,13 +13,13 @@ use super::negotiate;
 use super::path::InPath;
 use crate::api::app::App;
 use crate::api::json::view::job::{JobPage, JobView};
-use crate::api::language::{Language, PROTOBUF};
+use crate::api::media_type::{Language, PROTOBUF};
+use crate::api::parse_uint::plain_number;
 use crate::api::problem::Problem;
-use crate::api::whole::plain_number;
 use crate::api::{jobs, proto};
 use crate::job::Job;
 use crate::job::state::State as JobState;
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -41,7 +41,7 @@ pub(super) async fn list(
         None => Ok(jobs::DEFAULT_PAGE),
         Some(text) => {
             let limit = plain_number(text);
-            let limit = limit.ok_or_else(|| format!("{} is no whole number", quoted(text)));
+            let limit = limit.ok_or_else(|| format!("{} is not a whole number", quoted(text)));
             limit.and_then(|limit| jobs::check_limit(limit).map(|()| limit))
         }
     };

@@ -9,9 +9,9 @@ use headers_accept::Accept;
 use mediatype::MediaType;
 use serde::de::DeserializeOwned;
 
-use crate::api::language::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
+use crate::api::media_type::{Framing, JSON, Language, NDJSON, PROTOBUF, SSE};
 use crate::api::problem::{Kind, Problem};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// The longest time of `Prefer: wait`, in seconds.
 pub(crate) const LONGEST_WAIT: u64 = 300;
@@ -97,7 +97,7 @@ pub(super) fn choose<T: Copy>(headers: &HeaderMap, available: &[(&str, T)]) -> R
     let accept = Accept::from_str(wanted).map_err(|_| {
         Problem::at_header(
             "Accept",
-            format!("{} is no list of media types", quoted(wanted)),
+            format!("{} is not a list of media types", quoted(wanted)),
         )
     })?;
     let types: Vec<MediaType> = available

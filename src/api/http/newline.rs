@@ -11,7 +11,7 @@ use axum::response::Response;
 use bytes::Bytes;
 use http_body::{Frame, SizeHint};
 
-use crate::api::language::JSON;
+use crate::api::media_type::JSON;
 
 const NEWLINE: Bytes = Bytes::from_static(b"\n");
 

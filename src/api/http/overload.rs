@@ -15,13 +15,13 @@ const ALWAYS: [&str; 3] = ["/livez", "/readyz", "/metrics"];
 
 /// The limit that a connection or a request exceeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Crowded {
+pub(crate) enum LimitExceeded {
     Connections(NoSlot),
     /// The peer has this many open requests.
     Requests(usize),
 }
 
-impl fmt::Display for Crowded {
+impl fmt::Display for LimitExceeded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Connections(NoSlot::All(most)) => {
@@ -41,14 +41,14 @@ impl fmt::Display for Crowded {
 
 /// Answers requests on such connections with 503, except those about the state of the server.
 pub(super) async fn hold_back(request: Request, next: Next) -> Response {
-    let Some(&crowded) = request.extensions().get::<Crowded>() else {
+    let Some(&exceeded) = request.extensions().get::<LimitExceeded>() else {
         return next.run(request).await;
     };
     let version = request.version();
     let mut response = if ALWAYS.contains(&request.uri().path()) {
         next.run(request).await
     } else {
-        Problem::new(Kind::TooManyConnections, crowded.to_string())
+        Problem::new(Kind::TooManyConnections, exceeded.to_string())
             .retry_after(5)
             .into_response()
     };

@@ -11,7 +11,7 @@ use super::assets::{Asset, Site};
 use super::path::InPath;
 use super::{info, negotiate};
 use crate::api::app::App;
-use crate::api::language::JSON;
+use crate::api::media_type::JSON;
 use crate::api::problem::Problem;
 
 static PAGE: Site = Site {

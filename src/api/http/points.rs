@@ -20,21 +20,21 @@ use super::answer::whole;
 use super::body_limits::ReceivedBody;
 use super::{body, negotiate};
 use crate::api::app::App;
+use crate::api::create_job::{self, ReadJob};
 use crate::api::json::request::file::{
-    self, COLUMNS, FileHints, FileWords, ORDER, PART, PIECE, SECTIONS, SIZE,
+    self, COLUMNS, FileHints, FileLocator, ORDER, PART, PIECE, SECTIONS, SIZE,
 };
 use crate::api::json::request::path;
 use crate::api::json::view::points::PointsView;
 use crate::api::json::view::to_bytes;
-use crate::api::language::JSON;
-use crate::api::order::{self, ReadJob};
+use crate::api::media_type::JSON;
 use crate::api::problem::Problem;
-use crate::api::stream::sending::ENOUGH;
+use crate::api::stream::sending::SENT_BYTES;
 use crate::config::Config;
 use crate::job::memory::Permit;
 use crate::job::peer::Peer;
 use piad_files::import::{self, Hints, Imported};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::parameters::Scattered;
 
 /// The JSON of points takes at most this many times the memory of their file, also while it grows: 1e15 has sixteen
@@ -104,8 +104,8 @@ pub(super) async fn show(State(app): State<App>, request: Request) -> Result<Res
         drop(body);
         Ok(json)
     };
-    let json = order::read(&app, length, work).await?;
-    if json.len() <= ENOUGH {
+    let json = create_job::read(&app, length, work).await?;
+    if json.len() <= SENT_BYTES {
         return Ok(whole(json, JSON));
     }
     let room = app
@@ -139,7 +139,7 @@ fn job_fields(curve: Option<&str>, surface: Option<&str>) -> Result<Map<String, 
 /// A long body, which holds memory until its last part is sent.
 fn in_parts(bytes: Bytes, room: Option<Permit>) -> Body {
     let parts = stream::unfold((bytes, room), |(mut bytes, room)| async move {
-        let part = bytes.split_to(bytes.len().min(ENOUGH));
+        let part = bytes.split_to(bytes.len().min(SENT_BYTES));
         (!part.is_empty()).then_some((Ok::<_, Infallible>(part), (bytes, room)))
     });
     Body::from_stream(parts.fuse())
@@ -196,14 +196,18 @@ impl Fields {
     }
 
     /// The job of these fields, with the points of this body.
-    pub(super) fn job(self, bytes: &Bytes, config: &Config) -> Result<ReadJob<FileWords>, Problem> {
+    pub(super) fn job(
+        self,
+        bytes: &Bytes,
+        config: &Config,
+    ) -> Result<ReadJob<FileLocator>, Problem> {
         let hints = file::hints(&self.json, self.reading, config.limits().points);
         let mut points = imported(bytes, &hints)?;
         let notices = std::mem::take(&mut points.notices);
-        let (request, words) = file::read(self.json, points, &hints)?;
+        let (request, locator) = file::read(self.json, points, &hints)?;
         Ok(ReadJob {
             request,
-            words,
+            locator,
             notices,
         })
     }
@@ -241,7 +245,7 @@ impl PartJobs {
                 notices,
             })
         };
-        order::read(app, 0, work).await
+        create_job::read(app, 0, work).await
     }
 
     /// Takes the notices about each part.

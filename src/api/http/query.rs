@@ -3,14 +3,14 @@
 use serde::Deserialize;
 
 use super::negotiate;
+use crate::api::parse_uint::plain_number;
 use crate::api::problem::Problem;
-use crate::api::whole::plain_number;
 use crate::model::named::Named;
-use crate::model::stream::choices::ChoiceMistake;
+use crate::model::stream::choices::ChoiceError;
 use crate::model::stream::options::{no_milestone, not_positive};
 use crate::model::stream::{Choice, MOST_MILESTONES, Samples, StreamSpec, not_samples};
 use piad_files::export::{ExportError, Format, Options, Origin, check_options};
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 
 /// The parameters of a single iteration or a result.
 pub(super) const OF_RESULTS: [&str; 11] = [
@@ -41,7 +41,10 @@ const BY_LENGTH: &str = "length";
 /// A distance between samples.
 fn spacing(text: &str) -> Result<f64, Problem> {
     let wrong = || {
-        let detail = format!("{} is no distance, such as 0.5", quoted(text));
+        let detail = format!(
+            "{} is not a distance; expected a number such as 0.5",
+            quoted(text)
+        );
         Problem::at_parameter("spacing", detail)
     };
     text.parse().map_err(|_| wrong())
@@ -55,7 +58,7 @@ fn origin(text: &str) -> Result<Origin, Problem> {
     });
     let Some(Some((latitude, longitude))) = numbers else {
         let detail = format!(
-            "{} is no latitude and longitude in degrees, such as 48.1,11.5",
+            "{} is not a latitude and longitude; expected degrees such as 48.1,11.5",
             quoted(text)
         );
         return Err(Problem::at_parameter("origin", detail));
@@ -183,7 +186,7 @@ impl IterationQuery {
             ("origin", &self.origin),
         ];
         if let Some((name, _)) = files.iter().find(|(_, value)| value.is_some()) {
-            let detail = "it is about files, not about JSON";
+            let detail = "only allowed for files, not for JSON";
             return Err(Problem::at_parameter(*name, detail));
         }
         let query = StreamQuery {
@@ -204,7 +207,7 @@ impl IterationQuery {
             (Choice::Digits, &self.digits),
         ];
         if let Some((choice, _)) = json.iter().find(|(_, value)| value.is_some()) {
-            let detail = "it is about JSON, not about files";
+            let detail = "only allowed for JSON, not for files";
             return Err(Problem::at_parameter(choice.name(), detail));
         }
         if self.dots.is_some() && !format.has_dots() {
@@ -301,7 +304,7 @@ impl StreamQuery {
 }
 
 fn wrong(choice: Choice, detail: impl Into<String>) -> Problem {
-    ChoiceMistake::of_request(choice, detail).into()
+    ChoiceError::of_request(choice, detail).into()
 }
 
 /// The value that a parameter names.

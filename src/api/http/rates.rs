@@ -8,10 +8,10 @@ use serde::Deserialize;
 use super::negotiate;
 use crate::api::app::App;
 use crate::api::json::view::rates::RatesView;
+use crate::api::parse_uint::plain_number;
 use crate::api::problem::Problem;
 use crate::api::rates::{RatesRequest, WrongPart, rates};
-use crate::api::whole::plain_number;
-use piad_files::short::quoted;
+use piad_files::text::quoted;
 use piad_fit::engine::rates::MOST_POINTS;
 
 #[derive(Deserialize)]
@@ -59,7 +59,7 @@ fn parameters(text: Option<&str>) -> Result<Option<Vec<f64>>, Problem> {
 }
 
 fn whole(name: &str, text: &str) -> Result<usize, Problem> {
-    let wrong = || Problem::at_parameter(name, format!("{} is no whole number", quoted(text)));
+    let wrong = || Problem::at_parameter(name, format!("{} is not a whole number", quoted(text)));
     plain_number(text).ok_or_else(wrong)
 }
 

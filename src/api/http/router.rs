@@ -34,7 +34,7 @@ use crate::api::problem::{Kind, Problem};
 use crate::log_throttle::LogThrottle;
 use crate::telemetry;
 use crate::telemetry::request::RequestTrace;
-use piad_files::short;
+use piad_files::text;
 
 /// The router of all resources and gRPC services, with their middleware.
 pub(crate) fn router(app: App, hosts: Hosts) -> Router {
@@ -133,14 +133,14 @@ pub(in crate::api) fn resources() -> Resources {
 }
 
 async fn not_found(request: Request) -> Problem {
-    let path = short::plain(request.uri().path());
-    Problem::new(Kind::NotFound, format!("there is nothing at {path}"))
+    let path = text::plain(request.uri().path());
+    Problem::new(Kind::NotFound, format!("no resource at {path}"))
 }
 
 /// The problem of a method that the resource does not support; it names the supported ones.
 fn method_not_allowed(methods: &Methods, request: &Request) -> Problem {
-    let method = short::plain(request.method().as_str());
-    let path = short::plain(request.uri().path());
+    let method = text::plain(request.method().as_str());
+    let path = text::plain(request.uri().path());
     let matched = request.extensions().get::<MatchedPath>();
     let understood = matched.and_then(|matched| methods.get(matched.as_str()));
     let understood = understood.map_or("see the Allow header".to_owned(), |verbs| {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// Strings up to this many bytes stay as they are.
-const LONG: usize = 64 * 1024;
+const SHORT_STRING_BYTES: usize = 64 * 1024;
 
 /// The replacement of longer ones: still too long for every field, and what errors show of them.
 const LEFT: usize = 1000;
@@ -15,7 +15,7 @@ pub(super) fn cut(json: &[u8]) -> Cow<'_, [u8]> {
     while let Some((start, end)) = next_string(json, at) {
         at = end + 1;
         let text = json.get(start..end).unwrap_or_default();
-        if text.len() > LONG {
+        if text.len() > SHORT_STRING_BYTES {
             cut.extend_from_slice(json.get(copied..start).unwrap_or_default());
             let is_plain = |byte: &&u8| (b' '..=b'~').contains(*byte) && **byte != b'\\';
             let length = cut.len() + LEFT;
@@ -52,7 +52,7 @@ mod tests {
     fn long_strings_are_cut_and_others_stay() {
         let json = br#"{"a\"":"\\","b":[1,2],"":"x"}"#;
         assert!(matches!(cut(json), Cow::Borrowed(_)));
-        let long = "y".repeat(LONG + 1);
+        let long = "y".repeat(SHORT_STRING_BYTES + 1);
         let json = format!(r#"{{"a":"\"{long}","{long}":[1],"b":"\\"}}"#);
         let (padded, cut_key) = ("x".repeat(LEFT), "y".repeat(LEFT));
         let expected = format!(r#"{{"a":"{padded}","{cut_key}":[1],"b":"\\"}}"#);

@@ -7,10 +7,10 @@ use serde_path_to_error::{Deserializer, Track};
 
 use super::long_strings;
 use crate::api::problem::{Kind, Problem};
-use crate::model::either::{MARK, pointer};
 use crate::model::list_limits::within;
+use crate::model::serde_helpers::{MARK, pointer};
 use piad_files::json::ListLimits;
-use piad_files::short::{cut, plain, quoted, without_mark};
+use piad_files::text::{cut, plain, quoted, without_mark};
 
 /// Reads a body with at most about `most_points` points. If that fails, it is read once more to find the location of
 /// the error.

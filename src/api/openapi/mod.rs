@@ -166,11 +166,11 @@ fn problem_examples() -> Map<String, Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::api::create_job::LONGEST_KEY;
     use crate::api::http::router::resources;
     use crate::api::jobs::{DEFAULT_PAGE, LARGEST_PAGE};
-    use crate::api::order::LONGEST_KEY;
+    use crate::api::parse_uint::LARGEST;
     use crate::api::rates::{USUAL_DEGREE, USUAL_POINTS};
-    use crate::api::whole::LARGEST;
     use crate::model::named::Named;
     use crate::model::stream::MOST_MILESTONES;
     use piad_files::export::{Dots, Format, Unit};

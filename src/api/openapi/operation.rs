@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-use crate::api::language::JSON;
+use crate::api::media_type::JSON;
 use crate::api::needs::{Methods, Needs};
 use crate::api::problem::Kind;
 

@@ -9,9 +9,9 @@ use crate::job::service::refused::Refused;
 use crate::job::state::{Failure, Levels, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::MOST_CRASHES;
-use crate::model::mistakes::Mistake;
+use crate::model::errors::ValidationError;
 use crate::model::named::Named;
-use crate::model::stream::choices::ChoiceMistake;
+use crate::model::stream::choices::ChoiceError;
 use piad_files::import::FileErrors;
 
 impl Problem {
@@ -38,11 +38,11 @@ impl Problem {
 }
 
 /// Of an HTTP request, whose own choices are query parameters; those of the job are in its JSON.
-impl From<ChoiceMistake> for Problem {
-    fn from(mistake: ChoiceMistake) -> Self {
-        match mistake.by_request() {
+impl From<ChoiceError> for Problem {
+    fn from(error: ChoiceError) -> Self {
+        match error.by_request() {
             Some((choice, detail)) => Self::at_parameter(choice.name(), detail),
-            None => Self::of_mistakes(Mistake::from(mistake).into(), &Places::default()),
+            None => Self::of_errors(ValidationError::from(error).into(), &Places::default()),
         }
     }
 }
@@ -56,7 +56,7 @@ impl From<FileErrors> for Problem {
                 (None, Some(hint)) => Self::of_hint(hint, &error.detail),
                 (None, None) => Self::new(Kind::InvalidFit, error.detail),
             });
-        let unsaid = || Self::new(Kind::InvalidFit, "the file is not understood");
+        let unsaid = || Self::new(Kind::InvalidFit, "the file could not be parsed");
         Self::of_all(problems).unwrap_or_else(unsaid)
     }
 }

@@ -4,7 +4,7 @@ use schemars::json_schema;
 use serde::Serialize;
 
 use crate::model::schema::schema_of;
-use piad_files::short;
+use piad_files::text;
 
 /// The most characters of a detail. What clients have written is repeated in part only; this is a last safeguard.
 pub(super) const LONGEST_DETAIL: usize = 1000;
@@ -41,19 +41,19 @@ pub enum Location {
 impl FieldError {
     /// An error at a location; long texts are cut.
     pub(super) fn new(place: Location, detail: &str) -> Self {
-        let cut = |text: String| short::cut(&text, LONGEST_PLACE).into_owned();
+        let cut = |text: String| text::cut(&text, LONGEST_PLACE).into_owned();
         Self {
             place: match place {
                 Location::Pointer(pointer) => Location::Pointer(cut(pointer)),
                 Location::Parameter(name) => Location::Parameter(cut(name)),
                 place => place,
             },
-            detail: short::cut(detail, LONGEST_DETAIL).into_owned(),
+            detail: text::cut(detail, LONGEST_DETAIL).into_owned(),
         }
     }
 
     /// Location and reason.
-    pub(super) fn told(&self) -> String {
+    pub(super) fn description(&self) -> String {
         let detail = &self.detail;
         match &self.place {
             Location::Pointer(pointer) if pointer.is_empty() => format!("/: {detail}"),

@@ -12,14 +12,14 @@ use serde::Serialize;
 
 use super::json::view::examples;
 use crate::api::json::plain::never_null;
-use crate::model::mistakes::{self as model, Mistakes, Site};
+use crate::model::errors::{self as model, ValidationErrors};
 use field_error::LONGEST_DETAIL;
 pub(super) use field_error::{FieldError, Location};
 pub(super) use kind::Kind;
-use piad_files::short;
+use piad_files::text;
 
 /// Locations of the parts of a request in an encoding.
-pub trait Words {
+pub trait Locator {
     /// The location of a part, as a text.
     fn of(&self, place: model::SpecPart) -> String;
 
@@ -68,7 +68,7 @@ impl Problem {
         let detail = detail.into();
         Self {
             kind,
-            detail: short::cut(&detail, LONGEST_DETAIL).into_owned(),
+            detail: text::cut(&detail, LONGEST_DETAIL).into_owned(),
             errors: Vec::new(),
             retry_after: None,
         }
@@ -77,7 +77,7 @@ impl Problem {
     /// A problem at a location.
     fn at(kind: Kind, place: Location, detail: &str) -> Self {
         let error = FieldError::new(place, detail);
-        let mut problem = Self::new(kind, error.told());
+        let mut problem = Self::new(kind, error.description());
         problem.errors.push(error);
         problem
     }
@@ -96,7 +96,7 @@ impl Problem {
             all.errors.extend(problem.errors);
             details.push(problem.detail);
         }
-        all.detail = short::cut(&details.join("; "), LONGEST_DETAIL).into_owned();
+        all.detail = text::cut(&details.join("; "), LONGEST_DETAIL).into_owned();
         Some(all)
     }
 
@@ -130,13 +130,13 @@ impl Problem {
     }
 
     /// All errors of a job or an edit, located in the encoding of the request.
-    pub fn of_mistakes(mistakes: Mistakes, words: &impl Words) -> Self {
-        let problems = mistakes.into_iter().map(|mistake| {
-            let text = match mistake.site {
-                Site::Part(place) => words.of(place),
-                Site::Text(text) => text,
+    pub fn of_errors(errors: ValidationErrors, locator: &impl Locator) -> Self {
+        let problems = errors.into_iter().map(|error| {
+            let text = match error.location {
+                model::Location::Part(place) => locator.of(place),
+                model::Location::Text(text) => text,
             };
-            Self::at(Kind::InvalidFit, words.place(text), &mistake.detail)
+            Self::at(Kind::InvalidFit, locator.place(text), &error.detail)
         });
         let unsaid = || Self::new(Kind::InvalidFit, "the request is not understood");
         Self::of_all(problems).unwrap_or_else(unsaid)
@@ -153,7 +153,7 @@ impl Problem {
             }
         }
         if named {
-            self.detail = self.told();
+            self.detail = self.description();
         }
         self
     }
@@ -164,16 +164,16 @@ impl Problem {
             error.place = place(error.place.clone());
         }
         if !self.errors.is_empty() {
-            self.detail = self.told();
+            self.detail = self.description();
         }
         self
     }
 
     /// All errors, with their locations.
-    fn told(&self) -> String {
-        let told = self.errors.iter().map(FieldError::told);
-        let told = told.collect::<Vec<_>>().join("; ");
-        short::cut(&told, LONGEST_DETAIL).into_owned()
+    fn description(&self) -> String {
+        let description = self.errors.iter().map(FieldError::description);
+        let description = description.collect::<Vec<_>>().join("; ");
+        text::cut(&description, LONGEST_DETAIL).into_owned()
     }
 
     /// The kind.
@@ -205,7 +205,7 @@ impl Problem {
     pub fn unknown_job(id: &str) -> Self {
         Self::new(
             Kind::UnknownJob,
-            format!("there is no job {}", short::quoted(id)),
+            format!("there is no job {}", text::quoted(id)),
         )
     }
 

@@ -6,9 +6,9 @@ use super::fields::MessageLayout;
 use crate::api::problem::Problem;
 use crate::job::outline::Outline;
 use crate::model::edit::{EditRequest, Move};
+use crate::model::errors::{OrErrors, ValidationError, ValidationErrors};
 use crate::model::iteration::IterationChoice;
 use crate::model::lists::PointNumbers;
-use crate::model::mistakes::{Mistake, Mistakes, OrMistakes};
 use crate::model::per_direction::PerDirection;
 use crate::proto::job::{rational, stop, surface_weights};
 use crate::proto::messages as pb;
@@ -26,15 +26,11 @@ pub(crate) fn edit(
     let mut layout = MessageLayout::of_edit(edit.method.as_ref());
     match request(edit, parent, &mut layout) {
         Ok(request) => Ok((request, layout)),
-        Err(mistakes) => Err(Problem::of_mistakes(mistakes, &layout)),
+        Err(errors) => Err(Problem::of_errors(errors, &layout)),
     }
 }
 
-fn request(
-    edit: pb::Edit,
-    parent: &Outline,
-    layout: &mut MessageLayout,
-) -> OrMistakes<EditRequest> {
+fn request(edit: pb::Edit, parent: &Outline, layout: &mut MessageLayout) -> OrErrors<EditRequest> {
     let points = parent.grid.count();
     check_count(edit.moved.len(), points, "moved points", "moved")?;
     check_count(edit.weighted.len(), points, "weighted points", "weighted")?;
@@ -45,7 +41,7 @@ fn request(
         most: points,
     };
     let changes = changes(&edit, target, layout)?;
-    let mut mistakes = Mistakes::default();
+    let mut errors = ValidationErrors::default();
     let stream = edit.stream.map(|it| stream::spec(it, "stream."));
     let request = EditRequest {
         name: edit.name,
@@ -53,17 +49,17 @@ fn request(
         ephemeral: Some(edit.ephemeral),
         session: edit.session,
         points: Some(changes),
-        weights: mistakes.keep(weights(edit.weights, parent)).flatten(),
-        rational: mistakes.keep(rational(edit.rational)).flatten(),
-        method: mistakes.keep(method::input(edit.method, target)).flatten(),
+        weights: errors.keep(weights(edit.weights, parent)).flatten(),
+        rational: errors.keep(rational(edit.rational)).flatten(),
+        method: errors.keep(method::input(edit.method, target)).flatten(),
         stop: edit.stop.map(stop),
-        stream: mistakes.keep(stream.transpose()).flatten(),
+        stream: errors.keep(stream.transpose()).flatten(),
     };
-    mistakes.or(request)
+    errors.or(request)
 }
 
 /// The number of coordinates that moved points have.
-fn dimension(edit: &pb::Edit) -> Result<usize, Mistake> {
+fn dimension(edit: &pb::Edit) -> Result<usize, ValidationError> {
     let (count, moved) = (edit.points.len(), edit.moved.len());
     if moved == 0 && count == 0 {
         return Ok(1);
@@ -72,7 +68,7 @@ fn dimension(edit: &pb::Edit) -> Result<usize, Mistake> {
         Some(dimension) if dimension > 0 && dimension * moved == count => Ok(dimension),
         _ => {
             let detail = format!("{count} coordinates for {moved} moved points");
-            Err(Mistake::at_text("points", detail))
+            Err(ValidationError::at_text("points", detail))
         }
     }
 }
@@ -82,11 +78,11 @@ fn changes(
     edit: &pb::Edit,
     target: MethodTarget,
     layout: &mut MessageLayout,
-) -> Result<Vec<Move>, Mistake> {
+) -> Result<Vec<Move>, ValidationError> {
     if edit.weighted.len() != edit.point_weights.len() {
         let (given, needed) = (edit.point_weights.len(), edit.weighted.len());
         let detail = one_for_each(given, "weights", needed);
-        return Err(Mistake::at_text("point_weights", detail));
+        return Err(ValidationError::at_text("point_weights", detail));
     }
     let places = edit.points.chunks_exact(layout.dimension);
     let mut changes: Vec<Move> = Vec::with_capacity(edit.moved.len() + edit.weighted.len());
@@ -120,7 +116,7 @@ fn changes(
 fn weights(
     weights: Option<pb::Weights>,
     parent: &Outline,
-) -> Result<Option<PerDirection<PointNumbers>>, Mistake> {
+) -> Result<Option<PerDirection<PointNumbers>>, ValidationError> {
     let Some(weights) = weights else {
         return Ok(None);
     };
@@ -129,7 +125,7 @@ fn weights(
     }
     if !weights.u.is_empty() || !weights.v.is_empty() {
         let detail = "the weights of a curve are a list of numbers";
-        return Err(Mistake::at_text("weights", detail));
+        return Err(ValidationError::at_text("weights", detail));
     }
     Ok(Some(PerDirection::Both(PointNumbers::Line(weights.values))))
 }

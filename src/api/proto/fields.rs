@@ -1,8 +1,8 @@
 //! Locations of the parts of the model in a message.
 
-use crate::api::problem::{self, Problem, Words};
-use crate::model::mistakes::{ChangePart, Mistake, SpecPart};
-use crate::model::stream::choices::ChoiceMistake;
+use crate::api::problem::{self, Locator, Problem};
+use crate::model::errors::{ChangePart, SpecPart, ValidationError};
+use crate::model::stream::choices::ChoiceError;
 use crate::proto::ends::EndsLayout;
 use crate::proto::messages::{self as pb, job_input::Geometry};
 use crate::proto::{method, stream};
@@ -152,7 +152,7 @@ impl MessageLayout {
     }
 }
 
-impl Words for MessageLayout {
+impl Locator for MessageLayout {
     fn of(&self, place: SpecPart) -> String {
         match place {
             SpecPart::Whole => String::new(),
@@ -182,17 +182,17 @@ impl Words for MessageLayout {
 }
 
 /// An error of a request.
-pub(crate) fn wrong(mistake: Mistake) -> Problem {
-    Problem::of_mistakes(mistake.into(), &MessageLayout::default())
+pub(crate) fn wrong(error: ValidationError) -> Problem {
+    Problem::of_errors(error.into(), &MessageLayout::default())
 }
 
 /// An error of a choice, which is a field of the message `within`.
-pub(crate) fn wrong_choice(mistake: ChoiceMistake, within: &str) -> Problem {
-    match mistake.by_request() {
+pub(crate) fn wrong_choice(error: ChoiceError, within: &str) -> Problem {
+    match error.by_request() {
         Some((choice, detail)) => {
             Problem::at_field(format!("{within}{}", stream::field(choice)), detail)
         }
-        None => mistake.into(),
+        None => error.into(),
     }
 }
 

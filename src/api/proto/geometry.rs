@@ -59,8 +59,8 @@ pub(crate) fn iteration(frame: &Frame, form: &Form) -> Content {
         }
     };
     let tells = form.knots && problem.is_automatic();
-    let told = problem.directions().filter(|_| tells);
-    let mut knots = told.map(|it| it.basis.knots().unwrap_or_default().into_owned());
+    let directions = problem.directions().filter(|_| tells);
+    let mut knots = directions.map(|it| it.basis.knots().unwrap_or_default().into_owned());
     let message = pb::Iteration {
         knots_u: knots.next().unwrap_or_default(),
         knots_v: knots.next().unwrap_or_default(),

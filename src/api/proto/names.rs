@@ -1,13 +1,13 @@
 //! Enumerations of the contract, and their values in the program.
 
 use crate::job::state::{Reason, State};
-use crate::model::mistakes::Mistake;
+use crate::model::errors::ValidationError;
 use crate::proto::messages as pb;
 use crate::proto::values::known;
 use piad_fit::engine::Warning;
 
 /// The jobs to list.
-pub(crate) fn wanted_state(value: i32) -> Result<Option<State>, Mistake> {
+pub(crate) fn wanted_state(value: i32) -> Result<Option<State>, ValidationError> {
     let wanted: pb::JobState = known(value, "state")?;
     Ok(State::ALL.into_iter().find(|it| state(*it) == wanted))
 }

@@ -60,6 +60,6 @@ pub(crate) fn job(
     let layout = MessageLayout::of(&input);
     match job::request(input, config.limits().points) {
         Ok(request) => Ok((request, layout)),
-        Err(mistakes) => Err(Problem::of_mistakes(mistakes, &layout)),
+        Err(errors) => Err(Problem::of_errors(errors, &layout)),
     }
 }

@@ -8,14 +8,14 @@ use prost::Message;
 
 use super::fields::MessageLayout;
 use super::names;
-use crate::api::problem::{self as api, Words};
+use crate::api::problem::{self as api, Locator};
 use crate::api::rates::Rates;
 use crate::job::Job;
 use crate::job::content::Content;
 use crate::job::outliers::Outliers;
 use crate::job::outline::Outline;
 use crate::job::state::{Failure, Levels, Status};
-use crate::model::mistakes::SpecPart;
+use crate::model::errors::SpecPart;
 use crate::proto::messages::{self as pb, stop_rules::Rule};
 use crate::proto::values::count;
 use crate::proto::{basis, ends::rule, job, method, stream};

@@ -16,7 +16,7 @@ use super::chain::Chain;
 use super::encode;
 use super::milestones::Milestones;
 use crate::api::app::App;
-use crate::api::resuming::{EventId, Start};
+use crate::api::resume::{EventId, Start};
 use crate::job::content::Content;
 use crate::job::counters::Open;
 use crate::job::cursor::{Cursor, Next};
@@ -84,7 +84,7 @@ pub(crate) struct Feed {
     /// The last iteration that the client has.
     seen: Option<usize>,
     /// The last iteration that this stream has reported, with its knots if they were new.
-    told: Option<usize>,
+    reported: Option<usize>,
     /// The client has received complete control points, to which changes can be applied.
     complete: bool,
     stage: Stage,
@@ -175,7 +175,7 @@ impl Feed {
             options,
             again: start == Start::Again,
             seen,
-            told: None,
+            reported: None,
             complete: false,
             stage: Stage::Waiting,
             pending: VecDeque::new(),
@@ -300,14 +300,14 @@ impl Feed {
             .filter(|_| self.complete && frame.moved.is_some())
             .unwrap_or(&self.options.form);
         // Clients that resume a stream have the knots of level 0, from the `job` event.
-        let known = self.told.unwrap_or(0);
+        let known = self.reported.unwrap_or(0);
         let tells_knots = frame.knots_since > known;
         let data = match &mut self.chain {
             Some(chain) => chain.event(&self.job, frame, tells_knots).await?,
             None if tells_knots => encode::frame(&self.job, frame, &form.with_knots()).await?,
             None => encode::frame(&self.job, frame, form).await?,
         };
-        self.told = Some(k);
+        self.reported = Some(k);
         let id = EventId::new(&self.job, k);
         self.push(Event::Iteration {
             id,

@@ -22,7 +22,7 @@ const AHEAD: usize = 3;
 const FEW: usize = 1024;
 
 /// Contents that are copied together are sent when they reach this size.
-pub(crate) const ENOUGH: usize = 64 * 1024;
+pub(crate) const SENT_BYTES: usize = 64 * 1024;
 
 /// Bytes in the order in which they are sent.
 pub(crate) struct Outgoing {
@@ -60,7 +60,7 @@ impl Outgoing {
 
     /// Returns true if there is enough to send, so that nothing more should be gathered.
     pub(crate) fn is_enough(&self) -> bool {
-        !self.unsent.is_empty() || self.together.len() >= ENOUGH
+        !self.unsent.is_empty() || self.together.len() >= SENT_BYTES
     }
 
     /// The buffer for small contents.
@@ -70,7 +70,7 @@ impl Outgoing {
 
     /// Adds a content of any size.
     pub(crate) fn push(&mut self, content: Content) {
-        if content.rest.is_none() && content.head.len() > ENOUGH {
+        if content.rest.is_none() && content.head.len() > SENT_BYTES {
             self.cut();
             return self.unsent.push_back(Unsent::Whole(content));
         }
@@ -85,7 +85,11 @@ impl Outgoing {
         if bytes.len() <= SMALL {
             // Room for this one, or for many of the same size.
             if self.together.capacity() < self.together.len() + bytes.len() {
-                let many = if bytes.len() > FEW { ENOUGH + SMALL } else { 0 };
+                let many = if bytes.len() > FEW {
+                    SENT_BYTES + SMALL
+                } else {
+                    0
+                };
                 self.together.reserve(bytes.len().max(many));
             }
             self.together.extend_from_slice(&bytes);
@@ -110,7 +114,7 @@ impl Outgoing {
         match self.unsent.pop_front()? {
             Unsent::Bytes(bytes) => Some(Ok(bytes)),
             Unsent::Whole(mut content) => {
-                let length = content.head.len().min(ENOUGH);
+                let length = content.head.len().min(SENT_BYTES);
                 let part = content.head.split_to(length);
                 if !content.head.is_empty() {
                     self.unsent.push_front(Unsent::Whole(content));

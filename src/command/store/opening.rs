@@ -16,7 +16,7 @@ const SETTINGS: Settings = Settings {
 /// Opens a store that no server uses.
 pub(super) async fn open(storage: &Storage) -> Result<Store, String> {
     if *storage == Storage::Memory {
-        return Err(":memory: is no store that lasts".to_owned());
+        return Err(":memory: is not a persistent store".to_owned());
     }
     let store = Store::open(storage.place(SETTINGS), Counters::default()).await;
     let store = store.map_err(|error| error.to_string())?;

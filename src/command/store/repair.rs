@@ -22,18 +22,18 @@ pub(super) async fn repair(storage: &Storage) -> Result<String, String> {
             "{storage:?} cannot be repaired: {summary}: {advice}"
         ));
     }
-    let told = |error| format!("{storage:?} could not be repaired: {error}");
-    let fresh = Salvage::make(directory).map_err(|error| told(error.to_string()))?;
+    let failed = |error| format!("{storage:?} could not be repaired: {error}");
+    let fresh = Salvage::make(directory).map_err(|error| failed(error.to_string()))?;
     let mut batch = Batch::to(&fresh);
     let put = async |salvaged: Salvaged| {
         let kept = batch.put(salvaged.job).await;
-        kept.map_err(|error| told(error.to_string()))
+        kept.map_err(|error| failed(error.to_string()))
     };
     read_file(&file, put).await?;
     let ended = batch.end().await;
-    ended.map_err(|error| told(error.to_string()))?;
+    ended.map_err(|error| failed(error.to_string()))?;
     let kept = file.replace(directory, fresh);
-    let kept = kept.map_err(|error| told(error.to_string()))?;
+    let kept = kept.map_err(|error| failed(error.to_string()))?;
     Ok(format!(
         "{storage:?} is repaired: {summary}; the damaged file is {kept:?}"
     ))

@@ -9,7 +9,7 @@ use super::packed::{BLOCK, Malformed, pack, unpack, unsigned};
 const FINENESS: f64 = 64.0;
 
 /// The most steps that a number is moved at once.
-const MOST: f64 = i32::MAX as f64;
+const MAX_STEPS: f64 = i32::MAX as f64;
 
 /// A number of this size has no bits behind the point: adding it to a number below 2⁵¹ rounds that to a whole number,
 /// which is in the lowest bits of the sum.
@@ -242,7 +242,7 @@ impl NullaryFnOnce for Moving<'_> {
             let rounded = steps + ROUNDER;
             *has += step * (rounded - ROUNDER);
             *number = unsigned(rounded.to_bits() as i32);
-            reaches &= steps.abs() <= MOST;
+            reaches &= steps.abs() <= MAX_STEPS;
             most = most.max(upper_half(*has));
         }
         pack(numbers, self.packed);
@@ -296,9 +296,9 @@ mod tests {
     fn numbers_that_are_too_far_or_not_finite_are_not_reached() {
         let near = target(&[0.0, 1.0, 2.0, 3.0], 2);
         for (far, reached) in [
-            (MOST, true),
-            (-MOST, true),
-            (MOST + 1.0, false),
+            (MAX_STEPS, true),
+            (-MAX_STEPS, true),
+            (MAX_STEPS + 1.0, false),
             (f64::INFINITY, false),
             (f64::NAN, false),
             (f64::MAX, false),
@@ -314,7 +314,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_off_or_too_long_is_an_error() {
+    fn truncated_or_long_input_is_an_error() {
         let numbers: Vec<f64> = (0..600).map(f64::from).collect();
         let zeros = Lanes::of(&target(&[0.0; 600], 2)).unwrap();
         let change = zeros.clone().follow(&target(&numbers, 2), 1.0).unwrap();

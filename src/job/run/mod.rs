@@ -280,7 +280,7 @@ impl Run {
 
     /// Takes the iteration out of the state for a slice, if there is work to do. Before level 0 there is
     /// no iteration.
-    fn take_up(&self) -> Option<(Option<Iteration>, Arc<SharedSystem>)> {
+    fn checkout(&self) -> Option<(Option<Iteration>, Arc<SharedSystem>)> {
         let mut state = self.state.lock();
         let shared = state.shared.clone().filter(|_| state.has_work());
         state.working = shared.is_some();
@@ -289,7 +289,7 @@ impl Run {
     }
 
     /// Puts the iteration back at the end of a slice; returns whether another slice is needed.
-    fn lay_down(&self, iteration: Iteration) -> Turn {
+    fn check_in(&self, iteration: Iteration) -> Turn {
         let mut state = self.state.lock();
         state.working = false;
         if state.ending.is_some() {
@@ -315,7 +315,7 @@ impl Run {
             state.end(Ending::Stopped);
         }
         self.tell_end(state);
-        self.lay_down(iteration)
+        self.check_in(iteration)
     }
 }
 
@@ -328,7 +328,7 @@ fn last_frame(iteration: &Iteration) -> Arc<Frame> {
 
 impl Work for Run {
     fn slice(&self, deadline: Instant) -> Turn {
-        let Some((mut current, shared)) = self.take_up() else {
+        let Some((mut current, shared)) = self.checkout() else {
             return Turn::Done;
         };
         let mut traced = None;
@@ -356,7 +356,7 @@ impl Work for Run {
             let goes_on = more && Instant::now() < deadline;
             // The first slice and the steps may belong to different lanes.
             if !goes_on || (before.is_none() && self.lanes[0] != self.lanes[1]) {
-                return self.lay_down(iteration);
+                return self.check_in(iteration);
             }
             current = Some(iteration);
         }

@@ -85,7 +85,10 @@ async fn the_long_lane_takes_the_least_and_the_first_in_turn() {
 async fn long_samples_let_shorter_work_of_others_run_in_between() {
     let scheduler = Arc::new(Scheduler::new(1).unwrap());
     let peer = |last| Some(Peer::at([192, 0, 2, last].into()));
-    let (short, longer) = (WorkLane::Long(LONG), WorkLane::Long(3 * LONG));
+    let (short, longer) = (
+        WorkLane::Long(LONG_STEP_MULTIPLICATIONS),
+        WorkLane::Long(3 * LONG_STEP_MULTIPLICATIONS),
+    );
     let (start, started) = oneshot::channel();
     let (send, is_sent) = std::sync::mpsc::channel();
     let pool = Arc::clone(&scheduler);
@@ -97,7 +100,7 @@ async fn long_samples_let_shorter_work_of_others_run_in_between() {
                 thread::yield_now();
             }
         };
-        pool.compute_in_turns(WorkLane::Long(2 * LONG), compute)
+        pool.compute_in_turns(WorkLane::Long(2 * LONG_STEP_MULTIPLICATIONS), compute)
             .await
     });
     let pool = Arc::clone(&scheduler);
@@ -117,7 +120,7 @@ async fn long_samples_let_shorter_work_of_others_run_in_between() {
 }
 
 #[tokio::test]
-async fn what_nobody_waits_for_is_given_up() {
+async fn abandoned_tasks_are_cancelled() {
     let scheduler = Scheduler::new(1).unwrap();
     let (start, started) = oneshot::channel();
     let endless = scheduler.compute(WorkLane::Quick, move || {

@@ -51,7 +51,7 @@ impl Jobs {
                     return Ok(accepted);
                 }
             }
-            let reason = "the jobs that are made for this key are deleted again and again";
+            let reason = "the jobs created with this key were deleted repeatedly";
             Err(StoreError::Unusable(reason.to_owned()).into())
         });
         accepted.await.unwrap_or_else(|error| {

@@ -15,7 +15,7 @@ use crate::job::slots::Slot;
 use crate::job::state::{State, Status};
 use crate::job::store::StoreError;
 use crate::job::store::crash_recovery::probation;
-use crate::job::{Job, STORE_AGAIN, patiently};
+use crate::job::{Job, STORE_AGAIN, retry_until_available};
 
 /// A run that was started.
 struct StartedRun {
@@ -158,7 +158,7 @@ impl Jobs {
         if let Some(shared) = self.store.shared()
             && let Err(error) = self.refresh(shared, vec![Arc::clone(job)]).await
         {
-            debug!(job = %job.id(), %error, "what another replica has made of a job is not known yet");
+            debug!(job = %job.id(), %error, "the state of a job at another replica is not known yet");
         }
     }
 
@@ -190,7 +190,7 @@ impl Jobs {
         // After a crash the store must show which jobs were running.
         let on_probation = probation.is_some();
         let start = || store.start(job.id(), status.clone(), on_probation);
-        let started = job.trace.store("start", patiently(start));
+        let started = job.trace.store("start", retry_until_available(start));
         let started = tokio::select! {
             biased;
             started = started => started?,
@@ -201,7 +201,7 @@ impl Jobs {
         }
         let problem = tokio::select! {
             biased;
-            problem = patiently(|| job.problem()) => problem?,
+            problem = retry_until_available(|| job.problem()) => problem?,
             () = job.stop_requested() => return Ok(Turn::Cancelled),
         };
         let system = SharedSystem::new(problem, None);

@@ -160,7 +160,7 @@ impl Jobs {
             Some(shared) => self.join(shared),
             None => self.resume_unfinished().await?,
         }
-        tokio::spawn(Self::go_on_retaining(Arc::downgrade(self)));
+        tokio::spawn(Self::retain_periodically(Arc::downgrade(self)));
         Ok(())
     }
 
@@ -180,7 +180,7 @@ impl Jobs {
     }
 
     /// Removes expired jobs after others have ended, after some time, and when they are released.
-    async fn go_on_retaining(jobs: Weak<Self>) {
+    async fn retain_periodically(jobs: Weak<Self>) {
         while let Some(strong) = jobs.upgrade() {
             let spared = strong.retain().await;
             let age = strong.limits.retention.age;

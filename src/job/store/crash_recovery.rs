@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn crashes_after_a_probation_fail_nobody() {
+    fn crashes_after_a_probation_fail_no_job() {
         let mut jobs = [samples::queued(), samples::queued()];
         for crashes in 1..100 {
             jobs.iter_mut().for_each(|job| run(job, false));

@@ -140,7 +140,7 @@ pub(super) fn problem(id: Uuid, bytes: &[u8]) -> Result<Problem, StoreError> {
         start_breaks: lists(start.breaks),
         lambda_min: start.lambda_min,
         outliers: start.outliers,
-        ..request.map_err(|mistakes| StoreError::damaged(&what, mistakes))?
+        ..request.map_err(|errors| StoreError::damaged(&what, errors))?
     };
     let problem = Problem::new(request).and_then(trimmed);
     problem.map_err(|error| StoreError::damaged(what, error))

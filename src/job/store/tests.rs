@@ -19,8 +19,8 @@ use crate::job::tenant::Tenant;
 use piad_fit::data::Points;
 use piad_fit::engine::{Bases, Problem};
 
+mod constrained;
 mod kinds;
-mod obeying;
 mod quotas;
 mod replicas;
 
@@ -173,8 +173,8 @@ async fn a_job_is_kept_as_it_was_inserted(store: &Store) {
     let id = record.outline.id;
     assert_eq!(store.get(id).await.unwrap(), Some(record));
     let kept = store.problem(id).await.unwrap().unwrap();
-    let (kept, asked_for) = (kept.request(), problem());
-    assert_eq!(format!("{kept:?}"), format!("{:?}", asked_for.request()));
+    let (kept, requested) = (kept.request(), problem());
+    assert_eq!(format!("{kept:?}"), format!("{:?}", requested.request()));
     assert!(store.result(id).await.unwrap().is_none());
 
     let unknown = Uuid::now_v7();
@@ -196,9 +196,9 @@ async fn every_kind_of_problem_is_kept_to_the_bit(store: &Store) {
     for (record, problem) in jobs {
         let id = record.outline.id;
         let kept = store.problem(id).await.unwrap().unwrap();
-        let (kept, asked_for) = (kept.request(), problem.request());
+        let (kept, requested) = (kept.request(), problem.request());
         // Numbers are written with all of their digits, and with their signs.
-        assert_eq!(format!("{kept:?}"), format!("{asked_for:?}"));
+        assert_eq!(format!("{kept:?}"), format!("{requested:?}"));
         assert_eq!(store.get(id).await.unwrap(), Some(record));
     }
 }
@@ -392,9 +392,9 @@ async fn lists_can_be_of_a_tenant(store: &Store) {
         assert_eq!(list(9).await, [jobs[first], jobs[second]]);
         assert_eq!(list(1).await, [jobs[first]]);
     }
-    let nobody = Some("absent".parse().unwrap());
+    let absent = Some("absent".parse().unwrap());
     let selection = Selection {
-        tenant: nobody,
+        tenant: absent,
         ..ALL
     };
     assert!(store.list(selection).await.unwrap().is_empty());

@@ -5,10 +5,10 @@ mod schema;
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::either::{Object, read_object, some};
+use super::errors::{SpecPart, ValidationError};
 use super::lists::Vectors;
-use super::mistakes::{Mistake, SpecPart};
 use super::named::{Named, names};
+use super::serde_helpers::{Object, read_object, some};
 use piad_fit::basis::{End, Ends, MAX_DEGREE};
 use piad_fit::invalid::{Axis, Place, Side};
 
@@ -239,7 +239,7 @@ impl EndsInput {
     }
 
     /// The ends that it requests.
-    pub(super) fn ends(self, axis: Axis, is_surface: bool) -> Result<Ends, Mistake> {
+    pub(super) fn ends(self, axis: Axis, is_surface: bool) -> Result<Ends, ValidationError> {
         let side = |end: Option<EndInput>, side| {
             end.map_or(Ok(End::Estimated), |end| end.end((axis, side), is_surface))
         };
@@ -261,7 +261,7 @@ pub(crate) fn check_orders(count: usize) -> Result<(), String> {
 }
 
 impl EndInput {
-    fn end(self, (axis, side): (Axis, Side), is_surface: bool) -> Result<End, Mistake> {
+    fn end(self, (axis, side): (Axis, Side), is_surface: bool) -> Result<End, ValidationError> {
         let (name, vectors) = match self {
             Self::Word(EndWord::Estimated) => return Ok(End::Estimated),
             Self::Word(EndWord::Repeated) => return Ok(End::Repeated),
@@ -271,7 +271,7 @@ impl EndInput {
         let place = SpecPart::Fit(Place::End(axis, side));
         let are_many = name == "derivatives";
         if are_many {
-            check_orders(vectors.count()).map_err(|detail| Mistake::at(place, detail))?;
+            check_orders(vectors.count()).map_err(|detail| ValidationError::at(place, detail))?;
         }
         let vectors = vectors.orders(is_surface, are_many);
         match (name, vectors) {
@@ -289,7 +289,7 @@ impl EndInput {
                     "derivatives" => format!("expected a list of {one}, one for each order"),
                     _ => format!("expected {one}"),
                 };
-                Err(Mistake::at(place, detail))
+                Err(ValidationError::at(place, detail))
             }
         }
     }

@@ -2,9 +2,9 @@
 
 use schemars::json_schema;
 
-use crate::model::either::{Whole, number_or_word};
 use crate::model::per_direction::{Count, Pair, PerDirection};
 use crate::model::schema::schema_of;
+use crate::model::serde_helpers::{Whole, number_or_word};
 
 number_or_word!(
     /// A number of control points, or `"auto"`: as few as the tolerance needs.

@@ -6,17 +6,17 @@ use serde::{Deserialize, Serialize};
 use super::constraint::ConstraintInput;
 use super::counts::{ControlPointCount, ControlPoints, MostControlPoints, given};
 use super::form::MethodForm;
-use crate::model::either::{AtMost, Whole, number_or_word, whole};
+use crate::model::errors::{OrErrors, SpecPart, ValidationError};
 use crate::model::lists::PointNumbers;
-use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::named::{names, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
+use crate::model::serde_helpers::{AtMost, Whole, number_or_word, whole};
 use crate::model::settings::DataWeights;
 use piad_fit::data::Grid;
 use piad_fit::invalid::{Place, Setting};
 use piad_fit::method::{
-    AS_MANY_AS_DATA, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    AS_MANY_AS_DATA, BY_KNOTS, Constraint, EndPoints, Fairness, KnotSelection, LeastSquares,
     MOST_CONDITIONS, Variant,
 };
 
@@ -111,10 +111,10 @@ impl LeastSquaresInput {
     }
 
     /// The settings for data points arranged in `grid`.
-    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrMistakes<LeastSquares> {
+    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrErrors<LeastSquares> {
         let wrong = |setting, detail: &str| {
             let place = SpecPart::Fit(Place::Setting(setting));
-            Mistake::at(place, detail)
+            ValidationError::at(place, detail)
         };
         if self.mu.is_some() && self.variant != Some(VariantKind::Lspia) {
             let detail = "mu is a setting of the variant \"lspia\"";
@@ -131,10 +131,11 @@ impl LeastSquaresInput {
         });
         let constraints = self.constraints.map_or_else(Vec::new, |it| it.0);
         let constraints = constraints.into_iter().enumerate().map(|(index, it)| {
-            let wrong = |detail| Mistake::at(SpecPart::Fit(Place::Constraint(index)), detail);
+            let wrong =
+                |detail| ValidationError::at(SpecPart::Fit(Place::Constraint(index)), detail);
             it.constraint(grid, surface).map_err(wrong)
         });
-        let constraints: Result<Vec<Constraint>, Mistake> = constraints.collect();
+        let constraints: Result<Vec<Constraint>, ValidationError> = constraints.collect();
         Ok(LeastSquares {
             variant: match self.variant {
                 None | Some(VariantKind::Cg) => Variant::ConjugateGradients,
@@ -160,8 +161,12 @@ impl LeastSquaresInput {
     }
 
     /// The numbers of control points of both directions, or the most of an automatic fit.
-    fn counts(&self, surface: bool) -> Result<(usize, usize, Option<Automatic>), Mistake> {
-        let wrong = |name, detail: &str| Mistake::at_text(format!("/method/{name}"), detail);
+    fn counts(
+        &self,
+        surface: bool,
+    ) -> Result<(usize, usize, Option<KnotSelection>), ValidationError> {
+        let wrong =
+            |name, detail: &str| ValidationError::at_text(format!("/method/{name}"), detail);
         let (counts, most) = (self.control_points, self.max_control_points);
         let each = [
             ("control_points", counts.is_some_and(|it| it.is_each())),
@@ -176,7 +181,7 @@ impl LeastSquaresInput {
             let most = most.map(|most| most.map(|Whole(count)| count).split());
             let (u, v) = most.unwrap_or((AS_MANY_AS_DATA, AS_MANY_AS_DATA));
             let correct_parameters = self.correct_parameters.unwrap_or(false);
-            return Ok((u, v, Some(Automatic { correct_parameters })));
+            return Ok((u, v, Some(KnotSelection { correct_parameters })));
         };
         let unused = [
             ("max_control_points", most.is_some()),

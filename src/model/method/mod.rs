@@ -18,10 +18,10 @@ use serde::de::value::{MapAccessDeserializer, MapDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::either::Kept;
-use super::mistakes::OrMistakes;
+use super::errors::OrErrors;
 use super::named::{Named, names};
 use super::per_direction::PerDirection;
+use super::serde_helpers::Kept;
 use piad_fit::data::Grid;
 use piad_fit::engine::Request;
 use piad_fit::method::Method;
@@ -154,7 +154,7 @@ impl MethodInput {
 
 impl MethodInput {
     /// The method for data points arranged in `grid`, and the points that it selects.
-    pub(crate) fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
+    pub(crate) fn choice(self, grid: Grid, surface: bool) -> OrErrors<MethodChoice> {
         let method = match self {
             Self::Global => Method::Global,
             Self::Weighted(it) => Method::Weighted(it.settings()),

@@ -6,12 +6,12 @@ use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::choice::MethodChoice;
-use crate::model::either::AtMost;
+use crate::model::errors::{OrErrors, SpecPart, ValidationError};
 use crate::model::list_limits::for_points;
-use crate::model::mistakes::{Mistake, OrMistakes, SpecPart};
 use crate::model::named::{Named, setting};
 use crate::model::per_direction::PerDirection;
 use crate::model::schema::{names as schema_of_names, schema_of};
+use crate::model::serde_helpers::AtMost;
 use crate::model::settings::{Index, Matrix, Omega, Thresholds};
 use piad_fit::data::Grid;
 use piad_fit::engine::Request;
@@ -173,12 +173,12 @@ impl ConvexInput {
 }
 
 impl LocalInput {
-    pub(super) fn choice(self, grid: Grid, surface: bool) -> OrMistakes<MethodChoice> {
+    pub(super) fn choice(self, grid: Grid, surface: bool) -> OrErrors<MethodChoice> {
         let selected = self.indices.map(|mut given| {
             // If there are more indices than points, one is invalid, or given twice.
             given.truncate(grid.count().saturating_add(1));
             let of_point = |(k, index): (usize, Index)| {
-                let wrong = |detail| Mistake::at(SpecPart::Fit(P::Index(k)), detail);
+                let wrong = |detail| ValidationError::at(SpecPart::Fit(P::Index(k)), detail);
                 index.of_point(grid, surface).map_err(wrong)
             };
             given.into_iter().enumerate().map(of_point).collect()
@@ -187,7 +187,7 @@ impl LocalInput {
         if self.sweeps.is_some() && !surface {
             let place = P::Setting(Setting::Sweeps);
             let detail = "sweeps are for surfaces; a curve has no rows and no columns";
-            return Err(Mistake::at(SpecPart::Fit(place), detail).into());
+            return Err(ValidationError::at(SpecPart::Fit(place), detail).into());
         }
         if selected.is_none() && self.sweeps.is_none() {
             return incomplete("local needs the indices of the points to adjust, or sweeps");
@@ -217,8 +217,9 @@ impl LocalInput {
 }
 
 impl AdaptiveInput {
-    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrMistakes<Adaptive> {
-        let wrong = |setting, detail: &str| Mistake::at(SpecPart::Fit(P::Setting(setting)), detail);
+    pub(super) fn settings(self, grid: Grid, surface: bool) -> OrErrors<Adaptive> {
+        let wrong =
+            |setting, detail: &str| ValidationError::at(SpecPart::Fit(P::Setting(setting)), detail);
         let omega = match self.omega {
             None => 1.0,
             Some(Omega(Some(omega))) => omega,
@@ -245,7 +246,7 @@ impl AdaptiveInput {
 }
 
 impl CustomInput {
-    pub(super) fn settings(self) -> OrMistakes<Custom> {
+    pub(super) fn settings(self) -> OrErrors<Custom> {
         match self.transform {
             Some(PerDirection::Both(u)) => Ok(Custom::new(rows(u), None)),
             Some(PerDirection::Each { u, v }) => Ok(Custom::new(rows(u), Some(rows(v)))),
@@ -280,6 +281,6 @@ fn matrix(rows: &[Vec<f64>]) -> Matrix {
 }
 
 /// The error for a missing setting.
-fn incomplete<T>(detail: &str) -> OrMistakes<T> {
-    Err(Mistake::at(SpecPart::Fit(P::Method), detail).into())
+fn incomplete<T>(detail: &str) -> OrErrors<T> {
+    Err(ValidationError::at(SpecPart::Fit(P::Method), detail).into())
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::model::either::object;
+use crate::model::serde_helpers::object;
 use piad_fit::parameters::Domain;
 
 /// The extents of the directions of pairs, if these do not end at the data.

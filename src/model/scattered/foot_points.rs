@@ -4,9 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::model::either::object;
+use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::iteration::IterationChoice;
-use crate::model::mistakes::{Mistake, SpecPart};
+use crate::model::serde_helpers::object;
 use piad_fit::data::Points;
 use piad_fit::geometry::{Nurbs, foot_points};
 use piad_fit::parameters::Scattered;
@@ -30,15 +30,18 @@ object!(FootPoints, "an object with a job");
 /// The parameters of the foot points of scattered points on a surface, or why there are none.
 pub(in crate::model) fn on_surface(
     points: &Points,
-    surface: Result<&Nurbs, Mistake>,
-) -> Result<Scattered, Mistake> {
+    surface: Result<&Nurbs, ValidationError>,
+) -> Result<Scattered, ValidationError> {
     match foot_points(surface?, points) {
         Ok(pairs) => Ok(Scattered::Given(pairs)),
-        Err(reason) => Err(Mistake::at(SpecPart::FootPoints, reason.to_string())),
+        Err(reason) => Err(ValidationError::at(
+            SpecPart::FootPoints,
+            reason.to_string(),
+        )),
     }
 }
 
 /// The error where other jobs are not available.
-pub fn no_base() -> Mistake {
-    Mistake::at(SpecPart::FootPoints, "other jobs are not known here")
+pub fn no_base() -> ValidationError {
+    ValidationError::at(SpecPart::FootPoints, "other jobs are not known here")
 }

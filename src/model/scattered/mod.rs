@@ -15,10 +15,10 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::basis::ParametersInput;
-use super::either::{Whole, below};
 use super::lists::{LISTS, Lists};
 use super::named::{Rule, names};
 use super::per_direction::PerDirection;
+use super::serde_helpers::{Whole, below};
 use piad_fit::data::Points;
 use piad_fit::parameters::{
     Domain, Mesh, MeshUnfolding, Pairs, Parametrization, Scattered, Sections,

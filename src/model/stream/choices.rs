@@ -2,9 +2,9 @@
 //! combinations that are not allowed.
 
 use super::{Choice, StreamSpec};
-use crate::model::mistakes::{Mistake, SpecPart};
+use crate::model::errors::{SpecPart, ValidationError};
 use crate::model::named::Named;
-use piad_files::short::plain;
+use piad_files::text::plain;
 
 /// The source of a choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ enum By {
 
 /// An error of a choice, of the request for a stream or of the job.
 #[derive(Debug)]
-pub struct ChoiceMistake {
+pub struct ChoiceError {
     by: By,
     choice: Choice,
     /// The element of a list.
@@ -25,7 +25,7 @@ pub struct ChoiceMistake {
     detail: String,
 }
 
-impl ChoiceMistake {
+impl ChoiceError {
     /// An error of the request for a stream.
     pub fn of_request(choice: Choice, detail: impl Into<String>) -> Self {
         Self {
@@ -43,10 +43,10 @@ impl ChoiceMistake {
 }
 
 /// An error of the job.
-impl From<ChoiceMistake> for Mistake {
-    fn from(mistake: ChoiceMistake) -> Self {
-        let place = SpecPart::Stream(mistake.choice, mistake.index);
-        Self::at(place, mistake.detail)
+impl From<ChoiceError> for ValidationError {
+    fn from(error: ChoiceError) -> Self {
+        let place = SpecPart::Stream(error.choice, error.index);
+        Self::at(place, error.detail)
     }
 }
 
@@ -77,18 +77,18 @@ impl<'a> Choices<'a> {
     }
 
     /// The error of a choice that was made.
-    pub(super) fn mistake(self, choice: Choice, detail: impl Into<String>) -> ChoiceMistake {
-        self.mistake_at(choice, None, detail)
+    pub(super) fn error(self, choice: Choice, detail: impl Into<String>) -> ChoiceError {
+        self.error_at(choice, None, detail)
     }
 
     /// The error of an element of a choice that was made.
-    pub(super) fn mistake_at(
+    pub(super) fn error_at(
         self,
         choice: Choice,
         index: Option<usize>,
         detail: impl Into<String>,
-    ) -> ChoiceMistake {
-        ChoiceMistake {
+    ) -> ChoiceError {
+        ChoiceError {
             by: self.made(choice).map_or(By::Request, |(by, _)| by),
             choice,
             index,
@@ -104,7 +104,7 @@ impl<'a> Choices<'a> {
 
     /// Refuses choices that exclude each other. The error blames a choice of the request before one
     /// of the job.
-    pub(super) fn refuse(self, conflicts: &[Conflict]) -> Result<(), ChoiceMistake> {
+    pub(super) fn refuse(self, conflicts: &[Conflict]) -> Result<(), ChoiceError> {
         let Some(&(_, one, other, why)) = conflicts.iter().find(|(both, ..)| *both) else {
             return Ok(());
         };
@@ -118,17 +118,17 @@ impl<'a> Choices<'a> {
             other.name(),
             plain(&second.1)
         );
-        let (blamed, set) = match (first.0, second.0) {
+        let (named, set) = match (first.0, second.0) {
             (By::Job, By::Request) => (other, one),
             _ => (one, other),
         };
-        if self.is_default_for(set, blamed) {
+        if self.is_default_for(set, named) {
             let (name, usual) = (set.name(), usual(set));
             detail.push_str(&format!(
                 "; the job sets {name} for its streams, which {name}={usual} overrides"
             ));
         }
-        Err(self.mistake(blamed, detail))
+        Err(self.error(named, detail))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::choices::{ChoiceMistake, Choices, Conflict};
+use super::choices::{ChoiceError, Choices, Conflict};
 use super::samples::not_samples;
 use super::words::{self as chosen, Choice};
 use piad_fit::data::Grid;
@@ -76,7 +76,7 @@ impl Form {
     }
 
     /// The form that was chosen for a curve or a surface.
-    pub(super) fn of(choices: Choices<'_>, surface: bool) -> Result<Self, ChoiceMistake> {
+    pub(super) fn of(choices: Choices<'_>, surface: bool) -> Result<Self, ChoiceError> {
         let view = view(choices, surface)?;
         let encoding = match choices.get(|spec| spec.encoding) {
             None | Some(chosen::Encoding::Json) => Encoding::Json,
@@ -154,7 +154,7 @@ impl Form {
 }
 
 /// The view that was chosen, with its number of samples.
-fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
+fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceError> {
     let usual = match surface {
         false => CURVE_SAMPLES,
         true => SURFACE_SAMPLES,
@@ -168,20 +168,20 @@ fn view(choices: Choices<'_>, surface: bool) -> Result<View, ChoiceMistake> {
         (_, None) => Ok(view),
         (View::Samples(_), Some(samples)) => {
             samples.grid(surface).map(View::Samples).ok_or_else(|| {
-                choices.mistake(Choice::Samples, not_samples(&samples.to_string(), surface))
+                choices.error(Choice::Samples, not_samples(&samples.to_string(), surface))
             })
         }
         // A number of samples that the job sets applies only to this view.
         (_, Some(_)) if choices.is_default_for(Choice::Samples, Choice::View) => Ok(view),
         (_, Some(_)) => {
             let detail = "it is given, but the view is not samples: add view=samples";
-            Err(choices.mistake(Choice::Samples, detail))
+            Err(choices.error(Choice::Samples, detail))
         }
     }
 }
 
 /// Refuses 32-bit numbers that cannot hold the data.
-pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(), ChoiceMistake> {
+pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(), ChoiceError> {
     if choices.get(|spec| spec.encoding) != Some(chosen::Encoding::Base64F32) {
         return Ok(());
     }
@@ -197,7 +197,7 @@ pub(super) fn check_range(choices: Choices<'_>, problem: &Problem) -> Result<(),
     let detail = format!(
         "the coordinates of the data are too {magnitude} for numbers of 32 bits: they must lie between {smallest:.1e} and {LARGEST_F32:.1e}; use base64"
     );
-    Err(choices.mistake(Choice::Encoding, detail))
+    Err(choices.error(Choice::Encoding, detail))
 }
 
 /// The coordinates of the data points.

@@ -14,8 +14,8 @@ mod words;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::either::{AtMost, object, whole};
 use super::named::Named;
+use super::serde_helpers::{AtMost, object, whole};
 use schema::Milestone;
 
 pub(crate) use samples::Samples;

@@ -1,12 +1,12 @@
 //! The options of a stream, from the choices of its request and those of its job.
 
-use super::choices::{ChoiceMistake, Choices};
+use super::choices::{ChoiceError, Choices};
 use super::form::{self, Encoding, Form, View};
 use super::{
     self as chosen, Choice, Describe, Digits, MOST_MILESTONES, OnDisconnect, Pace, StreamSpec,
 };
-use crate::model::mistakes::Mistake;
-use piad_files::short::quoted;
+use crate::model::errors::ValidationError;
+use piad_files::text::quoted;
 use piad_fit::engine::Problem;
 
 /// The options of a stream.
@@ -38,7 +38,7 @@ impl StreamOptions {
         job: Option<&StreamSpec>,
         protobuf: bool,
         surface: bool,
-    ) -> Result<Self, ChoiceMistake> {
+    ) -> Result<Self, ChoiceError> {
         if !protobuf {
             return Self::of(Choices::new(request, job), surface);
         }
@@ -68,11 +68,11 @@ impl StreamOptions {
         job: Option<&StreamSpec>,
         protobuf: bool,
         surface: bool,
-    ) -> Result<Self, ChoiceMistake> {
+    ) -> Result<Self, ChoiceError> {
         let options = Self::new(request, job, protobuf, surface)?;
         if options.cancels && request.on_disconnect.is_some() {
             let detail = "only the stream that is the answer to the request for the job can end it";
-            return Err(ChoiceMistake::of_request(Choice::OnDisconnect, detail));
+            return Err(ChoiceError::of_request(Choice::OnDisconnect, detail));
         }
         Ok(Self {
             cancels: false,
@@ -80,7 +80,7 @@ impl StreamOptions {
         })
     }
 
-    fn of(choices: Choices<'_>, surface: bool) -> Result<Self, ChoiceMistake> {
+    fn of(choices: Choices<'_>, surface: bool) -> Result<Self, ChoiceError> {
         let form = Form::of(choices, surface)?;
         let changed = choices.get(|spec| spec.changed).unwrap_or(false);
         let options = Self {
@@ -98,7 +98,7 @@ impl StreamOptions {
     }
 
     /// Refuses options that exclude each other.
-    fn check(&self, choices: Choices<'_>) -> Result<(), ChoiceMistake> {
+    fn check(&self, choices: Choices<'_>) -> Result<(), ChoiceError> {
         const COMPLETE: &str =
             "changes are reported from each iteration to the next, so none can be skipped";
         let changed = self.changes.is_some();
@@ -160,29 +160,29 @@ impl StreamOptions {
 
 impl StreamSpec {
     /// Checks that the stream options of a job suit a curve or a surface.
-    pub fn check(&self, surface: bool) -> Result<(), Mistake> {
+    pub fn check(&self, surface: bool) -> Result<(), ValidationError> {
         let request = Self::default();
         StreamOptions::of(Choices::new(&request, Some(self)), surface)?;
         Ok(())
     }
 
     /// Checks that the data of a job fit in numbers of 32 bits, if requested.
-    pub fn check_range(&self, problem: &Problem) -> Result<(), Mistake> {
+    pub fn check_range(&self, problem: &Problem) -> Result<(), ValidationError> {
         Ok(check_range(&Self::default(), Some(self), problem)?)
     }
 }
 
 /// The form of a single iteration of a curve or a surface in JSON.
-pub(crate) fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
+pub(crate) fn json_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceError> {
     if request.encoding == Some(chosen::Encoding::Delta) {
         let detail = "delta is for streams: there is no event before this one to differ from";
-        return Err(ChoiceMistake::of_request(Choice::Encoding, detail));
+        return Err(ChoiceError::of_request(Choice::Encoding, detail));
     }
     Form::of(Choices::new(request, None), surface)
 }
 
 /// The form of a single iteration of a curve or a surface as a protobuf message.
-pub(crate) fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceMistake> {
+pub(crate) fn message_form(request: &StreamSpec, surface: bool) -> Result<Form, ChoiceError> {
     refuse_numbers(request)?;
     Ok(json_form(request, surface)?.in_protobuf())
 }
@@ -192,12 +192,12 @@ pub(crate) fn check_range(
     request: &StreamSpec,
     job: Option<&StreamSpec>,
     problem: &Problem,
-) -> Result<(), ChoiceMistake> {
+) -> Result<(), ChoiceError> {
     form::check_range(Choices::new(request, job), problem)
 }
 
 /// Messages have no choice of number encoding.
-fn refuse_numbers(request: &StreamSpec) -> Result<(), ChoiceMistake> {
+fn refuse_numbers(request: &StreamSpec) -> Result<(), ChoiceError> {
     let written = |encoding: &chosen::Encoding| *encoding != chosen::Encoding::Delta;
     let given = [
         (
@@ -210,14 +210,14 @@ fn refuse_numbers(request: &StreamSpec) -> Result<(), ChoiceMistake> {
         None => Ok(()),
         Some((choice, _)) => {
             let detail = "it is about numbers in JSON; protobuf messages have all 64 bits, or in streams encoding=delta";
-            Err(ChoiceMistake::of_request(choice, detail))
+            Err(ChoiceError::of_request(choice, detail))
         }
     }
 }
 
-fn every(choices: Choices<'_>) -> Result<usize, ChoiceMistake> {
+fn every(choices: Choices<'_>) -> Result<usize, ChoiceError> {
     match choices.get(|spec| spec.every) {
-        Some(0) => Err(choices.mistake(Choice::Every, not_positive("0"))),
+        Some(0) => Err(choices.error(Choice::Every, not_positive("0"))),
         every => Ok(every.unwrap_or(1)),
     }
 }
@@ -228,11 +228,11 @@ pub(crate) fn not_positive(text: &str) -> String {
 }
 
 /// Milestones are positive and decrease.
-fn milestones(choices: Choices<'_>) -> Result<Vec<f64>, ChoiceMistake> {
+fn milestones(choices: Choices<'_>) -> Result<Vec<f64>, ChoiceError> {
     let Some(milestones) = choices.get(|spec| spec.milestones.as_ref()) else {
         return Ok(Vec::new());
     };
-    let wrong = |index, detail| Err(choices.mistake_at(Choice::Milestones, index, detail));
+    let wrong = |index, detail| Err(choices.error_at(Choice::Milestones, index, detail));
     if milestones.len() > MOST_MILESTONES {
         return wrong(None, format!("there are more than {MOST_MILESTONES}"));
     }

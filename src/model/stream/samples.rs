@@ -5,8 +5,8 @@ use std::fmt;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::model::either::Whole;
-use piad_files::short::quoted;
+use crate::model::serde_helpers::Whole;
+use piad_files::text::quoted;
 use piad_fit::data::Grid;
 
 /// The most points that are sampled.

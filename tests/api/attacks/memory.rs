@@ -45,7 +45,7 @@ fn check(program: &Program, given: usize) {
     assert!(most < given + CONSTANT, "{} MiB", most / MIB);
 }
 
-/// Runs whose frames nobody reads: each ring alone could hold 64 MiB.
+/// Runs whose frames are not read: each ring could hold 64 MiB.
 #[tokio::test]
 async fn recent_frames_share_a_budget() {
     let _alone = alone().await;
@@ -102,9 +102,9 @@ async fn stalled_readers_do_not_hold_runs() {
     drop(stalled);
 }
 
-/// Files that are asked for, and not taken.
+/// Files that are requested but not read.
 #[tokio::test]
-async fn files_that_nobody_takes_share_a_budget() {
+async fn files_that_are_not_read_share_a_budget() {
     let _alone = alone().await;
     let directory = tempfile::tempdir().unwrap();
     let arguments = ["--memory", "64MiB", "--write-timeout", "2"];
@@ -196,7 +196,7 @@ async fn small_bodies_over_http2_are_counted() {
     }
 }
 
-/// Bodies that come to a large part, and then wait: some get in, the others are told to come back.
+/// Bodies that arrive mostly and then stall: some are accepted, the others rejected with Retry-After.
 #[tokio::test]
 async fn large_bodies_wait_for_each_other() {
     let _alone = alone().await;
@@ -218,7 +218,7 @@ async fn large_bodies_wait_for_each_other() {
     let answer = program.post("/v1/jobs").json(&job).send().await.unwrap();
     assert_eq!(answer.status(), 201, "small ones have their own room");
     check(&program, 64 * MIB);
-    // Whoever has stopped sending is given up, and then there is room again.
+    // Stalled clients are disconnected, and then there is room again.
     let large = json!({"curve": {"points": spiral(60_000)}, "stop": {"max_iterations": 1}});
     eventually("there is room", async || {
         let answer = program.post("/v1/jobs").json(&large).send().await.unwrap();

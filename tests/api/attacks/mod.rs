@@ -35,7 +35,7 @@ async fn post(program: &Program, path: &str, body: &Value) -> Value {
     answer.json().await.unwrap()
 }
 
-/// How many iterations have been computed, whoever asked for them.
+/// The number of computed iterations of all clients.
 async fn iterations(program: &Program) -> f64 {
     program.metrics().await["piad_iterations_total"]
 }

@@ -50,7 +50,7 @@ async fn until_ended(program: &Program, job: &Value) {
 /// Set-ups take seconds each, in one piece: they have a lane of their own, and who cancels a job in
 /// its set-up, or one that waits for it, does not wait.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn set_ups_delay_nobody_and_are_cancelled_at_once() {
+async fn set_ups_do_not_delay_others_and_are_cancelled_at_once() {
     let _alone = alone().await;
     let directory = tempfile::tempdir().unwrap();
     let program = Program::start(directory.path());
@@ -189,7 +189,7 @@ async fn too_much_memory_is_refused_before_anything_is_computed() {
     assert!(used < 300, "it took {used} hundredths of a second");
 }
 
-/// The set-up of a job that nobody wants any more ends.
+/// The set-up of an abandoned job ends.
 #[tokio::test]
 async fn set_ups_end_with_their_jobs() {
     let _alone = alone().await;
@@ -205,7 +205,10 @@ async fn set_ups_end_with_their_jobs() {
     let before = ticks(&program);
     serves_others(&program).await;
     let used = ticks(&program) - before;
-    assert!(used < 300, "set-ups go on: {used} hundredths of a second");
+    assert!(
+        used < 300,
+        "set-ups continue: {used} hundredths of a second"
+    );
 }
 
 /// Edits of a job whose system is being made: the threads of the network do not wait for it.
@@ -258,7 +261,7 @@ async fn abandoned_work_stops() {
     .await;
     assert!(
         last - before < 1900.0,
-        "{} iterations for nobody",
+        "{} iterations without a reader",
         last - before
     );
     serves_others(&program).await;

@@ -171,7 +171,7 @@ async fn items_have_the_options_of_the_first_message() {
     assert_eq!((none.len(), totals.items), (0, 0));
 }
 
-/// What ends a call early is told by its status, behind what came before.
+/// The status of a call that ends early has the reason, after the previous responses.
 #[tokio::test]
 async fn wrong_messages_end_the_call() {
     let server = Server::with(|config| config.max_body = "20kB".parse().unwrap()).await;

@@ -53,9 +53,9 @@ async fn a_client_that_watches_cannot_end_the_job() {
     assert_eq!(violations[0].field, "stream.on_disconnect");
 }
 
-/// A client that does not read holds a bounded number of frames, and nobody else.
+/// A client that does not read holds a bounded number of frames, and does not delay others.
 #[tokio::test]
-async fn a_client_that_does_not_read_holds_up_nobody() {
+async fn a_client_that_does_not_read_delays_no_other() {
     let server = Server::start().await;
     let mut client = connect(&server).await;
     let job = create(&mut client, endless()).await;
@@ -71,7 +71,7 @@ async fn a_client_that_does_not_read_holds_up_nobody() {
 
 #[tokio::test]
 async fn streams_end_when_the_server_stops() {
-    // Who waits for the grace period waits for ever.
+    // Waiting for the grace period would take forever.
     let server = Server::with(|config| config.grace = NEVER).await;
     let mut client = connect(&server).await;
     let job = create(&mut client, endless()).await;

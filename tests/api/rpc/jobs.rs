@@ -10,7 +10,7 @@ use crate::messages::{self as pb, watch_job_response::Event};
 use crate::support::{Server, Story};
 
 #[tokio::test]
-async fn streams_resume_after_an_iteration_and_show_what_they_are_asked_for() {
+async fn streams_resume_after_an_iteration_with_the_requested_view() {
     let server = Server::start().await;
     let mut client = connect(&server).await;
     let story = server.stream(&data::small_job()).await;

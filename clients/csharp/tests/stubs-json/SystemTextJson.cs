@@ -1,5 +1,5 @@
-// Stubs: signatures of System.Text.Json 8 as far as Piad.cs calls them with PIAD_SYSTEM_TEXT_JSON, so that this can be
-// compiled where the library cannot be had. Nothing of it runs.
+// Stubs: signatures of System.Text.Json 8 as far as Piad.cs calls them with PIAD_SYSTEM_TEXT_JSON,
+// to compile it without the library. They are not run.
 
 using System;
 using System.Collections;

@@ -1,4 +1,5 @@
-// Stubs: signatures of Grasshopper 1 as far as the example calls them. A document solves its component at once.
+// Stubs: signatures of Grasshopper 1 that the example calls. A document solves its component
+// immediately.
 
 using System;
 using System.Collections.Generic;
@@ -70,7 +71,7 @@ namespace Grasshopper.Kernel
 
         protected GH_Component(string name, string nickname, string description, string category, string subCategory) { }
 
-        // Of the stub alone, for the tests.
+        // Only in the stub, for the tests.
         public event Action Expired;
         public readonly List<string> Messages = new List<string>();
 
@@ -88,7 +89,7 @@ namespace Grasshopper.Kernel
         public virtual void DocumentContextChanged(GH_Document document, GH_DocumentContext context) { }
         public void AddRuntimeMessage(GH_RuntimeMessageLevel level, string text) { Messages.Add(level + ": " + text); }
 
-        // Of the stub alone: what a solution does.
+        // Only in the stub: solves the component.
         public void Solve(IGH_DataAccess access)
         {
             lock (Rhino.RhinoApp.Window)

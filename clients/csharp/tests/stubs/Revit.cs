@@ -1,4 +1,4 @@
-// Stubs: signatures of the API of Revit 2018 and later as far as the adapter calls them.
+// Stubs: signatures of the API of Revit 2018 and later that the adapter calls.
 
 using System.Collections.Generic;
 

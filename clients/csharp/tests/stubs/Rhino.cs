@@ -1,5 +1,5 @@
-// Stubs: signatures of RhinoCommon 6 and later as far as the adapter and the example call them, so that these can be
-// compiled where Rhino cannot be had. They store what they are given and compute nothing.
+// Stubs: signatures of RhinoCommon 6 and later that the adapter and the example call, to compile
+// these without Rhino. They store their arguments and compute nothing.
 
 using System;
 using System.Collections.Generic;
@@ -8,7 +8,7 @@ namespace Rhino
 {
     public static class RhinoApp
     {
-        // Of the stub alone: held by what runs on the thread of the window, one thing at a time.
+        // Only in the stub: the lock of the user interface thread.
         public static readonly object Window = new object();
 
         public static void InvokeOnUiThread(Delegate method, params object[] args)

@@ -15,7 +15,7 @@ translate = FreeCAD.Qt.translate
 
 
 class FitCommand:
-    """Opens the panel with the points that are selected."""
+    """Opens the panel with the selected points."""
 
     def __init__(self, kind: str, icon: str, text: str, tip: str):
         self._kind = kind
@@ -26,15 +26,15 @@ class FitCommand:
         return self._resources
 
     def IsActive(self) -> bool:
-        """Whether something is selected and no other panel is open."""
+        """True if something is selected and no other panel is open."""
         return bool(FreeCADGui.Selection.getSelection()) and not FreeCADGui.Control.activeDialog()
 
     def Activated(self) -> None:
-        """Opens the panel, or tells what to select."""
+        """Opens the panel, or shows what to select."""
         from .panel import FitPanel
         from .view import FitView
 
-        # A link to a whole object has an empty name: without any it would be dropped.
+        # A link to a whole object needs an empty element name, or it would be dropped.
         links = [(it.Object, it.SubElementNames or ("",)) for it in FreeCADGui.Selection.getSelectionEx()]
         try:
             panel = FitPanel.of_points(feature.read(self._kind, links), links, FitView)
@@ -45,7 +45,7 @@ class FitCommand:
 
 
 class DragCommand:
-    """Opens the panel in which points of a fitted shape are dragged."""
+    """Opens the panel for dragging points of a fitted shape."""
 
     def GetResources(self) -> dict[str, str]:
         """The icon and the texts."""
@@ -56,7 +56,7 @@ class DragCommand:
         }
 
     def IsActive(self) -> bool:
-        """Whether one fitted shape is selected and no other panel is open."""
+        """True if one fitted shape is selected and no other panel is open."""
         selected = FreeCADGui.Selection.getSelection()
         return len(selected) == 1 and feature.is_fitted(selected[0]) and not FreeCADGui.Control.activeDialog()
 
@@ -68,7 +68,7 @@ class DragCommand:
 
 
 def tell(text: str) -> None:
-    """A message that waits for nobody: what called goes on."""
+    """Shows a message without blocking the caller."""
     FreeCAD.Console.PrintWarning(text + "\n")
     box = QtGui.QMessageBox(QtGui.QMessageBox.Information, "piad", text, QtGui.QMessageBox.Ok, FreeCADGui.getMainWindow())
     box.setAttribute(QtCore.Qt.WA_DeleteOnClose)
@@ -79,7 +79,7 @@ NAMES = ("Piad_FitCurve", "Piad_FitSurface", "Piad_Drag")
 
 
 def register() -> None:
-    """Makes the commands known to FreeCAD."""
+    """Registers the commands with FreeCAD."""
     curve = FitCommand(
         CURVE,
         "piad_curve.svg",

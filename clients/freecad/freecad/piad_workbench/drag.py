@@ -1,4 +1,4 @@
-"""The task panel in which points of a fitted shape are dragged; the shape follows."""
+"""The task panel for dragging points of a fitted shape; the shape is fitted again."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ _LOOK = 15
 
 
 class DragPanel:
-    """Points follow the mouse, and the shape the points. Accepted, the moves stay with the object."""
+    """Points follow the mouse, and the shape is fitted to them. OK stores the moves in the
+    object."""
 
     def __init__(self, obj: Any):
         self._object = obj
@@ -60,24 +61,24 @@ class DragPanel:
         layout.addStretch()
         return form
 
-    # What the mouse asks and says.
+    # Events of the mouse.
 
     def positions(self) -> Any:
-        """Where the points are now."""
+        """The current positions of the points."""
         return self._points.with_moves(self.moves).values
 
     def move(self, index: int, position: Any) -> None:
-        """A point is somewhere else, and the mouse button still down."""
+        """Moves a point while the mouse button is down."""
         self._set({**self.moves, index: tuple(position)})
 
     def release(self) -> None:
-        """The mouse button is up."""
+        """Ends a move when the mouse button is released."""
         if self.moves != self._history[-1]:
             self._history.append(self.moves)
             self.back.setEnabled(True)
 
     def undo(self) -> None:
-        """Takes the last move back."""
+        """Undoes the last move."""
         if len(self._history) > 1:
             self._history.pop()
             self._set(self._history[-1])
@@ -91,7 +92,7 @@ class DragPanel:
         elif self._dragging is not None:
             self._dragging.move(moves)
 
-    # What the server says.
+    # Updates from the server.
 
     def _follow(self) -> None:
         if self._dragging is None:
@@ -104,7 +105,7 @@ class DragPanel:
             self._fail(self._dragging.error)
 
     def _prepare(self) -> None:
-        """Edits need a job, which is the fit of the points as they are."""
+        """Edits need a job: the fit of the current points."""
         running = self._preview.running
         update = self._preview.take()
         if update is not None and update.ended:
@@ -133,7 +134,7 @@ class DragPanel:
         return int(QtGui.QDialogButtonBox.Ok | QtGui.QDialogButtonBox.Cancel)
 
     def accept(self) -> bool:
-        """Keeps the moves and the shape. Where the server is gone, the panel stays open and says so."""
+        """Stores the moves and the shape. Without a server the panel stays open with a message."""
         update = None
         if self.moves:
             try:
@@ -152,7 +153,7 @@ class DragPanel:
         return True
 
     def reject(self) -> bool:
-        """Leaves everything as it was."""
+        """Discards all changes."""
         self._object.Visibility = True
         self._close()
         return True

@@ -1,4 +1,4 @@
-"""What a fit shows in the 3D view: its points, coloured by their distances, and its shape while it comes."""
+"""Nodes of a fit in the 3D view: its points, coloured by their distances, and its current shape."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pivy import coin
 from . import shape
 from .points import Point
 
-# From none of the tolerance to all of it. What is outside has a colour of its own.
+# From 0 to the tolerance. Points outside have a separate colour.
 _SCALE = ((0.0, (0.13, 0.35, 0.85)), (0.5, (0.15, 0.72, 0.35)), (1.0, (0.98, 0.80, 0.10)))
 _OUTSIDE = (0.88, 0.10, 0.15)
 _UNKNOWN = (0.95, 0.60, 0.15)
@@ -18,11 +18,11 @@ _SHAPE = (0.55, 0.70, 0.88)
 _LINE = (0.10, 0.20, 0.45)
 
 _FEW = 500
-"""Up to so many points are drawn as large ones."""
+"""Up to this number, points are drawn large."""
 
 
 def colour(part: float) -> tuple[float, float, float]:
-    """The colour of a distance, as a part of the tolerance."""
+    """The colour of a distance relative to the tolerance."""
     if not part <= 1.0:
         return _OUTSIDE
     for (a, low), (b, high) in zip(_SCALE, _SCALE[1:]):
@@ -33,24 +33,24 @@ def colour(part: float) -> tuple[float, float, float]:
 
 
 def colours(distances: Sequence[float], tolerance: float) -> list[tuple[float, float, float]]:
-    """The colour of each point. They come from a table, as there may be many."""
+    """The colour of each point, from a table for speed."""
     table = [colour(i / 64) for i in range(65)]
     return [table[int(64 * d / tolerance)] if d <= tolerance else _OUTSIDE for d in distances]
 
 
 def style() -> str:
-    """The scale as a background for a label, from 0 to the tolerance."""
+    """The colour scale from 0 to the tolerance, as the background of a label."""
     stops = ", ".join("stop:{} rgb({}, {}, {})".format(at, *(int(255 * x) for x in rgb)) for at, rgb in _SCALE)
     return f"background: qlineargradient(x1:0, y1:0, x2:1, y2:0, {stops});"
 
 
 def outside_style() -> str:
-    """The same for what is outside of the tolerance."""
+    """The same for points outside the tolerance."""
     return "background: rgb({}, {}, {});".format(*(int(255 * x) for x in _OUTSIDE))
 
 
 class PointCloud:
-    """Points as a node of a scene."""
+    """Points as a scene node."""
 
     def __init__(self, points: Sequence[Point]):
         self.node = coin.SoSeparator()
@@ -68,12 +68,12 @@ class PointCloud:
         self.paint(None, 1.0)
 
     def move(self, points: Sequence[Point]) -> None:
-        """Shows them elsewhere."""
+        """Moves the points."""
         self._coordinates.point.setValues(0, len(points), points)
         self._set.numPoints = len(points)
 
     def paint(self, distances: Sequence[float] | None, tolerance: float) -> None:
-        """Colours each point by its distance, or all alike."""
+        """Colours each point by its distance, or all equally."""
         if distances is None:
             self._binding.value = coin.SoMaterialBinding.OVERALL
             self._material.diffuseColor.setValues(0, 1, [_UNKNOWN])
@@ -84,7 +84,7 @@ class PointCloud:
 
 
 class Overlay:
-    """Nodes in a 3D view that are no part of its document: its undo history does not know them."""
+    """Nodes in a 3D view that are not part of the document or its undo history."""
 
     def __init__(self, view: Any, points: Sequence[Point]):
         self._scene = view.getSceneGraph()
@@ -98,13 +98,13 @@ class Overlay:
         self._scene.addChild(self._root)
 
     def show(self, spline: Any) -> None:
-        """Shows a curve or a surface of Part instead of the one before."""
+        """Replaces the displayed curve or surface of Part."""
         self._shape.removeAllChildren()
         add = _add_surface if hasattr(spline, "UDegree") else _add_curve
         add(self._shape, spline)
 
     def remove(self) -> None:
-        """Takes all of it away."""
+        """Removes all nodes."""
         self._scene.removeChild(self._root)
 
 

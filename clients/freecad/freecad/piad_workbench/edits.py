@@ -1,4 +1,4 @@
-"""Edits for dragging: fits that are streamed in the answer, and of which nothing is kept."""
+"""Edits for dragging: fits that are streamed in the response and not stored."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from .fitting import Update, method_of
 from .points import Points
 from .settings import Settings
 
-# Older versions of httpx send a body after the head, and on a connection that was used before the system holds it
-# back for 40 ms.
+# Older versions of httpx send head and body separately, and on a reused connection the system
+# delays the body by 40 ms.
 _ONCE = {"Connection": "close"}
 
 
 class Dragging:
-    """A thread that fits for the newest position of the points, and leaves out those before it."""
+    """A thread that fits for the newest positions of the points and skips older ones."""
 
     def __init__(self, job: str, points: Points, settings: Settings):
         self.error: str | None = None
-        """What went wrong, in words, once it has."""
+        """The message of an error, if there is one."""
         self._job = job
         self._points = points
         self._settings = settings
@@ -33,20 +33,20 @@ class Dragging:
         threading.Thread(target=self._run, daemon=True).start()
 
     def move(self, moves: dict[int, Any]) -> None:
-        """Asks for a fit with points elsewhere than the job has them."""
+        """Requests a fit with moved points."""
         with self._wake:
             self.error = None
             self._wanted = dict(moves)
             self._wake.notify()
 
     def take(self) -> Update | None:
-        """The newest update, once."""
+        """Returns the newest update once."""
         with self._wake:
             newest, self._newest = self._newest, None
             return newest
 
     def close(self) -> None:
-        """Ends the thread after what it is doing."""
+        """Ends the thread after its current task."""
         with self._wake:
             self._closed = True
             self._wake.notify()
@@ -63,7 +63,7 @@ class Dragging:
                 if job is None:
                     job = server.client(headers=_ONCE).job(self._job)
                 self._follow(job, moves)
-            except Exception as error:  # Whatever it is: a thread has nobody else to tell.
+            except Exception as error:  # A thread must report any exception itself.
                 self.error = server.in_words(error)
 
     def _follow(self, job: Any, moves: dict[int, Any]) -> None:

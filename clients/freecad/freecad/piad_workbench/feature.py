@@ -1,4 +1,5 @@
-"""The fitted shape in a document: it keeps its points and settings, and fits again when they change."""
+"""The fitted shape in a document: it stores its points and settings and is refitted when they
+change."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ ICONS = os.path.join(os.path.dirname(__file__), "resources", "icons")
 _READ_ONLY = 1
 _HIDDEN = 4
 
-# Name, type, what it is, and its attributes.
+# Name, type, description and attributes.
 _KEPT = (
     ("Source", "App::PropertyLinkSubListGlobal", QT_TRANSLATE_NOOP("App::Property", "Where the points come from. Without it they are those that are kept here."), 0),
     ("Points", "App::PropertyVectorList", QT_TRANSLATE_NOOP("App::Property", "The points, in the order of the source."), _HIDDEN),
@@ -38,7 +39,7 @@ _KEPT = (
 
 
 class FitFeature:
-    """The proxy of a fitted curve or surface. All that it knows is in properties of its object."""
+    """The proxy of a fitted curve or surface. Its state is in properties of its object."""
 
     def __init__(self, obj: Any, given: Points, links: Any):
         for name, kind, text, attributes in _KEPT:
@@ -53,7 +54,7 @@ class FitFeature:
         obj.Proxy = self
 
     def execute(self, obj: Any) -> None:
-        """Fits again, if points or settings are others than those of the shape that is there."""
+        """Fits again if points or settings have changed since the current shape."""
         if obj.Source:
             _keep(obj, read(obj.Kind, obj.Source))
         given, settings = points_of(obj), settings_of(obj)
@@ -62,12 +63,12 @@ class FitFeature:
         try:
             store(obj, given, settings, fitting.fit(given, settings))
         except Exception as error:
-            # The shape before stays, and FreeCAD marks the object.
+            # The previous shape is kept, and FreeCAD marks the object.
             obj.Status = server.in_words(error)
             raise RuntimeError(obj.Status) from error
 
     def dumps(self) -> None:
-        """There is no state beside the properties."""
+        """There is no state other than the properties."""
 
     def loads(self, state: Any) -> None:
         """The reverse."""
@@ -78,7 +79,7 @@ class FitFeature:
 
 
 def create(document: Any, given: Points, links: Any, settings: Settings, update: Update | None) -> Any:
-    """A new object without a view provider, with the shape of a fit that has ended if there is one."""
+    """Creates an object without a view provider, with the shape of an ended fit if there is one."""
     name = "FittedCurve" if given.kind == CURVE else "FittedSurface"
     obj = document.addObject("Part::FeaturePython", name)
     FitFeature(obj, given, links)
@@ -89,12 +90,12 @@ def create(document: Any, given: Points, links: Any, settings: Settings, update:
 
 
 def read(kind: str, links: Any) -> Points:
-    """The points of objects, as they are now."""
+    """The current points of objects."""
     return points.read_curve(links) if kind == CURVE else points.read_surface(links)
 
 
 def _keep(obj: Any, given: Points) -> None:
-    """Keeps points if they are others: a property that is set marks the object as touched."""
+    """Stores points if they have changed: setting a property marks the object as touched."""
     values = [FreeCAD.Vector(*point) for point in given.values]
     if obj.Points != values:
         obj.Points = values
@@ -103,19 +104,19 @@ def _keep(obj: Any, given: Points) -> None:
 
 
 def points_of(obj: Any, moved: bool = True) -> Points:
-    """The points of an object, with those that were dragged where they are now."""
+    """The points of an object, including moves by dragging."""
     values = tuple((p.x, p.y, p.z) for p in obj.Points)
     given = Points(obj.Kind, values, obj.Rows)
     return given.with_moves(moves_of(obj)) if moved else given
 
 
 def moves_of(obj: Any) -> dict[int, tuple[float, float, float]]:
-    """The points that were dragged."""
+    """The dragged points."""
     return {index: (p.x, p.y, p.z) for index, p in zip(obj.Moved, obj.MovedTo)}
 
 
 def set_moves(obj: Any, moves: dict[int, Any]) -> None:
-    """Has some points elsewhere than where they come from."""
+    """Stores moves of points."""
     obj.Moved = list(moves)
     obj.MovedTo = [FreeCAD.Vector(*point) for point in moves.values()]
 
@@ -128,7 +129,7 @@ def settings_of(obj: Any) -> Settings:
 
 
 def set_settings(obj: Any, settings: Settings) -> None:
-    """Sets the properties that are others."""
+    """Sets the changed properties."""
     before = settings_of(obj)
     for field in fields_of(obj.Kind):
         value = getattr(settings, field.name)
@@ -137,7 +138,7 @@ def set_settings(obj: Any, settings: Settings) -> None:
 
 
 def store(obj: Any, given: Points, settings: Settings, update: Update) -> None:
-    """Keeps the end of a fit: documents open and recompute with it, without a server."""
+    """Stores the result of a fit: documents open and recompute with it, without a server."""
     spline = shape.part_geometry(update.geometry)
     placement = obj.Placement
     obj.Shape = spline.toShape()
@@ -151,7 +152,7 @@ def store(obj: Any, given: Points, settings: Settings, update: Update) -> None:
 
 
 def is_fitted(obj: Any) -> bool:
-    """Whether an object of a document is one of these."""
+    """True for objects of this type."""
     return isinstance(getattr(obj, "Proxy", None), FitFeature)
 
 

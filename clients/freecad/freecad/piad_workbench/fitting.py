@@ -1,4 +1,4 @@
-"""A fit as a series of updates, without anything of a user interface."""
+"""A fit as a series of updates, independent of a user interface."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from . import plane, server
 from .points import CLOUD, CURVE, Points
 from .settings import Settings
 
-# Seconds that distances of single points may take before they are asked for at the end only.
+# Time limit in seconds for distances of points; above it they are requested only at the end.
 _QUICK = 0.15
 
-# Control points of the rough surface, in each direction.
+# Control points of the base surface, in each direction.
 _ROUGH = 8
 
 
@@ -29,30 +29,30 @@ class Update:
     error: float
     """The largest distance of the points."""
     rough: bool = False
-    """Whether it is the surface on which the points are laid for the fit itself."""
+    """True for the base surface that provides parameters for the fit."""
     distances: tuple[float, ...] | None = None
-    """Of each point from the nearest point of the shape, in the order of the points."""
+    """The distance of each point from the nearest point of the shape."""
     state: str = "running"
     detail: str = ""
-    """Of an ended fit outside of the tolerance: why."""
+    """The reason, if the fit has ended outside the tolerance."""
     warnings: tuple[str, ...] = ()
     version: str = ""
-    """That of the server."""
+    """The id on the server."""
 
     @property
     def ended(self) -> bool:
-        """Whether this is the last update."""
+        """True for the last update."""
         return self.state != "running"
 
     @property
     def control_points(self) -> tuple[int, ...]:
-        """Their number; of a surface those in u and v."""
+        """The number of control points; for a surface those in u and v."""
         net = self.geometry.control_points
         return (len(net), len(net[0])) if hasattr(self.geometry, "degrees") else (len(net),)
 
 
 class Follower:
-    """Makes jobs on a server and follows them; `cancel` ends it from another thread."""
+    """Creates jobs on a server and watches them; `cancel` ends it from another thread."""
 
     def __init__(self, client: Any):
         self._client = client
@@ -77,18 +77,18 @@ class Follower:
             rough.delete()
 
     def cancel(self) -> None:
-        """Stops the job and makes the server forget it."""
+        """Cancels and deletes the job."""
         self.cancelled = True
         self.forget()
 
     def forget(self) -> None:
-        """Makes the server forget the job; what has come of it stays with those who have it."""
+        """Deletes the job on the server; its results remain valid here."""
         job, self.job = self.job, None
         if job is not None:
             try:
                 job.delete()
             except server.piad().PiadError:
-                pass  # The server is gone, and the job with it.
+                pass  # The server has stopped, and the job with it.
 
     def _follow(self, request: dict[str, Any], rough: bool = False) -> Iterator[Update]:
         job = self._client.create(**request)
@@ -100,7 +100,7 @@ class Follower:
         for last in job.iterations(pace="latest", encoding="delta"):
             if self.cancelled:
                 return
-            # Before the points lie on it, distances from the rough surface would be of little use.
+            # Distances from the base surface would be of little use.
             distances = None if rough or not self._measures else self._distances(job, last.number)
             yield Update(last.geometry, last.number, _error(last), rough, distances)
         if not rough and last is not None and not self.cancelled:
@@ -108,7 +108,7 @@ class Follower:
 
     def _end(self, job: Any, last: Any) -> Update:
         if job.status.state == "cancelled":
-            last = job.iteration(last.number)  # Of a stream that is cut off the last one is not exact.
+            last = job.iteration(last.number)  # The last one of a broken stream is not exact.
         return replace(_ended(job, last), version=self._client.capabilities()["version"])
 
     def _distances(self, job: Any, iteration: int) -> tuple[float, ...]:
@@ -145,7 +145,7 @@ def _error(iteration: Any) -> float:
 
 
 def rough_request(points: Points, settings: Settings, parameters: Any) -> dict[str, Any]:
-    """A surface with few control points over a plane, which bends little."""
+    """A smooth surface with few control points over a plane."""
     counts = {way: min(_ROUGH, rows) for way, rows in _rows(points, parameters).items()}
     method = {"kind": "least_squares", "control_points": counts, "variant": "direct", "fairness": 1e-9, "end_points": "free"}
     return {
@@ -159,12 +159,13 @@ def rough_request(points: Points, settings: Settings, parameters: Any) -> dict[s
 
 
 def degrees(points: Points, settings: Settings, parameters: Any) -> dict[str, int]:
-    """Corners of a mesh may lie in a few rows: between two of them a surface is straight, not bent by smoothing."""
+    """Vertices of a mesh may lie in a few rows: between them a surface should be straight, not bent
+    by smoothing."""
     return {way: max(1, min(settings.degree, rows - 1)) for way, rows in _rows(points, parameters).items()}
 
 
 def _rows(points: Points, parameters: Any) -> dict[str, int]:
-    """How many different parameters there are in each direction, but for rounding."""
+    """The number of distinct parameters in each direction, up to rounding."""
     if parameters == "project":
         return {"u": points.shortest, "v": points.shortest}
     unit = 1e-9 * points.size or 1.0
@@ -172,7 +173,7 @@ def _rows(points: Points, parameters: Any) -> dict[str, int]:
 
 
 def request(points: Points, settings: Settings, degree: Any, parameters: Any) -> dict[str, Any]:
-    """As few control points as the tolerance needs: the arguments of `Client.create`."""
+    """The arguments of `Client.create` for the fewest control points that meet the tolerance."""
     return {
         "points": points.nested(),
         "scattered": points.kind == CLOUD,
@@ -195,16 +196,16 @@ def method_of(points: Points, settings: Settings) -> dict[str, Any]:
     if points.kind != CURVE or not (settings.ends or settings.closed):
         method["end_points"] = "free"
     if points.moved and (settings.fairness or points.kind == CLOUD):
-        # Among many points, or where bending counts, a point alone would not take the shape with it.
+        # Among many points, or with smoothing, a single point would not move the shape.
         method["constraints"] = [{"index": points.index(i)} for i in points.moved]
     elif points.kind == CURVE and not settings.fairness:
-        # Errors are distances from the curve then, and fewer control points do.
+        # Errors are then distances from the curve, and fewer control points suffice.
         method["correct_parameters"] = True
     return method
 
 
 def fit(points: Points, settings: Settings) -> Update:
-    """The end of a fit, for a caller that has nothing to show before."""
+    """Waits for the end of a fit."""
     last: Update | None = None
     with server.client() as client:
         follower = Follower(client)
@@ -218,7 +219,7 @@ def fit(points: Points, settings: Settings) -> Update:
 
 
 def edit(job: Any, points: Points, moves: dict[int, Any], settings: Settings) -> Update:
-    """The end of an edit of a job, whose points go elsewhere."""
+    """Waits for the end of an edit with moved points."""
     method = method_of(points.with_moves(moves), settings)
     places = {points.index(i): list(point) for i, point in moves.items()}
     edited = job.edit(places, method=method)
@@ -231,7 +232,7 @@ def edit(job: Any, points: Points, moves: dict[int, Any], settings: Settings) ->
 
 
 def key(points: Points, settings: Settings) -> str:
-    """The same for the same fit, in this session and any other."""
+    """A digest that is equal for equal fits, across sessions."""
     numbers = array("d", [x for point in points.values for x in point])
     head = repr((points.kind, points.rows, points.moved, settings.as_tuple()))
     return hashlib.sha256(head.encode() + numbers.tobytes()).hexdigest()

@@ -1,4 +1,4 @@
-"""The settings of a fit as widgets, each with a sentence of help."""
+"""The settings of a fit as widgets with help texts."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ translate = FreeCAD.Qt.translate
 
 
 class SettingsForm(QtGui.QWidget):
-    """All settings of a kind of points. `changed` is emitted when a person changes one."""
+    """All settings of a kind of points. `changed` is emitted when the user changes one."""
 
     changed = QtCore.Signal()
 
@@ -47,7 +47,7 @@ class SettingsForm(QtGui.QWidget):
         else:
             row = QtGui.QHBoxLayout()
             row.addWidget(QtGui.QLabel(label))
-            # The panel is narrow, and what is in these is short.
+            # The panel is narrow, and their values are short.
             widget.setSizePolicy(QtGui.QSizePolicy.Ignored, QtGui.QSizePolicy.Fixed)
             row.addWidget(widget, 1)
             column.addLayout(row)
@@ -59,20 +59,20 @@ class SettingsForm(QtGui.QWidget):
         return column
 
     def _tell(self, *_: Any) -> None:
-        """A spin box tells every change of its text, also that from 0.1 mm to 0.10 mm."""
+        """A spin box reports each change of its text, also from 0.1 mm to 0.10 mm."""
         if self.value() != self._told:
             self._told = self.value()
             self.changed.emit()
 
     def value(self) -> Settings:
-        """The settings that are shown."""
+        """The displayed settings."""
         settings = self._base
         for name, widget in self.widgets.items():
             settings = settings.with_value(name, _value(widget))
         return settings
 
     def set_value(self, settings: Settings) -> None:
-        """Shows these, and tells nobody."""
+        """Displays these without emitting `changed`."""
         for name, widget in self.widgets.items():
             widget.blockSignals(True)
             _set(widget, getattr(settings, name))

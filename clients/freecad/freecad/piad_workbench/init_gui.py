@@ -1,4 +1,4 @@
-"""The workbench, as FreeCAD finds it when its window opens."""
+"""The workbench, loaded by FreeCAD when its window opens."""
 
 import os
 

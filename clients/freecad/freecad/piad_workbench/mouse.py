@@ -1,4 +1,4 @@
-"""The mouse on points in the 3D view: which one it is on, and where it takes it."""
+"""Picking and dragging of points with the mouse in the 3D view."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import Any
 
 import FreeCAD
 
-# Pixels within which a point is meant.
+# The picking radius in pixels.
 _NEAR = 12
 
-# Points that are so many pixels apart are in one place, for who looks at them.
+# Points within this number of pixels look coincident.
 _SAME = 2
 
 
 class PointMouse:
-    """Tells a panel, which has `positions()`, `move(index, point)` and `release()`, of points that are dragged."""
+    """Reports drags to a panel with `positions()`, `move(index, point)` and `release()`."""
 
     def __init__(self, view: Any, panel: Any):
         self._view = view
@@ -25,7 +25,7 @@ class PointMouse:
         self._move = view.addEventCallback("SoLocation2Event", self._motion)
 
     def remove(self) -> None:
-        """Listens no longer."""
+        """Stops listening."""
         self._view.removeEventCallback("SoMouseButtonEvent", self._button)
         self._view.removeEventCallback("SoLocation2Event", self._move)
 
@@ -44,7 +44,7 @@ class PointMouse:
             self._panel.move(self._index, self._under(event["Position"], point))
 
     def _nearest(self, position: Any) -> int | None:
-        """The number of the point under the mouse, of several in one place the nearest to the eye."""
+        """The index of the point under the mouse; of coincident ones the nearest to the eye."""
         x, y = position
         direction = self._view.getViewDirection()
         near = []
@@ -59,7 +59,7 @@ class PointMouse:
         return min(there)[1] if there else None
 
     def _under(self, position: Any, point: Any) -> Any:
-        """Where the mouse is, in the plane through a point that is parallel to the screen."""
+        """The position of the mouse in the plane through a point parallel to the screen."""
         normal = self._view.getViewDirection()
         seen = self._view.getPoint(*position)
         ray = normal

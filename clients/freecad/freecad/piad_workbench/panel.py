@@ -1,4 +1,4 @@
-"""The task panel of a fit: how it goes, and its settings."""
+"""The task panel of a fit: its progress and settings."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from .settings import defaults
 
 translate = FreeCAD.Qt.translate
 
-# Milliseconds between looks at the fit, and from the last change of a setting to a new fit.
+# Milliseconds between updates, and from the last change of a setting to a new fit.
 _LOOK = 40
 _SETTLE = 250
 
 
 class FitPanel:
-    """Fits while it is open; accepted, it leaves an object in the document or changes one."""
+    """Fits while it is open; OK adds an object to the document or changes one."""
 
     @classmethod
     def of_object(cls, obj: Any) -> FitPanel:
-        """The panel of a shape that is there."""
+        """The panel of an existing shape."""
         return cls(feature.points_of(obj), obj.Source, obj)
 
     @classmethod
@@ -46,12 +46,12 @@ class FitPanel:
         self._preview: Preview | None = None
         self._last: Update | None = None
         self._ended: Update | None = None
-        """The end of the fit with the settings that are shown, once it is there."""
+        """The end of the fit with the displayed settings, if available."""
         settings = defaults(points) if obj is None else feature.settings_of(obj)
         self.settings = SettingsForm(points, settings)
         self.form = self._form()
         self._overlay = drawing.Overlay(FreeCADGui.ActiveDocument.ActiveView, _finite(points))
-        # The preview stands where the source and the shape of before are.
+        # The preview replaces the source and the previous shape.
         shown = [it for it, _ in links or ()] + ([] if obj is None else [obj])
         self._hidden = [it for it in shown if it.Visibility]
         self._set_visible(False)
@@ -73,7 +73,7 @@ class FitPanel:
         self.status.setObjectName("status")
         self.status.setWordWrap(True)
         self.status.setTextInteractionFlags(QtCore.Qt.TextSelectableByMouse)
-        # It is above the settings, to be seen while they change, and they keep their place.
+        # It is above the settings, so that it is visible while they change and they do not move.
         self.status.setMinimumHeight(3 * self.status.fontMetrics().lineSpacing())
         self.status.setAlignment(QtCore.Qt.AlignTop)
         self.again = QtGui.QPushButton(translate("piad", "Try again"))
@@ -91,14 +91,14 @@ class FitPanel:
     # The fit.
 
     def _change(self) -> None:
-        """A setting is another one: what is computed now is not wanted any more."""
+        """A setting has changed: cancels the current fit."""
         self._stop()
         self._ended = None
         self.status.setText(translate("piad", "Fitting…"))
         self._settle.start(_SETTLE)
 
     def start(self) -> None:
-        """Fits with the settings that are shown; the fit before is cancelled."""
+        """Fits with the displayed settings and cancels the previous fit."""
         self._stop()
         self._ended = None
         self.again.hide()
@@ -113,7 +113,8 @@ class FitPanel:
             self._preview.cancel()
 
     def _follow(self) -> None:
-        """Shows the newest update. The thread's end is asked first, so that its last update is not missed."""
+        """Shows the newest update. Checks for the end of the thread first, so that its last update
+        is not missed."""
         assert self._preview is not None
         running = self._preview.running
         update = self._preview.take()
@@ -129,7 +130,7 @@ class FitPanel:
         self._ended = update if update.ended else None
         try:
             self._overlay.show(shape.part_geometry(update.geometry))
-        except Exception as error:  # Of Part: a shape on the way to the fit that it does not take.
+        except Exception as error:  # Part rejects an intermediate shape.
             if update.ended:
                 self._fail(str(error))
                 return
@@ -159,7 +160,8 @@ class FitPanel:
         return int(QtGui.QDialogButtonBox.Ok | QtGui.QDialogButtonBox.Cancel)
 
     def accept(self) -> bool:
-        """Leaves the shape in the document. Where there is none yet, the panel stays open and says so."""
+        """Adds the shape to the document. If there is none yet, the panel stays open with a
+        message."""
         if self._ended is None:
             if self._preview is not None and not self._preview.running:
                 return False
@@ -181,7 +183,7 @@ class FitPanel:
         return True
 
     def reject(self) -> bool:
-        """Leaves everything as it was."""
+        """Discards all changes."""
         self._close()
         return True
 
@@ -193,7 +195,7 @@ class FitPanel:
 
 
 def legend() -> Any:
-    """What the colours mean."""
+    """The legend of the colours."""
     widget = QtGui.QWidget()
     row = QtGui.QHBoxLayout(widget)
     row.setContentsMargins(0, 0, 0, 0)
@@ -222,12 +224,12 @@ def _described(points: Points) -> str:
 
 
 def _finite(points: Points) -> list[Any]:
-    """Points for the view; those that are no numbers have no place in it."""
+    """Points for the view, without those that are not finite."""
     return [point if all(map(math.isfinite, point)) else (0.0, 0.0, 0.0) for point in points.values]
 
 
 def _in_words(update: Update, tolerance: float) -> str:
-    """How the fit stands."""
+    """The state of the fit."""
     if update.rough:
         return translate("piad", "A rough surface to lay the points on…")
     count = " × ".join(map(str, update.control_points))
@@ -246,7 +248,7 @@ def _in_words(update: Update, tolerance: float) -> str:
 
 
 def _distance(value: float) -> str:
-    """Three digits: as a length of FreeCAD, small ones would be zero."""
+    """Formats with three digits: as a length of FreeCAD, small numbers would be zero."""
     return f"{value:.3g} mm"
 
 

@@ -1,8 +1,8 @@
 """Coordinates of scattered points in the plane nearest to them, along the smallest rectangle around them.
 
 A surface is defined on a rectangle of parameters. The principal axes of a square cloud can be its
-diagonals: then the corners of the rectangle are far from all points, and nothing says where the surface
-goes there. The sides of the smallest rectangle lie along the border of the cloud.
+diagonals: then the corners of the rectangle are far from all points, and the surface is
+undetermined there. The sides of the smallest rectangle lie along the border of the cloud.
 """
 
 from __future__ import annotations

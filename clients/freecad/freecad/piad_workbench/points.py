@@ -1,4 +1,4 @@
-"""Points of what is selected: vertices, wires, sketches, point clouds and meshes."""
+"""Points of the selection: vertices, wires, sketches, point clouds and meshes."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ CURVE, GRID, CLOUD = "curve", "grid", "cloud"
 
 Point = tuple[float, float, float]
 Links = Sequence[tuple[Any, Sequence[str]]]
-"""Objects of a document with the names of their elements, as a `PropertyLinkSubList` has them."""
+"""Objects of a document with the names of their elements, as in a `PropertyLinkSubList`."""
 
 
 class PointsError(Exception):
-    """What is selected has no points for a fit."""
+    """The selection has no points for a fit."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,13 @@ class Points:
     kind: str
     """`CURVE`, `GRID` (rows of points) or `CLOUD` (in any order)."""
     values: tuple[Point, ...]
-    """Those of a grid row by row."""
+    """The points; those of a grid row by row."""
     rows: int = 0
     """The number of rows of a grid."""
     closed: bool = False
-    """Whether they are those of a closed wire."""
+    """True for the points of a closed wire."""
     moved: tuple[int, ...] = ()
-    """The numbers of those that were dragged."""
+    """The indices of dragged points."""
 
     @property
     def columns(self) -> int:
@@ -45,19 +45,19 @@ class Points:
 
     @property
     def shortest(self) -> int:
-        """How many points there are in the direction with the fewest."""
+        """The number of points in the direction with the fewest."""
         if self.kind == GRID:
             return min(self.rows, self.columns)
         return len(self.values) if self.kind == CURVE else math.isqrt(len(self.values))
 
     @property
     def are_numbers(self) -> bool:
-        """Whether no coordinate is infinite or NaN."""
+        """True if all coordinates are finite."""
         return all(math.isfinite(x) for point in self.values for x in point)
 
     @property
     def size(self) -> float:
-        """The diagonal of the bounding box; points that are no numbers are not in it."""
+        """The diagonal of the bounding box of the finite points."""
         finite = [point for point in self.values if all(map(math.isfinite, point))]
         return math.dist([min(c) for c in zip(*finite)], [max(c) for c in zip(*finite)]) if finite else 0.0
 
@@ -69,11 +69,11 @@ class Points:
         return [flat[i : i + self.columns] for i in range(0, len(flat), self.columns)]
 
     def index(self, flat: int) -> Any:
-        """What a server calls the point with this number: of a grid, its row and column."""
+        """The index of a point in the API: for a grid, its row and column."""
         return divmod(flat, self.columns) if self.kind == GRID else flat
 
     def with_moves(self, moves: dict[int, Point]) -> Points:
-        """The same with some points elsewhere. Moves of points that are no longer there are left out."""
+        """The same with moved points. Moves of missing points are ignored."""
         values = list(self.values)
         moved = tuple(index for index in moves if index < len(values))
         for index in moved:
@@ -82,7 +82,7 @@ class Points:
 
 
 def read_curve(links: Links) -> Points:
-    """The points of a curve, in the order in which they were selected or lie along a wire."""
+    """The points of a curve, in the order of selection or along a wire."""
     values: list[Point] = []
     closed = False
     for obj, names in links:
@@ -104,7 +104,7 @@ def read_curve(links: Links) -> Points:
 
 
 def read_surface(links: Links) -> Points:
-    """The points of a cloud or of a mesh; rows and columns where they form a grid."""
+    """The points of a cloud or mesh; in rows and columns if they form a grid."""
     clouds = [_cloud(obj) for obj, _ in links]
     values = tuple(point for cloud in clouds for point in cloud)
     if len(values) < 4:
@@ -122,7 +122,7 @@ def _cloud(obj: Any) -> list[Point]:
 
 
 def _grid(obj: Any, values: tuple[Point, ...]) -> Points | None:
-    """The grid of a structured cloud, or of points whose x and y form a lattice; None if there is none."""
+    """The grid of a structured cloud, or of points whose x and y form a grid; otherwise None."""
     complete = all(math.isfinite(x) for point in values for x in point)
     width, height = getattr(obj, "Width", 0), getattr(obj, "Height", 0)
     if complete and min(width, height) > 1 and width * height == len(values):
@@ -142,7 +142,7 @@ def _shape(obj: Any) -> Any:
 
 
 def _of_shape(obj: Any) -> tuple[list[Point], bool]:
-    """The corners of the only wire of an object, or points without edges."""
+    """The vertices of the only wire of an object, or points without edges."""
     shape = _shape(obj)
     if not shape.Edges:
         return _tuples(vertex.Point for vertex in shape.Vertexes), False
@@ -157,7 +157,7 @@ def _sorted(edges: Iterable[Any]) -> Any:
 
 
 def _along(wire: Any) -> tuple[list[Point], bool]:
-    """The corners of a wire in order, the first one once."""
+    """The vertices of a wire in order, without repeating the first one."""
     return _tuples(vertex.Point for vertex in wire.OrderedVertexes), wire.isClosed()
 
 

@@ -1,4 +1,4 @@
-"""Follows a fit in a thread, for a user interface that must not wait."""
+"""Watches a fit in a thread, for a user interface that must not block."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .settings import Settings
 
 
 class Preview:
-    """A fit in a thread. It keeps the newest update until somebody takes it, and none before it."""
+    """A fit in a thread. It keeps only the newest update until it is taken."""
 
     def __init__(self, points: Points, settings: Settings):
         self.points = points
         self.settings = settings
         self.error: str | None = None
-        """What went wrong, in words, once it has."""
+        """The message of an error, if there is one."""
         self._newest: Update | None = None
         self._follower: Follower | None = None
         self._cancelled = False
@@ -27,23 +27,23 @@ class Preview:
         self._thread.start()
 
     def take(self) -> Update | None:
-        """The newest update, once."""
+        """Returns the newest update once."""
         with self._lock:
             update, self._newest = self._newest, None
             return update
 
     @property
     def running(self) -> bool:
-        """Whether updates are to come."""
+        """True if more updates are expected."""
         return self._thread.is_alive()
 
     @property
     def job(self) -> Any:
-        """The job on the server, for edits; None before it is there and after it is cancelled."""
+        """The job on the server, for edits; None before it is created and after it is cancelled."""
         return self._follower.job if self._follower else None
 
     def cancel(self) -> None:
-        """Ends it on the server as well, without waiting for that. An ended one is forgotten there."""
+        """Also cancels it on the server, without waiting. An ended one is deleted there."""
         with self._lock:
             self._cancelled = True
             follower = self._follower
@@ -53,7 +53,7 @@ class Preview:
     def _run(self) -> None:
         try:
             self._follow(server.client())
-        except Exception as error:  # Whatever it is: a thread has nobody else to tell.
+        except Exception as error:  # A thread must report any exception itself.
             if not self._cancelled:
                 self.error = server.in_words(error)
 

@@ -1,4 +1,4 @@
-"""The server that fits: the one in the preferences, or a program that is started on a free port."""
+"""The server: the one of the preferences, or a program started on a free port."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ translate = FreeCAD.Qt.translate
 
 PREFERENCES = "User parameter:BaseApp/Preferences/Mod/piad"
 
-# A server that is gone is known after one attempt more, about three seconds.
+# A missing server is detected after one retry, about three seconds.
 _ATTEMPTS = 2
 
-# Seconds within which a program that is started has to listen.
+# Seconds within which a started program must listen.
 _START = 10.0
 
 
 class ServerError(Exception):
-    """There is no server, in words for the person who wants one."""
+    """No server, with a message for the user."""
 
 
 def piad() -> ModuleType:
-    """The client. A packaged workbench has it beside its own folder, a copy of the repository next door."""
+    """Imports the client. A package has it next to the workbench, a copy of the repository in
+    clients/python."""
     source = os.path.join(os.path.realpath(__file__).rsplit(os.sep, 4)[0], "python", "src")
     if importlib.util.find_spec("piad") is None and os.path.isdir(source):
         sys.path.append(source)
@@ -43,7 +44,7 @@ def piad() -> ModuleType:
 
 
 def client(headers: dict[str, str] | None = None) -> Any:
-    """A client of the server, which is started if it is this workbench's own and does not run."""
+    """A client of the server, which is started if necessary."""
     url, token = _address()
     try:
         return piad().Client(url, attempts=_ATTEMPTS, token=token, headers=headers)
@@ -60,7 +61,8 @@ def _address() -> tuple[str, str | None]:
 
 
 class _Program:
-    """A server of this workbench: one for all documents, from the first fit to the end of FreeCAD."""
+    """The server of this workbench: one for all documents, from the first fit until FreeCAD
+    exits."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -68,7 +70,8 @@ class _Program:
         self._address = ""
 
     def address(self, program: str) -> str:
-        """Where it listens. Starts the program, or the one of this name in the path, if it does not run."""
+        """Its address. Starts the program, or the one of this name in the path, if it is not
+        running."""
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 self._address = self._start(program or "piad")
@@ -96,7 +99,7 @@ class _Program:
         return log.address
 
     def stop(self) -> None:
-        """Ends it, if it runs."""
+        """Stops it, if it is running."""
         with self._lock:
             if self._process is not None and self._process.poll() is None:
                 self._process.terminate()
@@ -104,7 +107,7 @@ class _Program:
 
 
 class _Log:
-    """Reads what a program logs, to its end: a pipe that nobody reads would stop it when it is full."""
+    """Reads the log of a program to its end: a full pipe would block it."""
 
     def __init__(self, stream: Any):
         self.address: str | None = None
@@ -123,7 +126,7 @@ atexit.register(_OWN.stop)
 
 
 def in_words(error: Exception) -> str:
-    """What is wrong, with the fields that a server names."""
+    """The message of an error, with the fields that the server names."""
     problem = getattr(error, "problem", None)
     if problem is not None:
         lines = [f"{it.pointer or it.parameter}: {it.detail}" if it.pointer or it.parameter else it.detail for it in problem.errors]

@@ -1,4 +1,4 @@
-"""What a person can choose about a fit, in words."""
+"""The settings of a fit, with texts for users."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ SMOOTHNESS = {
     QT_TRANSLATE_NOOP("piad", "Medium"): 1e-8,
     QT_TRANSLATE_NOOP("piad", "Strong"): 1e-6,
 }
-"""The fairness of each: how much bending counts beside the distances."""
+"""The fairness of each: the weight of bending relative to the distances."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """A setting as a person sees it."""
+    """A setting as shown to users."""
 
     name: str
-    """That of `Settings`."""
+    """The field of `Settings`."""
     label: str
     help: str
-    """A sentence or two: what it does, and when to change it."""
+    """The help text: the effect, and when to change it."""
     property: str
     """The type of its property in the document."""
 
@@ -60,7 +60,7 @@ FIELDS = (
     Field(
         "closed",
         QT_TRANSLATE_NOOP("piad", "Closed"),
-        QT_TRANSLATE_NOOP("piad", "Goes on smoothly from the last point to the first."),
+        QT_TRANSLATE_NOOP("piad", "Continues smoothly from the last point to the first."),
         "App::PropertyBool",
     ),
     Field(
@@ -80,7 +80,7 @@ FIELDS = (
 
 @dataclass(frozen=True)
 class Settings:
-    """The values of all settings; those that a kind of shape does not have keep their defaults."""
+    """The values of all settings; unused ones of a kind of shape keep their defaults."""
 
     tolerance: float
     degree: int = 3
@@ -96,7 +96,7 @@ class Settings:
 
     @property
     def fairness(self) -> float:
-        """How much bending counts."""
+        """The weight of bending."""
         return SMOOTHNESS[self.smoothness]
 
     def as_tuple(self) -> tuple[Any, ...]:
@@ -111,9 +111,9 @@ def fields_of(kind: str) -> list[Field]:
 
 
 def defaults(points: Points) -> Settings:
-    """What suits points: a tolerance of a thousandth of their size, and a degree that they allow.
+    """Defaults for points: a tolerance of a thousandth of their size, and a degree that they allow.
 
-    Scans leave gaps and corners where nothing says where a surface goes: a little smoothing keeps it near.
+    Scans have gaps and corners where a surface is undetermined: a little smoothing keeps it near.
     """
     degree = max(1, min(3, points.shortest - 1))
     smoothness = "Light" if points.kind == CLOUD else "Off"

@@ -1,4 +1,4 @@
-"""From what a server fitted to shapes of FreeCAD."""
+"""Converts fits to shapes of FreeCAD."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import Part
 
 
 def part_curve(curve: Any) -> Any:
-    """A `Part.BSplineCurve`. Closed curves get clamped knots, which all of Part understands."""
+    """A `Part.BSplineCurve`. Closed curves get clamped knots, which all of Part supports."""
     curve = curve.as_bspline()
     poles = [_vector(point) for point in curve.control_points]
     knots, counts = _multiplicities(curve.knots)
@@ -50,7 +50,7 @@ def surface_samples(spline: Any) -> list[list[Any]]:
 
 
 def _parameters(knots: list[float], wanted: int, first: float, last: float) -> list[float]:
-    """About as many parameters as wanted, and each knot, at which the shape may turn."""
+    """About this number of parameters, including each knot, where the shape may have corners."""
     knots = [first, *(knot for knot in knots if first < knot < last), last]
     steps = max(1, ceil(wanted / (len(knots) - 1)))
     inner = [a + (b - a) * i / steps for a, b in zip(knots, knots[1:]) for i in range(steps)]
@@ -62,7 +62,7 @@ def _vector(point: Any) -> Any:
 
 
 def _multiplicities(knots: Any) -> tuple[list[float], list[int]]:
-    """Distinct knots, and how often each occurs."""
+    """Distinct knots and their multiplicities."""
     distinct: list[float] = []
     counts: list[int] = []
     for knot in map(float, knots):

@@ -1,4 +1,4 @@
-"""How a fitted shape looks in the 3D view and in the tree."""
+"""The view of a fitted shape in the 3D view and the tree."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class FitView:
         view.Proxy = self
 
     def attach(self, view: Any) -> None:
-        """Called when the view is made, and when a document is opened."""
+        """Called when the view is created, and when a document is opened."""
         self.object = view.Object
         self._cloud: PointCloud | None = None
         self._show(view)
@@ -59,7 +59,7 @@ class FitView:
         return True
 
     def dumps(self) -> None:
-        """There is no state beside the properties."""
+        """There is no state other than the properties."""
 
     def loads(self, state: Any) -> None:
         """The reverse."""

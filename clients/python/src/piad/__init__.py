@@ -6,13 +6,13 @@
         curve = client.fit([[0, 0], [1, 2], [3, 1], [4, 3]]).curve
         curve.evaluate(0.5), curve.degree, curve.knots, curve.control_points
 
-- `client`: `Client`, where fits begin; `job`: `Job`, its iterations and its result; `async_client`,
-  `async_job`: the same for event loops; `status`: how a job stands;
-- `iteration`: `Iteration`, `Result` and what is in them; `geometry`: `Curve` and `Surface`, and
-  their form in other packages; `points`: files of points; `plotting`: pictures;
+- `client`: `Client`, the entry point; `job`: `Job`, its iterations and its result; `async_client`,
+  `async_job`: the same for asyncio; `status`: the state of a job;
+- `iteration`: `Iteration`, `Result` and their parts; `geometry`: `Curve` and `Surface`, and conversions to other
+  packages; `points`: files of points; `plotting`: plots;
 - `curvature`: `CurveShape` and `SurfaceShape`, what `Job.curvature` returns;
 - `batch`: many fits in one request;
-- `errors`: what can go wrong.
+- `errors`: the exceptions.
 """
 
 from importlib import metadata as _metadata
@@ -42,13 +42,13 @@ from .plotting import plot
 from .points import FilePoints
 from .status import JobWarning, Status
 
-# Code that is generated from the contract for gRPC is `piad.v1`, wherever it lies.
+# gRPC code generated from the proto files is `piad.v1`, wherever it is installed.
 __path__ = _extend_path(__path__, __name__)
 
 try:
     __version__ = _metadata.version(__name__)
 except _metadata.PackageNotFoundError:
-    # The files lie somewhere on the path, without having been installed.
+    # The package is on the path but not installed.
     __version__ = "unknown"
 
 __all__ = [

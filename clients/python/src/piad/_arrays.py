@@ -1,7 +1,6 @@
-"""Arrays of numbers: of numpy where it is installed, otherwise nested lists.
+"""Arrays of numbers: numpy arrays if numpy is installed, otherwise nested lists.
 
-The functions here are all that the rest of the package needs of arrays, so that nothing else has to
-know which of the two it has.
+All array operations of the package are here, so other modules do not depend on which of the two is used.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ np: Any = _import_numpy()
 
 
 def as_array(values: Any) -> Array:
-    """Numbers in nested lists, or an array. Null of JSON becomes NaN: no number is there."""
+    """An array, or nested lists of numbers. JSON null becomes NaN, which marks a missing number."""
     if np is not None:
         return _numpy_array(values)
     nested: Any = _map(lambda x: float("nan") if x is None else float(x), as_lists(values))
@@ -46,7 +45,7 @@ def _numpy_array(values: Any) -> Array:
 
 
 def from_base64(text: str, shape: Sequence[int], *, single: bool = False) -> Array:
-    """Little-endian numbers of 64 bits (32 if `single`), the last index running fastest."""
+    """Decodes little-endian 64-bit numbers (32-bit if `single`) in row-major order."""
     raw = base64.b64decode(text, validate=True)
     if np is not None:
         array: Array = np.frombuffer(raw, "<f4" if single else "<f8").astype("f8").reshape(tuple(shape))
@@ -64,7 +63,7 @@ def _fold(flat: list[Any], shape: Sequence[int]) -> Any:
 
 
 def as_lists(values: Any) -> Any:
-    """Nested lists, whether the values were an array, tuples or anything else that can be iterated."""
+    """Converts an array, tuples or any other iterables to nested lists."""
     if hasattr(values, "tolist"):
         return values.tolist()
     if isinstance(values, Iterable) and not isinstance(values, (str, bytes)):
@@ -73,7 +72,7 @@ def as_lists(values: Any) -> Any:
 
 
 def size(values: Any) -> str:
-    """The shape of an array in words, such as "40 × 3"."""
+    """The shape of an array as text, such as "40 × 3"."""
     lengths = list(getattr(values, "shape", ()))
     while isinstance(values, (list, tuple)):
         lengths.append(len(values))
@@ -82,8 +81,8 @@ def size(values: Any) -> str:
 
 
 def depth(values: Any) -> int:
-    """The number of dimensions: 0 for a number, and 1 more for each level of lists. Elements that
-    are None are missing and tell nothing.
+    """The number of dimensions: 0 for a number, and 1 more for each level of lists. Elements that are None are missing
+    and are skipped.
     """
     if hasattr(values, "ndim"):
         return int(values.ndim)
@@ -93,7 +92,7 @@ def depth(values: Any) -> int:
 
 
 def copy(values: Array) -> Array:
-    """A copy that can be written to."""
+    """A writable copy."""
     if np is not None:
         return values.copy()
     nested: Any = _map(float, values)
@@ -107,12 +106,12 @@ def _map(function: Callable[[Any], float], values: Any) -> Any:
 
 
 def mix(factors: Sequence[float], items: Any) -> Any:
-    """The sum of items, each times its factor; items are numbers, or lists of one shape."""
+    """The linear combination of items, which are numbers or lists of the same shape."""
     if isinstance(items[0], list):
         return [mix(factors, elements) for elements in zip(*items)]
     return sum(factor * item for factor, item in zip(factors, items))
 
 
 def outer(u: Sequence[float], v: Sequence[float]) -> Array:
-    """The products of two lists, a row for each number of the first."""
+    """The outer product of two lists."""
     return as_array([[a * b for b in v] for a in u])

@@ -1,4 +1,4 @@
-"""How long to wait before trying again."""
+"""Delays between retries."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ _LONGEST = 30.0
 
 
 def delay(failures: int, at_least: float = 0.0) -> float:
-    """Seconds to wait after so many failures in a row, one at least: twice as many each time, and
-    by chance up to half more, so that clients of a server that comes back do not come all at once.
+    """Seconds to wait after this number of consecutive failures (at least one). The delay doubles each time, with up to
+    50% random jitter so that clients do not all reconnect at once.
     """
     doubled = min(max(at_least, _FIRST) * 2.0 ** (failures - 1), _LONGEST)
     return max(doubled, at_least) * random.uniform(1.0, 1.5)

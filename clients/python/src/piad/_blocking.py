@@ -17,7 +17,7 @@ R = TypeVar("R")
 
 
 def run(coroutine: Coroutine[Any, Any, T]) -> T:
-    """The value of a coroutine that waits for no event loop: it is run through by the first step."""
+    """Returns the value of a coroutine that never suspends: its first step runs it to the end."""
     try:
         coroutine.send(None)
     except StopIteration as done:
@@ -27,7 +27,7 @@ def run(coroutine: Coroutine[Any, Any, T]) -> T:
 
 
 def iterate(items: AsyncGenerator[T, None]) -> Generator[T, None, None]:
-    """The items of such a generator, which is closed with this one."""
+    """Yields the items of such a generator and closes it when this one is closed."""
     try:
         while True:
             try:
@@ -42,7 +42,7 @@ def iterate(items: AsyncGenerator[T, None]) -> Generator[T, None, None]:
 def method(
     asynchronous: Callable[Concatenate[Any, P], Coroutine[Any, Any, T]], make: Callable[[T], R]
 ) -> Callable[Concatenate[Any, P], R]:
-    """A method that does the same as an asynchronous one with `self._async`, and makes something of its value."""
+    """A blocking version of an asynchronous method of `self._async` that converts the returned value."""
 
     def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> R:
         return make(run(_begun(call, asynchronous, self, args, kwargs)))
@@ -51,7 +51,7 @@ def method(
 
 
 def making(asynchronous: Callable[Concatenate[Any, P], T], make: Callable[[T], R]) -> Callable[Concatenate[Any, P], R]:
-    """A method that makes something of the value of one of `self._async` that waits for nothing."""
+    """A method that converts the value of a synchronous method of `self._async`."""
 
     def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> R:
         return make(_begun(call, asynchronous, self, args, kwargs))
@@ -60,14 +60,14 @@ def making(asynchronous: Callable[Concatenate[Any, P], T], make: Callable[[T], R
 
 
 def same(asynchronous: Callable[Concatenate[Any, P], Coroutine[Any, Any, T]]) -> Callable[Concatenate[Any, P], T]:
-    """A method that does the same as an asynchronous one with `self._async`."""
+    """A blocking version of an asynchronous method of `self._async`."""
     return method(asynchronous, lambda value: value)
 
 
 def iterating(
     asynchronous: Callable[Concatenate[Any, P], AsyncGenerator[T, None]],
 ) -> Callable[Concatenate[Any, P], Generator[T, None, None]]:
-    """A method with the items of an asynchronous generator of `self._async`."""
+    """A blocking version of an asynchronous generator of `self._async`."""
 
     def call(self: Any, /, *args: P.args, **kwargs: P.kwargs) -> Generator[T, None, None]:
         return iterate(_begun(call, asynchronous, self, args, kwargs))
@@ -76,12 +76,12 @@ def iterating(
 
 
 def _begun(call: Any, asynchronous: Any, self: Any, args: Any, kwargs: Any) -> Any:
-    """What an asynchronous method gives; arguments that it does not take are an error of `call`."""
+    """Calls an asynchronous method; wrong arguments are reported as errors of `call`."""
     try:
         return asynchronous(self._async, *args, **kwargs)
     except TypeError as error:
-        told = str(error).replace(f"{asynchronous.__qualname__}()", f"{call.__qualname__}()")
-        error.args = (told,)
+        message = str(error).replace(f"{asynchronous.__qualname__}()", f"{call.__qualname__}()")
+        error.args = (message,)
         raise
 
 
@@ -89,7 +89,7 @@ C = TypeVar("C", bound=Callable[..., Any])
 
 
 def _described(call: C, asynchronous: Any) -> C:
-    """With the name, the documentation and the arguments of the asynchronous method."""
+    """Copies the name, docstring and signature of the asynchronous method."""
     call.__name__, call.__doc__ = asynchronous.__name__, asynchronous.__doc__
     call.__qualname__ = asynchronous.__qualname__.replace("Async", "")
     signature = inspect.signature(asynchronous)

@@ -1,7 +1,7 @@
-"""Connections to a server: those of an event loop, and those that block a thread.
+"""Connections to a server: asynchronous and blocking.
 
-All that the client does is written once, in coroutines. Over connections that block they never wait for an event loop,
-so that `_blocking.run` goes through them in one step.
+The client is implemented once, as coroutines. Over blocking connections they never suspend, so `_blocking.run` runs
+them in one step.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from typing import Any, Optional, Protocol, Union
 
 import httpx
 
-# Each open stream holds a connection; the server says how many streams it takes.
+# Each open stream holds a connection; the number of streams is limited by the server.
 _LIMITS = httpx.Limits(max_connections=None, max_keepalive_connections=100)
 
 
 class Connections(Protocol):
-    """What the client needs of connections. `http` builds requests; responses of `stream` are read by `read` or
-    `chunks`, and released.
+    """The interface of connections. `http` builds requests; responses of `stream` are read by `read` or `chunks` and
+    then released.
     """
 
     @property
@@ -33,7 +33,7 @@ class Connections(Protocol):
 
 
 class AsyncConnections:
-    """Those of the event loop that runs."""
+    """Connections of the running event loop."""
 
     def __init__(self, transport: Optional[httpx.AsyncBaseTransport], **more: Any):
         self.http = httpx.AsyncClient(transport=transport, limits=_LIMITS, **more)
@@ -58,7 +58,7 @@ class AsyncConnections:
 
 
 class BlockingConnections:
-    """Those of threads. None of the coroutines is ever suspended."""
+    """Blocking connections. None of the coroutines ever suspends."""
 
     def __init__(self, transport: Optional[httpx.BaseTransport], **more: Any):
         self.http = httpx.Client(transport=transport, limits=_LIMITS, **more)

@@ -1,4 +1,4 @@
-"""Arrays that move in whole steps: `encoding="delta"` of streams."""
+"""Decodes arrays that change by integer steps: `encoding="delta"` of streams."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ _BLOCK = 256
 
 
 def moved(before: Array, step: float, text: str, dimension: int) -> Array:
-    """An array whose numbers have moved by `step` times the packed whole numbers; `dimension` is the last of its
-    axes, 1 for weights.
+    """Adds `step` times the packed integers to an array; `dimension` is the length of its last axis, 1 for weights.
     """
     packed = base64.b64decode(text, validate=True)
     if np is not None:
@@ -29,7 +28,7 @@ def moved(before: Array, step: float, text: str, dimension: int) -> Array:
 
 
 def _lanes(packed: bytes, places: int, dimension: int, unpack: Any) -> list[Any]:
-    """The blocks of all coordinates."""
+    """Decodes the blocks of all coordinates."""
     at, blocks = 0, []
     for _ in range(dimension):
         for start in range(0, places, _BLOCK):
@@ -62,5 +61,5 @@ def _flat(values: Any) -> list[float]:
 
 
 def _like(values: Any, numbers: Any) -> Any:
-    """The next numbers, in lists like these."""
+    """Takes the next numbers, nested like these lists."""
     return [_like(value, numbers) if isinstance(value, list) else next(numbers) for value in values]

@@ -14,21 +14,21 @@ from ._transport import Parameters, Transport, may_try_again, parse
 from .errors import ApiError, ConnectionLost, PiadError
 
 Events = AsyncGenerator[tuple[str, dict[str, Any]], None]
-"""Pairs of the name of an event and its data. The `job` event comes with every connection."""
+"""Yields pairs of event name and data. Each connection begins with a `job` event."""
 
 _RETRY = 2.0
 _END = "end"
 
 
 class EventStream:
-    """The events of a job, each once and in order, up to the `end` event.
+    """The events of a job, each exactly once and in order, up to the `end` event.
 
-    Whenever the connection breaks or the server stops it is opened again after the last event that
-    arrived. If the server is another version by then, whose numbers differ in the last digits, all
-    iterations come again: the `job` event says `"resumed": "restarted"`. The waiting time is the one
-    that the server asks for (`retry:`, `Retry-After`), and grows as long as no iteration arrives.
+    If the connection breaks or the server stops, the stream is reopened after the last event received. If the server
+    has been replaced by another version, whose numbers may differ in the last digits, all iterations are sent again and
+    the `job` event says `"resumed": "restarted"`. The delay is the one requested by the server (`retry:`,
+    `Retry-After`) and grows until an iteration arrives.
 
-    A stream with a `body` is the answer to a POST of which nothing is kept: it goes on with nothing.
+    A stream with a `body` is the response to a POST that stores nothing: it cannot be resumed.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class EventStream:
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[Events]:
-        """The events, of which no connection is left open afterwards."""
+        """Yields the events and closes the connection at the end."""
         events = self._events()
         try:
             yield events
@@ -84,7 +84,7 @@ class EventStream:
         return self._transport.stream(self._path, body=self._body, headers=headers, parameters=self._parameters)
 
     def _take(self, event: Union[_sse.Event, _sse.Retry]) -> Optional[tuple[str, dict[str, Any]]]:
-        """The name and the data of an event that is not known yet."""
+        """The name and data of a new event; None if it was already seen."""
         if isinstance(event, _sse.Retry):
             self._retry = event.seconds
             return None
@@ -98,7 +98,7 @@ class EventStream:
         return event.name, data
 
     def _is_known(self, event_id: str) -> bool:
-        """Whether an iteration has been seen: a server would have to send it twice."""
+        """True if an iteration has been received, so that the server would send it twice."""
         numbers = event_id.isdecimal() and self._seen is not None and self._seen.isdecimal()
         return numbers and int(event_id) <= int(self._seen or 0)
 

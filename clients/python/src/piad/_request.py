@@ -1,4 +1,4 @@
-"""The JSON of a job, from arguments."""
+"""Builds the JSON of a job from arguments."""
 
 from __future__ import annotations
 
@@ -28,21 +28,22 @@ MethodKind = Literal[
     "custom",
 ]
 Method = Union[MethodKind, Mapping[str, Any]]
-"""The kind of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
+"""The name of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
 
 ControlPoints = Union[PerDirection[int], Literal["auto"]]
-"""How many control points least squares has; "auto": as few as the tolerance needs."""
+"""The number of control points of least squares; "auto": the fewest that meet the tolerance."""
 
 Rational = Literal["homogeneous", "fixed"]
 Knots = Union[Literal["data", "averaged", "spread", "adaptive"], Sequence[float]]
 End = Union[Literal["estimated", "repeated", "natural"], Mapping[str, Any]]
-"""How a direction ends on one side: a word, or an object with a `derivative`, `derivatives` or a `tangent`."""
+"""The end condition on one side of a direction: a name, or an object with a `derivative`, `derivatives` or a
+`tangent`."""
 Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start", "end"], End]]
-"""How a direction ends: a word for both sides, or an object with an end for each."""
+"""The end conditions of a direction: a name for both sides, or an object with one for each side."""
 SurfaceEnds = Union[Ends, Mapping[Literal["u", "v"], Ends]]
-"""How a surface ends: as a curve, in both directions or in each."""
+"""The end conditions of a surface: those of a curve, for both directions or for each."""
 Corners = Union[Literal["auto"], Mapping[Literal["angle"], float], Sequence[int]]
-"""The points at which a curve may turn: "auto", by an angle in degrees, or by their indices."""
+"""The corners of a curve: "auto", a smallest angle in degrees, or indices of points."""
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
 ScatteredParameters = Union[
     Literal["auto", "project"],
@@ -53,13 +54,13 @@ ScatteredParameters = Union[
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]
-"""Of scattered points: u and v of each, shape (n, 2), `"auto"`, the surface on which they are, such as
-`{"project": "cylinder", "axis": [0, 0, 1]}`, the triangles of a mesh whose vertices they are,
-`{"triangles": [[0, 1, 2], …]}`, or a job on whose surface their foot points are:
+"""Parameters of scattered points: u and v of each, shape (n, 2); `"auto"`; the surface they are on, such as
+`{"project": "cylinder", "axis": [0, 0, 1]}`, the triangles of the mesh with these vertices,
+`{"triangles": [[0, 1, 2], …]}`, or a job whose surface gives their foot points:
 `{"foot_points": {"job": job.id}}`."""
 
 SampleCount = Union[int, tuple[int, int]]
-"""The number of points of a curve, or the numbers in u and in v of a surface."""
+"""The number of samples of a curve, or the numbers in u and v of a surface."""
 
 
 def job(
@@ -88,7 +89,7 @@ def job(
     name: Optional[str],
     stream: Optional[Mapping[str, Any]],
 ) -> dict[str, Any]:
-    """A body for `POST /v1/jobs`. What is None is left to the server."""
+    """A body for `POST /v1/jobs`. Arguments that are None get the server's defaults."""
     kind = "surface" if scattered or sections or spacing is not None else _kind(points)
     if scattered and depth(points) != 2:
         raise ValueError(f"scattered points are a list of points (2 dimensions), these have {depth(points)}")
@@ -121,14 +122,14 @@ def job(
 
 
 def _lists(points: Any, sections: bool, spacing: Optional[Sequence[float]]) -> Any:
-    """Points as lists; sections have different numbers of them."""
+    """Points as lists; sections may have different lengths."""
     if sections:
         return [as_lists(section) for section in points]
     return as_lists(points) if spacing is None else _heights(points)
 
 
 def _heights(heights: Any) -> Any:
-    """Rows of heights as rows of points of one coordinate, which short rows are no points of the plane as."""
+    """Converts rows of heights to rows of points with one coordinate, since short rows would be read as points."""
     if depth(heights) != 2:
         raise ValueError(f"heights with a spacing are rows of numbers (2 dimensions), these have {depth(heights)}")
     return [[None if z is None else [z] for z in row] for row in as_lists(heights)]
@@ -151,7 +152,7 @@ def _kind(points: Any) -> Literal["curve", "surface"]:
 
 
 def _bases(basis: Any, degree: Any, knots: Any) -> Any:
-    """One basis, or `{"u": …, "v": …}` if anything of it is."""
+    """One basis, or `{"u": …, "v": …}` if any of its settings is given per direction."""
     if not any(map(_is_each, (basis, degree, knots))):
         return _basis(basis, degree, knots)
     return {way: _basis(*(_of(it, way) for it in (basis, degree, knots))) for way in ("u", "v")}
@@ -172,7 +173,7 @@ def _of(value: Any, way: str) -> Any:
 def stop(
     tolerance: Optional[float], relative_tolerance: Optional[float], max_iterations: Optional[int]
 ) -> dict[str, Any]:
-    """When a fit ends."""
+    """The stopping criteria of a fit."""
     return given(
         {
             "tolerance": tolerance,
@@ -192,7 +193,7 @@ def edit(
     stop: Mapping[str, Any],
     **more: Any,
 ) -> dict[str, Any]:
-    """A body for `POST /v1/jobs/{id}/edits`. What is None stays as it is in the job."""
+    """A body for `POST /v1/jobs/{id}/edits`. Arguments that are None keep the values of the job."""
     return given(
         {
             "points": _moves(points or {}, point_weights or {}) or None,
@@ -213,7 +214,7 @@ def _moves(points: Mapping[Index, Any], weights: Mapping[Index, float]) -> list[
 
 
 def grid(count: SampleCount) -> str:
-    """A number of samples, as queries have it."""
+    """A number of samples as a query parameter."""
     return str(count) if isinstance(count, int) else "x".join(map(str, as_lists(count)))
 
 
@@ -225,7 +226,7 @@ def settings(method: Method) -> dict[str, Any]:
 
 
 def with_control_points(method: Optional[Method], control_points: Optional[ControlPoints]) -> Optional[Method]:
-    """The method with this number of control points: least squares if no method is given."""
+    """Sets the number of control points; the default method is then least squares."""
     if control_points is None:
         return method
     fields = settings("least_squares" if method is None else method)
@@ -235,7 +236,7 @@ def with_control_points(method: Optional[Method], control_points: Optional[Contr
 
 
 def plain(value: Any) -> Any:
-    """Arrays as lists; objects, also those in lists, texts, numbers and None stay."""
+    """Converts arrays to lists, also within objects and lists; other values are unchanged."""
     if _is_each(value):
         return {name: plain(part) for name, part in value.items()}
     if isinstance(value, (list, tuple)) and any(map(_is_each, value)):
@@ -244,5 +245,5 @@ def plain(value: Any) -> Any:
 
 
 def given(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Without those that are None."""
+    """Removes entries that are None."""
     return {name: value for name, value in fields.items() if value is not None}

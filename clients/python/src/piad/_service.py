@@ -1,4 +1,4 @@
-"""Where fits begin: what both clients do, in coroutines."""
+"""The client interface that both clients share, as coroutines."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from .iteration import Result
 from .points import FilePoints
 from .status import State, Status
 
-# The server is asked to answer when a job has ended, if that is within so many seconds.
+# The server is asked to wait up to this many seconds for the end of a job before it responds.
 _WAIT = 10.0
 
 
 class Service:
-    """A server. `Transport` says whether its methods wait for an event loop or block."""
+    """A server. `Transport` determines whether the methods are asynchronous or blocking."""
 
     def __init__(self, transport: Transport, timeout: float):
         self._transport = transport
         self._wait = min(_WAIT, timeout / 2)
 
     async def close(self) -> None:
-        """Closes all connections. Jobs go on."""
+        """Closes all connections. Jobs continue."""
         await self._transport.close()
 
     async def create(
@@ -73,23 +73,23 @@ class Service:
         an array or nested lists, in any unit. `scattered` points of a surface have the shape (n,
         dimension), and as `parameters` an array (n, 2), `"auto"`, `"project"`, `{"project": "cylinder"}`,
         `{"project": "xy"}`, `{"triangles": [[0, 1, 2], …]}` of a mesh or
-        `{"foot_points": {"job": job.id}}`; least squares fits them. `sections` of a surface are arrays of points, each of
-        its own length, which may start anywhere and go either way around. With a `spacing` `(dx, dy)`
-        they are heights, of the shape (rows, columns), None where one is missing: x grows by dx from column to column
-        and y by dy from row to row, from an `origin` `(x, y)` on. On surfaces `basis`, `degree`, `knots`, `parameters`
-        and `closed` are one value for both directions or `{"u": …, "v": …}`. `tolerance` is in data
-        units, `relative_tolerance` of the diagonal of their bounding box. `method` is a name or an
-        object such as `{"kind": "local", "indices": [3, 4]}`; with `control_points`, a number (on surfaces also
-        `{"u": …, "v": …}`) or `"auto"` for as few as the tolerance needs, it is `"least_squares"`. So are `ends`: `"natural"` or
-        `{"start": {"tangent": [1, 0, 0]}}`, with arrays or lists. At `corners` a curve may turn: indices of points, `"auto"`
-        or `{"angle": 30}`; across `creases` a surface, rows `u` and columns `v`: `{"u": [12]}`. With `trim` a surface is
-        trimmed to the outline of its data: True, or `{"distance": 0.5}` in their unit. Of a `polyline` the edges are data, too: it is fitted with as few control points as the
-        tolerance needs. With `order="nearest"` points in any order are put in that of their curve first; with
-        `repeated_points="merge"` points that equal the one before them are kept once. What is not given is left to
-        the server; docs/JOBS.md there says more about each.
+        `{"foot_points": {"job": job.id}}`; least squares fits them. `sections` of a surface are arrays of points, each
+        of its own length, with any start point and direction. With a `spacing` `(dx, dy)` they are heights, of the
+        shape (rows, columns), with None for missing ones: x grows by dx from column to column and y by dy from row to
+        row, starting at `origin` `(x, y)`. On surfaces `basis`, `degree`, `knots`, `parameters` and `closed` are one
+        value for both directions or `{"u": …, "v": …}`. `tolerance` is in data units, `relative_tolerance` of the
+        diagonal of their bounding box. `method` is a name or an object such as `{"kind": "local", "indices": [3, 4]}`;
+        with `control_points`, a number (on surfaces also `{"u": …, "v": …}`) or `"auto"` for the fewest that meet the
+        tolerance, it is `"least_squares"`. `ends` may be `"natural"` or `{"start": {"tangent": [1, 0, 0]}}`, with
+        arrays or lists. A curve may have `corners`: indices of points, `"auto"` or `{"angle": 30}`; a surface may have
+        `creases` at rows `u` and columns `v`: `{"u": [12]}`. With `trim` a surface is trimmed to the outline of its
+        data: True, or `{"distance": 0.5}` in their unit. With `polyline` the edges are data, too: the fit has the
+        fewest control points that meet the tolerance. With `order="nearest"` unordered points are first sorted along
+        their curve; with `repeated_points="merge"` consecutive equal points are merged. Arguments that are not given
+        get the server's defaults; docs/reference/job.md describes each.
 
-        Requests carry an `Idempotency-Key`, so that one that is sent again after a broken connection
-        makes no second job; `idempotency_key` sets it for programs that may themselves start again.
+        Requests have an `Idempotency-Key`, so a retry after a broken connection creates no second job; programs that
+        may themselves restart can set `idempotency_key`.
         """
         stop = _request.stop(tolerance, relative_tolerance, max_iterations)
         body = _request.job(
@@ -149,11 +149,10 @@ class Service:
         name: Optional[str] = None,
         timeout: Optional[float] = None,
     ) -> Coroutine[Any, Any, Result]:
-        """The result of a new job: `create` says what the arguments mean.
+        """Creates a job and returns its result: see `create` for the arguments.
 
-        Waits for the end, `timeout` seconds at most. A fit that has not reached its tolerance is a
-        result, too, with the warning `NotConverged`: `warnings.simplefilter("error", piad.NotConverged)`
-        makes it an exception.
+        Waits at most `timeout` seconds. A fit that has not reached its tolerance also returns a result, with the
+        warning `NotConverged`: `warnings.simplefilter("error", piad.NotConverged)` turns it into an exception.
         """
         stop = _request.stop(tolerance, relative_tolerance, max_iterations)
         body = _request.job(
@@ -181,7 +180,7 @@ class Service:
             name=name,
             stream=None,
         )
-        # In a task of its own the coroutine has no caller any more.
+        # In a task of its own, the coroutine has no caller on the stack.
         return self._fit(body, timeout, _caller())
 
     async def _fit(self, body: dict[str, Any], timeout: Optional[float], caller: _Caller) -> Result:
@@ -204,14 +203,16 @@ class Service:
         relative_tolerance: Optional[float] = None,
         max_iterations: Optional[int] = None,
     ) -> AsyncBatch:
-        """Many fits, which are much quicker together than one by one: an iterator over what comes of each, in order.
+        """Fits many items, which is much faster than one request each. Returns an iterator over their results, in
+        order.
 
         An item is an array or a list of points, as `create` takes them, or a job as JSON, such as
-        `{"name": "a", "curve": {"points": points, "closed": True}}`. Items may come from a generator; they are taken and
-        sent some at a time. `defaults` are fields of jobs, which hold for all items that do not have them; the other
-        arguments are short for such fields. Nothing is kept on the server.
+        `{"name": "a", "curve": {"points": points, "closed": True}}`. Items may come from a generator; they are read and
+        sent in groups. `defaults` are job fields for items that do not set them; the other arguments are shorthands for
+        such fields. Nothing is stored on the server.
 
-        An item that fails ends nothing: it has a `problem`. `totals` of what is returned counts the items so far.
+        A failed item has a `problem` and does not end the batch. `totals` of the returned iterator counts the items so
+        far.
         """
         common: dict[str, Any] = {name: _request.plain(value) for name, value in (defaults or {}).items()}
         stop = _request.stop(tolerance, relative_tolerance, max_iterations)
@@ -230,7 +231,7 @@ class Service:
         return AsyncJob(self._transport, Status.from_json(await self._transport.json("GET", f"/v1/jobs/{id}")))
 
     async def jobs(self, state: Optional[State] = None, *, page: int = 100) -> AsyncGenerator[AsyncJob, None]:
-        """All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time."""
+        """All jobs, newest first, fetched as they are used, `page` (1 to 1000) at a time."""
         parameters = _request.given({"state": state, "limit": str(page)})
         answer = await self._transport.json("GET", "/v1/jobs", parameters=parameters)
         while True:
@@ -238,7 +239,7 @@ class Service:
                 yield AsyncJob(self._transport, Status.from_json(job))
             if answer["next"] is None:
                 return
-            # The path is that of the server as it sees itself, perhaps with a prefix that the URL has, too.
+            # The server may put its base path before the link, which the URL already has.
             more = answer["next"].partition("?")[2]
             answer = await self._transport.json("GET", f"/v1/jobs?{more}")
 
@@ -255,14 +256,14 @@ class Service:
         times: bool = False,
         scattered: bool = False,
     ) -> FilePoints:
-        """The points of a file, as `create` and `fit` take them, and what was found out about it.
+        """Reads the points of a file, for `create` and `fit`, with notes about how it was read.
 
-        `file` is its path (`pathlib.Path`), its bytes or its text. Of a file with several curves `part` chooses one,
-        by its number from 1 or its name; `columns`, such as `"x=2,y=3"`, says what the columns of a table are; `size`,
-        such as `"40x60"`, is the number of rows and columns of a surface; with `sections` its parts are sections of one surface;
-        of a mesh with several pieces `piece` chooses one, 1 being the largest; with `order="given"` the order of points
-        is not looked at; with `times` the times of the points are their parameters; with `scattered` points without rows are
-        those of a surface. Nothing is fitted. Errors in a file name their lines (`ApiError`).
+        `file` is a path (`pathlib.Path`), bytes or text. `part` selects a curve of a file with several, by name or
+        number from 1; `columns`, such as `"x=2,y=3"`, assigns the columns of a table; `size`, such as `"40x60"`, is the
+        number of rows and columns of a surface; with `sections` the parts are sections of one surface; `piece` selects
+        a connected piece of a mesh, 1 being the largest; `order="given"` skips the check of the order of points; with
+        `times` the times of the points are their parameters; with `scattered` points without rows are those of a
+        surface. Nothing is fitted. Errors in a file name their lines (`ApiError`).
         """
         parameters = _request.given(
             {
@@ -293,7 +294,7 @@ class Service:
         scattered: bool = False,
         **settings: Any,
     ) -> Result:
-        """The result of a fit of a file. `read_points` says how it is read, `fit` what the `settings` mean."""
+        """Fits a file and returns the result. See `read_points` for reading and `fit` for the `settings`."""
         order = settings.get("order")
         read = await self.read_points(
             file, part=part, columns=columns, size=size, piece=piece, order=order, times=times, scattered=scattered
@@ -308,19 +309,19 @@ class Service:
         return await self.fit(read.points, **settings)
 
     async def capabilities(self) -> dict[str, Any]:
-        """What the server can do and its limits, as JSON."""
+        """The features and limits of the server, as JSON."""
         return await self._transport.json("GET", "/v1/capabilities")
 
 
 def _shortfall(status: Status) -> str:
-    """How a fit ended that has not converged."""
+    """Describes how a fit that has not converged ended."""
     left = f"a distance of {status.error.max:.3e} is left, " if status.error else ""
     detail = status.detail or f"{left}the tolerance is {status.stop['tolerance']:.3e}"
     return f"the fit is {status.state}: {detail}"
 
 
 class _Caller(NamedTuple):
-    """A line of a program."""
+    """A line of the calling program."""
 
     file: str
     line: int
@@ -329,7 +330,7 @@ class _Caller(NamedTuple):
 
 
 def _caller() -> _Caller:
-    """The first line outside of this package that leads here."""
+    """The innermost calling line outside this package."""
     frame = sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").partition(".")[0] == "piad":
         frame = frame.f_back
@@ -337,14 +338,14 @@ def _caller() -> _Caller:
 
 
 def _warn(text: str, caller: _Caller) -> None:
-    """Warns of a fit at the line that asked for it."""
+    """Issues a warning about a fit at the line that requested it."""
     file, line, names = caller
     registry = names.setdefault("__warningregistry__", {})
     warnings.warn_explicit(text, NotConverged, file, line, names.get("__name__"), registry, names)
 
 
 def _named_as_public() -> None:
-    """Names the methods after the class that programs see: their names stand in errors and in `help()`."""
+    """Names the methods after the public class, for error messages and `help()`."""
     for name, method in vars(Service).items():
         if inspect.isfunction(method):
             method.__qualname__ = f"AsyncClient.{name.lstrip('_') if name == '_fit' else name}"

@@ -1,4 +1,4 @@
-"""Server-sent events (WHATWG HTML, section 9.2), as far as a client of this API needs them."""
+"""The part of server-sent events (WHATWG HTML, section 9.2) that this API uses."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ class Event:
     name: str
     data: str
     id: str
-    """The id of this event or, if it has none, an empty text."""
+    """The id of this event, or an empty string."""
 
 
 @dataclass(frozen=True)
 class Retry:
-    """How long to wait before connecting again, in seconds."""
+    """Seconds to wait before reconnecting."""
 
     seconds: float
 
 
 class Parser:
-    """The events in the bytes of a stream, as these arrive. One that is cut off by the end of the stream is dropped."""
+    """Parses the events of a stream as bytes arrive. An incomplete event at the end is dropped."""
 
     def __init__(self) -> None:
         self._line: list[bytes] = []
@@ -35,7 +35,7 @@ class Parser:
         self._name, self._id, self._data = "message", "", list[str]()
 
     def feed(self, chunk: bytes) -> Iterator[Union[Event, Retry]]:
-        """What is complete with these bytes; lines end with LF or CR LF."""
+        """Returns the events completed by these bytes; lines end with LF or CR LF."""
         *complete, last = chunk.split(b"\n")
         for end in complete:
             line = b"".join([*self._line, end]).rstrip(b"\r").decode()

@@ -1,4 +1,4 @@
-"""Requests that are sent again when that helps, and answers as JSON or exceptions."""
+"""Requests with retries; responses as JSON or exceptions."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from ._backoff import delay, retry_after
 from ._connections import Connections
 from .errors import ApiError, ConnectionLost, PiadError, Problem, ProtocolError
 
-# Too many requests, and what proxies and servers say that have no room or no time.
+# Too many requests, and the statuses of overloaded servers and proxies.
 _TRY_AGAIN = frozenset({429, 502, 503, 504})
 
 # Servers send a comment every 15 seconds.
 _QUIET_STREAM = 60.0
 
-# Seconds within which a connection to a server must be made that has not been heard of so far. One
-# that has answered before may be starting again, and is tried for longer.
+# Connection timeout in seconds for a server that has never responded. One that has responded may be restarting and is
+# retried for longer.
 _FIRST_CONTACT = 1.5
 
 # Nothing was sent.
 _UNREACHABLE = (httpx.ConnectError, httpx.ConnectTimeout)
 
-# Mistakes of this side, which no second attempt mends.
+# Errors of the client, which a retry does not fix.
 _HOPELESS = (httpx.UnsupportedProtocol, httpx.LocalProtocolError)
 
 Parameters = Mapping[str, str]
 
 
 def settings(base_url: str, timeout: float, token: Optional[str], headers: Optional[Mapping[str, str]]) -> dict[str, Any]:
-    """The arguments of clients of httpx."""
+    """Arguments of httpx clients."""
     if token is not None:
         headers = {**(headers or {}), "Authorization": f"Bearer {token}"}
     limits = httpx.Timeout(timeout, connect=min(timeout, _FIRST_CONTACT))
@@ -45,8 +45,7 @@ def settings(base_url: str, timeout: float, token: Optional[str], headers: Optio
 class Transport:
     """Requests to one server.
 
-    Every request may be sent more than once: those that create something carry a key by which the
-    server recognises them.
+    Each request may be sent more than once: those that create something have a key by which the server recognises them.
     """
 
     def __init__(self, connections: Connections, *, attempts: int):
@@ -55,14 +54,14 @@ class Transport:
         self._connections = connections
         self._has_answered = False
         self.attempts = attempts
-        """How often something is tried that fails, at most."""
+        """The maximum number of attempts."""
 
     async def close(self) -> None:
         """Closes all connections."""
         await self._connections.close()
 
     async def sleep(self, seconds: float) -> None:
-        """Waits before something is tried again."""
+        """Waits before a retry."""
         await self._connections.sleep(seconds)
 
     async def request(
@@ -75,8 +74,7 @@ class Transport:
         headers: Optional[Mapping[str, str]] = None,
         parameters: Optional[Parameters] = None,
     ) -> httpx.Response:
-        """An answer that is not an error. The path may have a query of its own. `body` is sent as
-        JSON, `text` as it is."""
+        """Returns a successful response. The path may contain a query. `body` is sent as JSON, `text` unchanged."""
         content = text if body is None else encoded(body)
         sent = {"Accept": "application/json", **(headers or {})}
         if content is not None:
@@ -99,7 +97,7 @@ class Transport:
             if response.is_success:
                 return response
             error_ = api_error(response)
-            # A lost answer to the deletion: now there is nothing any more.
+            # The response to an earlier attempt was lost: the job is already deleted.
             if method == "DELETE" and response.status_code == 404 and attempt > 1:
                 return response
             if last or not may_try_again(error_):
@@ -108,15 +106,15 @@ class Transport:
         raise AssertionError("there is one attempt at least")
 
     async def json(self, method: str, path: str, **more: Any) -> dict[str, Any]:
-        """The object that is answered; see `request`."""
+        """Returns the JSON object of the response; see `request`."""
         return parse((await self.request(method, path, **more)).content)
 
     @asynccontextmanager
     async def stream(
         self, path: str, *, body: Union[Mapping[str, Any], bytes, None], headers: Mapping[str, str], parameters: Parameters
     ) -> AsyncIterator[AsyncIterator[bytes]]:
-        """The pieces of an answer, read as they are asked for; to a POST if there is a body, which is sent as JSON, or
-        as it is with the `Content-Type` of the headers. Nothing is tried again."""
+        """Yields the pieces of a response as they are consumed. With a body the request is a POST: JSON, or unchanged
+        if the headers have a `Content-Type`. There are no retries."""
         http = self._connections.http
         timeout = httpx.Timeout(http.timeout)
         timeout.read = max(timeout.read or _QUIET_STREAM, _QUIET_STREAM)
@@ -138,18 +136,18 @@ class Transport:
             await self._connections.release(response)
 
     def is_hopeless(self, error: httpx.TransportError, seconds: float) -> bool:
-        """Whether nothing comes of trying again what has failed for so many seconds."""
-        nobody = isinstance(error, _UNREACHABLE) and not self._has_answered
-        return isinstance(error, _HOPELESS) or (nobody and seconds > _FIRST_CONTACT)
+        """True if a retry is useless after failing for this many seconds."""
+        unreachable = isinstance(error, _UNREACHABLE) and not self._has_answered
+        return isinstance(error, _HOPELESS) or (unreachable and seconds > _FIRST_CONTACT)
 
     def lost(self, error: httpx.TransportError) -> PiadError:
-        """A connection that broke once too often, or was never made."""
+        """The error after the last attempt, or if the connection was never made."""
         what = "cannot reach" if isinstance(error, _UNREACHABLE) else "lost the connection to"
         return ConnectionLost(f"{what} {self._connections.http.base_url}: {type(error).__name__}: {error}")
 
 
 def server_url(text: str) -> httpx.URL:
-    """The address of a server; `ValueError` if it cannot be one."""
+    """Checks the URL of a server; raises `ValueError` if it is invalid."""
     scheme, separator, rest = text.partition("://")
     if not separator or scheme.lower() not in ("http", "https"):
         host = (rest if separator else text) or "127.0.0.1:8080"
@@ -165,7 +163,7 @@ def server_url(text: str) -> httpx.URL:
 
 
 def encoded(body: Mapping[str, Any]) -> bytes:
-    """A body as JSON; `ValueError` names the first number in it that JSON does not have."""
+    """Encodes a body as JSON; `ValueError` names the first number that is not finite."""
     try:
         return json.dumps(body, allow_nan=False, separators=(",", ":")).encode()
     except ValueError as error:
@@ -175,7 +173,7 @@ def encoded(body: Mapping[str, Any]) -> bytes:
 
 
 def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
-    """Numbers that are NaN or infinite, and where they are: `curve.points[3][1]`."""
+    """Yields numbers that are NaN or infinite, with their locations: `curve.points[3][1]`."""
     if isinstance(value, float):
         if not math.isfinite(value):
             yield path, value
@@ -188,7 +186,7 @@ def _not_finite(value: Any, path: str) -> Iterator[tuple[str, float]]:
 
 
 def parse(text: str | bytes) -> dict[str, Any]:
-    """The object of an answer or of an event."""
+    """Parses the JSON object of a response or event."""
     try:
         value = json.loads(text)
     except ValueError as error:
@@ -199,12 +197,12 @@ def parse(text: str | bytes) -> dict[str, Any]:
 
 
 def may_try_again(error: ApiError) -> bool:
-    """Whether the same request may succeed later."""
+    """True if the same request may succeed later."""
     return error.status in _TRY_AGAIN
 
 
 def api_error(response: httpx.Response) -> ApiError:
-    """The problem that the server names; of other servers on the way, what the status says."""
+    """The problem in a response; for responses of proxies it is made from the status."""
     problem = Problem("about:blank", response.reason_phrase, response.status_code, response.text[:1000])
     if response.headers.get("content-type", "").startswith("application/problem+json"):
         problem = Problem.from_json(parse(response.content))

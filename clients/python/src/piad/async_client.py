@@ -1,4 +1,4 @@
-"""The client for programs with an event loop."""
+"""The client for asyncio."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from ._transport import Transport, settings
 
 
 class AsyncClient(Service):
-    """A connection to a server, to be closed at the end; an asynchronous context manager does that.
+    """A connection to a server, which must be closed; use it as an asynchronous context manager.
 
-    It is `Client` with methods to be awaited, for one event loop of asyncio. A task that is
-    cancelled closes the connection that it waits for; jobs go on.
+    It has the methods of `Client` as coroutines, for one event loop. A cancelled task closes its connection; jobs
+    continue.
     """
 
     def __init__(
@@ -30,7 +30,7 @@ class AsyncClient(Service):
         headers: Optional[Mapping[str, str]] = None,
         transport: Optional[httpx.AsyncBaseTransport] = None,
     ):
-        """The arguments are those of `Client`."""
+        """Takes the arguments of `Client`."""
         connections = AsyncConnections(transport, **settings(base_url, timeout, token, headers))
         super().__init__(Transport(connections, attempts=attempts), timeout)
 

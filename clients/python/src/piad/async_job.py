@@ -1,4 +1,4 @@
-"""Jobs, for programs with an event loop."""
+"""Jobs, for asyncio."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Format = Literal["json", "step", "iges", "obj", "gltf", "stl", "ply", "dxf", "sv
 Dots = Literal["auto", "on", "off"]
 Units = Literal["mm", "m", "in"]
 
-# What streams are like, whatever the job sets for its own.
+# Settings of streams that override those of the job.
 _PLAIN = {
     "view": "errors",
     "every": "1",
@@ -37,20 +37,20 @@ _PLAIN = {
     "digits": "full",
     "on_disconnect": "continue",
 }
-# No job has so many iterations: a stream has the first and the last.
+# No job has this many iterations, so the stream has the first and the last only.
 _ENDS_ONLY = {**_PLAIN, "every": "1000000000"}
 _COMPLETE = {**_PLAIN, "view": "control_points", "encoding": "json" if np is None else "base64"}
 _CHANGES = {**_PLAIN, "view": "control_points", "changed": "true", "describe": "none"}
 
 
 class AsyncJob:
-    """A job, and what can be done with it: `Job`, with methods to be awaited."""
+    """A job and its operations: `Job` with coroutines."""
 
     def __init__(self, transport: Transport, status: Status):
         self._transport = transport
         self._shape: Optional[Shape] = None
         self.status = status
-        """What the server said last; `refresh` asks it again."""
+        """The last state received from the server; `refresh` updates it."""
 
     def __repr__(self) -> str:
         return f"<piad.AsyncJob {self.id}: {self.status.state}>"
@@ -65,7 +65,7 @@ class AsyncJob:
         return f"/v1/jobs/{self.id}"
 
     async def refresh(self) -> Status:
-        """Asks the server how the job stands."""
+        """Fetches the current state of the job."""
         self.status = Status.from_json(await self._transport.json("GET", self._path))
         return self.status
 
@@ -82,17 +82,16 @@ class AsyncJob:
         digits: Optional[Literal["full", "auto"]] = None,
         after: Optional[int] = None,
     ) -> AsyncGenerator[Iteration, None]:
-        """The iterations of the job, as they are computed and then up to its end.
+        """The iterations of the job, as they are computed, until it ends.
 
-        Every one from 0 on (or after `after`) comes once and in order, unless `every`, `milestones`
-        (decreasing distances) or `pace="latest"` leave some out. Broken connections and servers that
-        start again are survived: the stream goes on where it broke off. When the iterator ends,
-        `status` is that of the ended job.
+        Each one from 0 (or after `after`) arrives once and in order, unless `every`, `milestones` (decreasing
+        distances) or `pace="latest"` skip some. The stream resumes after broken connections and restarts of the server.
+        When the iterator ends, `status` is that of the ended job.
 
-        With `changed` the server sends only control points that have moved; iterations are complete
-        even so. Numbers travel as base64 where numpy is there, unless the job has a `stream` of its
-        own or other parameters forbid it. With `encoding="delta"` they take about a tenth of the bytes: those of an
-        iteration are within a hundredth of its largest error, and those of the last one are exact.
+        With `changed` the server sends only control points that have moved; the iterations returned are complete.
+        Numbers are sent as base64 if numpy is installed, unless the job has a `stream` setting or other parameters
+        exclude it. With `encoding="delta"` they take about a tenth of the bytes: an iteration is accurate to a
+        hundredth of its largest error, and the last one is exact.
         """
         parameters = {
             "view": view,
@@ -106,14 +105,14 @@ class AsyncJob:
         }
         text = {name: str(value) for name, value in _request.given(parameters).items()}
         if "describe" in (self.status.stream or {}):
-            # Knots are needed, whatever the job says of its streams.
+            # Knots are needed, whatever the job sets for its streams.
             text["describe"] = "full"
         if self._may_be_binary(text):
             text["encoding"] = "base64"
         return self._iterations(text, after)
 
     def _may_be_binary(self, parameters: Mapping[str, str]) -> bool:
-        """Whether base64 goes with these parameters and is quicker to read."""
+        """True if base64 is compatible with these parameters and faster to read."""
         decimal = {"encoding", "digits", "changed"} & parameters.keys() or parameters.get("view") == "errors"
         return np is not None and self.status.stream is None and not decimal
 
@@ -136,7 +135,7 @@ class AsyncJob:
         return EventStream(self._transport, f"{self._path}/events", parameters, after=after)
 
     async def shape(self) -> Shape:
-        """The bases of the fit. Waits until the job has begun."""
+        """The bases of the fit. Waits until the job has started."""
         if self._shape is None:
             async with self._events(_ENDS_ONLY).open() as events:
                 async for name, data in events:
@@ -148,7 +147,7 @@ class AsyncJob:
         return self._shape
 
     async def iteration(self, number: Union[int, Literal["last"]] = "last") -> Iteration:
-        """One iteration with its geometry, of a job in any state; those to come are waited for."""
+        """One iteration with its geometry, of a job in any state; waits for one that is not computed yet."""
         parameters = {} if np is None else {"encoding": "base64"}
         data = await self._level(number, parameters)
         return Iteration.from_json(data, await self.shape())
@@ -164,7 +163,7 @@ class AsyncJob:
         return await self._transport.json("GET", f"{self._path}/iterations/{number}", parameters=parameters)
 
     async def wait(self, timeout: Optional[float] = None) -> Status:
-        """Waits until the job has ended; `WaitTimeout` after so many seconds."""
+        """Waits until the job has ended; raises `WaitTimeout` after `timeout` seconds."""
         if timeout is None:
             async with self._events(_ENDS_ONLY).open() as events:
                 async for _ in events:
@@ -180,9 +179,9 @@ class AsyncJob:
         return self.status
 
     async def result(self, timeout: Optional[float] = None) -> Result:
-        """The last level, when the job has ended: waits for that, `timeout` seconds at most.
+        """The last iteration. Waits at most `timeout` seconds for the end of the job.
 
-        A job that was cancelled has a result if it got anywhere. `JobFailed` if there is none.
+        A cancelled job has a result if it computed an iteration. Raises `JobFailed` if there is none.
         """
         status = self.status if self.status.ended else await self.wait(timeout)
         if status.state == "failed" or status.iteration is None:
@@ -191,9 +190,9 @@ class AsyncJob:
         return Result.from_json(await self._transport.json("GET", f"{self._path}/result", parameters=parameters))
 
     async def deviation(self, iteration: Union[int, Literal["last"]] = "last", *, distances: bool = False) -> Deviation:
-        """How far the data are from the nearest points of an iteration: with `distances` also for each point.
+        """The distances of the data from the nearest points of an iteration, with `distances` also of each point.
 
-        The `error` of an iteration is taken at the parameters of the data, and is larger.
+        The `error` of an iteration is measured at the parameters of the data and is larger.
         """
         parameters = {"iteration": str(iteration), "list": str(bool(distances)).lower()}
         return Deviation.from_json(await self._transport.json("GET", f"{self._path}/deviation", parameters=parameters))
@@ -206,10 +205,10 @@ class AsyncJob:
         spacing: Optional[float] = None,
         by_length: bool = False,
     ) -> Union[CurveShape, SurfaceShape]:
-        """The shape of an iteration: curvatures at samples and where they are least and largest, length or area, continuity.
+        """The shape of an iteration: curvatures at samples and their extremes, length or area, continuity.
 
-        `samples` is a number for a curve (200 by default) or two for a surface (40 × 40); those of a curve can be
-        `spacing` apart, in units of the data, or at equal distances with `by_length`. Extremes do not depend on them.
+        `samples` is a number for a curve (200 by default) or two for a surface (40 × 40); samples of a curve can be
+        `spacing` apart, in data units, or at equal arc lengths with `by_length`. Extremes do not depend on the samples.
         """
         parameters = {"iteration": str(iteration)}
         if samples is not None:
@@ -221,25 +220,26 @@ class AsyncJob:
         return shape_from_json(await self._transport.json("GET", f"{self._path}/shape", parameters=parameters))
 
     async def input(self) -> dict[str, Any]:
-        """The job as it was asked for, as JSON."""
+        """The request that created the job, as JSON."""
         return await self._transport.json("GET", f"{self._path}/input")
 
     async def ticket(self) -> str:
-        """Opens the stream of the job for a minute where no token can be sent, as in a browser's `EventSource`.
+        """Returns a ticket that opens the stream of the job for one minute without a token, as for a browser's
+        `EventSource`.
 
-        It is the query parameter `ticket` of `/v1/jobs/{id}/events`. An `ApiError` with status 409 if
-        the server asks for no tokens.
+        Pass it as the query parameter `ticket` of `/v1/jobs/{id}/events`. Raises `ApiError` with status 409 if the
+        server requires no tokens.
         """
         ticket: str = (await self._transport.json("POST", f"{self._path}/tickets"))["ticket"]
         return ticket
 
     async def cancel(self) -> Status:
-        """Stops the job. An `ApiError` with status 409 if it has ended in another way."""
+        """Cancels the job. Raises `ApiError` with status 409 if it has already ended otherwise."""
         self.status = Status.from_json(await self._transport.json("POST", f"{self._path}/cancel"))
         return self.status
 
     async def delete(self) -> None:
-        """Makes the server forget the job."""
+        """Deletes the job."""
         await self._transport.request("DELETE", self._path)
 
     async def edit(
@@ -258,11 +258,11 @@ class AsyncJob:
         stream: Optional[Mapping[str, Any]] = None,
         idempotency_key: Optional[str] = None,
     ) -> AsyncJob:
-        """A new job that starts from the control points of this one; what is not given stays.
+        """Creates a job that starts from the control points of this one; other settings are kept.
 
         `points` moves data points, `{17: [x, y, z]}` or on surfaces `{(row, column): …}`;
-        `point_weights` gives some of a homogeneous fit new weights, `weights` all. `iteration` is
-        the one to start from, by default the last.
+        `point_weights` changes some weights of a homogeneous fit, `weights` all. `iteration` is the one to start from,
+        by default the last.
         """
         body = _request.edit(
             points,
@@ -291,13 +291,13 @@ class AsyncJob:
         relative_tolerance: Optional[float] = None,
         max_iterations: Optional[int] = None,
     ) -> AsyncGenerator[Iteration, None]:
-        """The iterations of an edit that leaves nothing behind, as while a point is dragged.
+        """The iterations of an edit that is not stored, as while a point is dragged.
 
-        The fit ends with the iterator. One with a `session` replaces the one before of that session,
-        whose iterator ends where it is. `start` is the iteration of this job to begin with, by
-        default the last; with it, only control points that move are sent. `every=1000000` gives the
-        last iteration alone, `pace="latest"` leaves out those that come faster than they are read. Where the connection breaks after the first one there is nothing to go
-        on with (`ConnectionLost`): ask for the newest position again.
+        Closing the iterator ends the fit. A fit with a `session` replaces the previous one of that session, whose
+        iterator then ends. `start` is the iteration of this job to start from, by default the last; if it is given,
+        only control points that move are sent. `every=1000000` returns only the last iteration, `pace="latest"` skips
+        iterations that arrive faster than they are read. If the connection breaks after the first iteration,
+        `ConnectionLost` is raised: send the newest position again.
         """
         body = _request.edit(
             points,
@@ -308,7 +308,7 @@ class AsyncJob:
             ephemeral=True,
             session=session,
         )
-        # Changes are relative to the iteration before, of which none may be left out.
+        # Changes are relative to the previous iteration, so none may be skipped.
         complete = (every, pace) == (1, "all") and start is not None and start.control_points is not None
         before = start if complete else None
         shape = None if before is None else before.shape
@@ -336,10 +336,11 @@ class AsyncJob:
         dots: Optional[Dots] = None,
         units: Optional[Units] = None,
     ) -> Path:
-        """Writes the result (or an iteration) to a file, such as STEP for CAD systems; docs/FILES.md has the formats.
+        """Writes the result (or an iteration) to a file, such as STEP for CAD systems; docs/reference/files.md has the formats.
 
         `samples` is the number of points in gltf, stl, ply, dxf, svg, geojson, gpx and csv, `dots` shows data points
-        in svg or hides them, `units` is the unit that step and iges declare. The file is there as a whole or not at all.
+        in svg or hides them, `units` is the unit that step and iges declare. The file is written completely or not at
+        all.
         """
         part = "result" if iteration is None else f"iterations/{iteration}"
         parameters: dict[str, str] = {}
@@ -369,9 +370,9 @@ async def post(
     key: Optional[str] = None,
     wait: Optional[float] = None,
 ) -> AsyncJob:
-    """A new job. However often the request has to be sent, its key makes it one job.
+    """Creates a job. Its key makes retries create a single job.
 
-    With `wait` the server answers when the job has ended or after so many seconds.
+    With `wait` the server responds when the job has ended, at the latest after this many seconds.
     """
     headers = {"Idempotency-Key": str(uuid.uuid4()) if key is None else key}
     if wait is not None and wait >= 1.0:

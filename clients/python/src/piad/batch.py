@@ -1,4 +1,4 @@
-"""Batches: many fits in one request, and what comes of each."""
+"""Batches: many fits in one request, and their results."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from .errors import ApiError, FieldError, Problem
 from .geometry import Curve, Surface
 from .iteration import Distances, Result
 
-# A request is sent as a whole before its answer is read: the server reads this much ahead of its answers.
+# A request is sent completely before its response is read: the server reads this far ahead.
 _PART_BYTES = 256 * 1024
 _PART_ITEMS = 5000
 
-# Items that come slowly are sent after so many seconds.
+# Seconds after which a partly filled request is sent.
 _PART_SECONDS = 0.5
 
 _HEADERS = {"Accept": "application/x-ndjson", "Content-Type": "application/x-ndjson"}
@@ -34,22 +34,22 @@ Items = Union[Iterable[Any], AsyncIterable[Any]]
 
 @dataclass(frozen=True, eq=False)
 class BatchItem:
-    """What came of an item of a batch."""
+    """The result of an item of a batch."""
 
     index: int
-    """Its place among the items, from 0."""
+    """Its index in the batch, from 0."""
     name: Optional[str]
     state: str
-    """"converged", "exhausted", "stalled" or "failed"; "failed" also if it is no fit that can be computed."""
+    """"converged", "exhausted", "stalled" or "failed"; "failed" also if the item is invalid."""
     iteration: Optional[int]
     """The number of the last iteration; None if there was none."""
     error: Optional[Distances]
     result: Optional[Result]
-    """The geometry of the last iteration, also if it has not converged; its id is empty."""
+    """The last iteration, also if the fit has not converged; its id is empty."""
     problem: Optional[Problem]
     """Why it has not converged; its pointers begin with `/items/3` or `/defaults`."""
     notices: tuple[str, ...] = ()
-    """What was understood of its points, in sentences, such as the parameters that were chosen."""
+    """Notes about the interpretation of its points, such as the chosen parameters."""
 
     def __repr__(self) -> str:
         error = "" if self.error is None else f", {self.error.brief}"
@@ -57,7 +57,7 @@ class BatchItem:
 
     @property
     def converged(self) -> bool:
-        """Whether the fit is within its tolerance."""
+        """True if the fit is within its tolerance."""
         return self.state == "converged"
 
     @property
@@ -77,7 +77,7 @@ class BatchItem:
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any], first: int = 0) -> BatchItem:
-        """Reads the line of an item of a request that has begun with the item `first`."""
+        """Parses the line of an item; the request began with item `first`."""
         own = value["index"]
         error = value.get("error")
         result = None
@@ -100,7 +100,7 @@ class BatchItem:
 
 
 def _moved(problem: Problem, own: int, index: int) -> Problem:
-    """A problem with an item of a part, by the index of the item in the batch."""
+    """Replaces the index of the item in its request by that in the batch."""
     before, after = f"/items/{own}", f"/items/{index}"
 
     def moved(error: FieldError) -> FieldError:
@@ -115,20 +115,21 @@ def _moved(problem: Problem, own: int, index: int) -> Problem:
 
 @dataclass
 class BatchTotals:
-    """How many items of a batch have ended so far."""
+    """Counts of the items of a batch that have ended."""
 
     items: int = 0
     converged: int = 0
     failed: int = 0
-    """Those that have not converged."""
+    """The number that have not converged."""
 
 
 class AsyncBatch:
-    """The items of a batch in their order, as they end: `async for item in batch`. It can be read once."""
+    """The results of a batch, in the order of the items, as they complete: `async for item in batch`. It can be
+    iterated once."""
 
     def __init__(self, transport: Transport, items: Items, defaults: Mapping[str, Any]):
         self.totals = BatchTotals()
-        """How many have ended so far."""
+        """Counts of the items so far."""
         self._transport = transport
         self._begin = encoded({"defaults": defaults}) + b"\n" if defaults else b""
         self._items = self._read(items)
@@ -154,7 +155,7 @@ class AsyncBatch:
             first += count
 
     async def _fit(self, lines: list[bytes], first: int) -> AsyncGenerator[BatchItem, None]:
-        """Fits some items. After a broken connection those are sent again that have no answer."""
+        """Fits a group of items. After a broken connection, items without a result are sent again."""
         failures, started = 0, time.monotonic()
         while lines:
             answered = 0
@@ -177,7 +178,7 @@ class AsyncBatch:
             first += answered
 
     async def _wait(self, error: Union[httpx.TransportError, ApiError], failures: int, seconds: float) -> None:
-        """Waits before a request is sent again that has failed so often, or raises why it is not."""
+        """Waits before a retry, or raises the error if there are no attempts left."""
         transport, pause = self._transport, delay(failures)
         is_last = failures >= transport.attempts
         if isinstance(error, ApiError):
@@ -189,7 +190,7 @@ class AsyncBatch:
         await transport.sleep(pause)
 
     async def _values(self, body: bytes) -> AsyncGenerator[dict[str, Any], None]:
-        """The lines of the answer to a part."""
+        """The lines of the response to a group."""
         parameters = {} if np is None else {"encoding": "base64"}
         async with self._transport.stream("/v1/batch", body=body, headers=_HEADERS, parameters=parameters) as chunks:
             async for line in _lines(chunks):
@@ -197,7 +198,8 @@ class AsyncBatch:
 
 
 class Batch:
-    """The items of a batch in their order, as they end: `for item in batch`. It can be read once."""
+    """The results of a batch, in the order of the items, as they complete: `for item in batch`. It can be iterated
+    once."""
 
     def __init__(self, batch: AsyncBatch):
         self._batch = batch
@@ -205,7 +207,7 @@ class Batch:
 
     @property
     def totals(self) -> BatchTotals:
-        """How many have ended so far."""
+        """Counts of the items so far."""
         return self._batch.totals
 
     def __iter__(self) -> Generator[BatchItem, None, None]:
@@ -213,7 +215,7 @@ class Batch:
 
 
 async def _lines(chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
-    """The lines of a text that comes in pieces."""
+    """Splits chunks of text into lines."""
     begun: list[bytes] = []
     async for chunk in chunks:
         *ends, rest = chunk.split(b"\n")
@@ -224,7 +226,7 @@ async def _lines(chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
 
 
 async def _parts(items: Items) -> AsyncIterator[list[bytes]]:
-    """Items as lines, some at a time."""
+    """Groups items as lines."""
     part: list[bytes] = []
     size, begun = 0, 0.0
     async for item in _each(items):
@@ -253,7 +255,7 @@ async def _each(items: Items) -> AsyncIterator[Any]:
 
 
 def _line(item: Any) -> bytes:
-    """An item as a line. Numbers that JSON does not have are null, so that the item fails alone."""
+    """Encodes an item as a line. NaN and infinity become null, so that only this item fails."""
     if isinstance(item, Mapping):
         job = {str(name): _request.plain(value) for name, value in item.items()}
     else:

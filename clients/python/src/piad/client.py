@@ -1,4 +1,4 @@
-"""The client: where fits begin."""
+"""The client."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .status import State
 
 
 class Client:
-    """A connection to a server, to be closed at the end; a context manager does that.
+    """A connection to a server, which must be closed; use it as a context manager.
 
     It may be used from several threads.
     """
@@ -33,11 +33,11 @@ class Client:
         headers: Optional[Mapping[str, str]] = None,
         transport: Optional[httpx.BaseTransport] = None,
     ):
-        """`timeout` is how many seconds the server may be silent, `attempts` how often a request is
-        sent, or a stream opened again without an iteration in between, while connections break or
-        the server has no room. Where no server is, this is known within two seconds. `token` is one
-        of `piad token create`, for a server that asks for one. `headers` go with every request.
-        `transport` is one of httpx, for proxies, certificates, Unix sockets and tests.
+        """`timeout` is the longest silence of the server in seconds. `attempts` is the maximum number of times a
+        request is sent, or a stream is opened without receiving an iteration, while connections break or the server is
+        overloaded. A missing server is detected within two seconds. `token` is created by `piad token create`, for a
+        server that requires one. `headers` are sent with each request. `transport` is an httpx transport, for proxies,
+        certificates, Unix sockets and tests.
         """
         connections = BlockingConnections(transport, **settings(base_url, timeout, token, headers))
         self._async = Service(Transport(connections, attempts=attempts), timeout)
@@ -64,5 +64,5 @@ class Client:
     batch = making(Service.batch, Batch)
 
     def jobs(self, state: Optional[State] = None, *, page: int = 100) -> Iterator[Job]:
-        """All jobs, the newest first; asked for as they are used, `page` (1 to 1000) at a time."""
+        """All jobs, newest first, fetched as they are used, `page` (1 to 1000) at a time."""
         return map(Job, iterate(self._async.jobs(state, page=page)))

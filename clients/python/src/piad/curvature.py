@@ -14,7 +14,7 @@ Parameter = Union[float, tuple[float, float]]
 
 @dataclass(frozen=True)
 class CurvatureExtreme:
-    """A place with a curvature."""
+    """A location with a curvature."""
 
     parameter: Parameter
     point: tuple[float, ...]
@@ -22,7 +22,7 @@ class CurvatureExtreme:
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> CurvatureExtreme:
-        """Reads a place."""
+        """Parses a location."""
         parameter = value["parameter"]
         place: Parameter = (parameter[0], parameter[1]) if isinstance(parameter, list) else parameter
         return cls(place, tuple(value["point"]), value["value"])
@@ -30,21 +30,21 @@ class CurvatureExtreme:
 
 @dataclass(frozen=True)
 class CurvatureExtremes:
-    """Where a curvature is least and largest; None if there is no curvature at all."""
+    """The extremes of a curvature; None if it is undefined everywhere."""
 
     smallest: Optional[CurvatureExtreme]
     largest: Optional[CurvatureExtreme]
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> CurvatureExtremes:
-        """Reads both."""
+        """Parses both."""
         places = [value["smallest"], value["largest"]]
         return cls(*(None if place is None else CurvatureExtreme.from_json(place) for place in places))
 
 
 @dataclass(frozen=True)
 class KnotContinuity:
-    """The continuity of a curve at a knot: what is guaranteed, and what was measured."""
+    """The continuity of a curve at a knot: guaranteed and measured."""
 
     parameter: float
     point: tuple[float, ...]
@@ -60,9 +60,9 @@ class KnotContinuity:
     angle: Optional[float]
     """The angle between the tangents in degrees; None where a derivative vanishes."""
     curvature: tuple[Optional[float], Optional[float]]
-    """Before and behind the knot."""
+    """On the left and right of the knot."""
     jump: Optional[float]
-    """How far the curvature vectors of both sides are apart."""
+    """The distance between the curvature vectors of both sides."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> KnotContinuity:
@@ -176,5 +176,5 @@ def shape_from_json(value: Mapping[str, Any]) -> Union[CurveShape, SurfaceShape]
 
 
 def _number(value: Optional[float]) -> float:
-    """A number; NaN for null, where it is beyond the range of numbers."""
+    """Converts null to NaN: the number is out of range."""
     return float("nan") if value is None else value

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions; all of them are `PiadError`."""
+"""Exceptions, which are all derived from `PiadError`."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Any, Optional
 
 @dataclass(frozen=True)
 class FieldError:
-    """One thing that is wrong with a request."""
+    """One error of a request."""
 
     detail: str
-    """Why it is wrong."""
+    """The reason."""
     pointer: Optional[str] = None
     """The value in the body, as a JSON pointer (RFC 6901)."""
     parameter: Optional[str] = None
@@ -25,10 +25,11 @@ class FieldError:
 
 @dataclass(frozen=True)
 class Problem:
-    """A problem object (RFC 9457), as servers answer it and failed jobs carry it."""
+    """A problem object (RFC 9457), in error responses and failed jobs."""
 
     type: str
-    """Such as "/problems/invalid-fit", where the server explains it; "about:blank" for answers of others."""
+    """Such as "/problems/invalid-fit", which is also the path of its description; "about:blank" for responses of other
+    servers."""
     title: str
     status: int
     """The HTTP status."""
@@ -38,12 +39,12 @@ class Problem:
 
     @property
     def pointers(self) -> tuple[str, ...]:
-        """The values of the body that are wrong, as JSON pointers."""
+        """JSON pointers to the invalid values of the body."""
         return tuple(error.pointer for error in self.errors if error.pointer is not None)
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Problem:
-        """Reads a problem object; fields that it does not have are empty."""
+        """Parses a problem object; missing fields are empty."""
         names = ("pointer", "parameter", "header", "line")
         errors = (
             FieldError(error.get("detail", ""), **{name: error.get(name) for name in names})
@@ -65,11 +66,11 @@ class PiadError(Exception):
 
 @dataclass
 class ApiError(PiadError):
-    """The server refused a request."""
+    """The server rejected a request."""
 
     problem: Problem
     retry_after: Optional[float] = field(default=None)
-    """Seconds after which the server asked to be tried again (`RetryAfter`)."""
+    """The delay in seconds requested by the server (`Retry-After`)."""
 
     @property
     def status(self) -> int:
@@ -81,11 +82,11 @@ class ApiError(PiadError):
 
 
 class ConnectionLost(PiadError):
-    """The server could not be reached, or the connection broke, more often than is tried."""
+    """The server was unreachable or the connection broke on each attempt."""
 
 
 class ProtocolError(PiadError):
-    """The server answered something that is not of this API."""
+    """The response does not conform to this API."""
 
 
 @dataclass
@@ -104,11 +105,11 @@ class JobFailed(PiadError):
 
 
 class NotConverged(UserWarning):
-    """A fit has ended further from its data than was asked for, or was cancelled."""
+    """A fit has ended outside its tolerance, or was cancelled."""
 
 
 class WaitTimeout(PiadError, TimeoutError):
-    """A job has not ended within the time that was given to it. It goes on."""
+    """A job has not ended within the timeout. It continues."""
 
 
 class MissingPackage(PiadError, ImportError):
@@ -117,4 +118,4 @@ class MissingPackage(PiadError, ImportError):
     def __init__(self, module: str, package: str, why: str | None = None):
         super().__init__(f"{module} is needed for this and cannot be imported: {why or f'pip install {package}'}", name=module)
         self.package = package
-        """The package that has it."""
+        """The name of the package."""

@@ -20,7 +20,7 @@ Index = Union[int, tuple[int, int]]
 
 @dataclass(frozen=True)
 class Distances:
-    """The distances of a curve or surface from its data points at their parameters, in their units.
+    """The distances of a curve or surface from its data points at their parameters, in data units.
 
     A distance is None where it is infinite, because a weight of a homogeneous fit is not positive.
     """
@@ -38,13 +38,13 @@ class Distances:
     gradient: Optional[float] = None
     """Least squares: zero at the minimum."""
     transformed: Optional[float] = None
-    """Extended fits with `transformed_error`: how far a control point moves in the next iteration."""
+    """Extended fits with `transformed_error`: the largest move of a control point in the next iteration."""
     between: Optional[float] = None
-    """At the end: by how much the fit leaves its data between neighbours, beyond the freedom that these leave."""
+    """At the end: by how much the fit deviates between neighbouring data points, beyond what the data leave open."""
 
     @property
     def brief(self) -> str:
-        """The largest distance in words."""
+        """The largest distance as text."""
         return "error infinite" if self.max is None else f"error at most {self.max:.3e}"
 
     @classmethod
@@ -58,7 +58,7 @@ class Distances:
 
 @dataclass(frozen=True)
 class Deviation:
-    """The distances of the data from the nearest points of a curve or surface, in their units."""
+    """The distances of the data from the nearest points of a curve or surface, in data units."""
 
     iteration: int
     max: float
@@ -67,9 +67,10 @@ class Deviation:
     at: Index
     """The point with the largest distance."""
     percentiles: Mapping[int, float]
-    """What 50, 90, 95 and 99 per cent of the distances do not exceed."""
+    """The 50th, 90th, 95th and 99th percentiles of the distances."""
     distances: Any = None
-    """Of each data point, if they were asked for: an array, or nested lists without numpy; of a missing point NaN or None."""
+    """The distance of each data point, if requested: an array, or nested lists without numpy; NaN or None for a missing
+    point."""
     between: Any = None
     """By how much the fit leaves the data in each gap between neighbours, or cell of a grid, beyond their freedom."""
 
@@ -88,16 +89,16 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Trim:
-    """What is left of a trimmed surface: where its parameters are on the left of all loops."""
+    """The region of a trimmed surface: the parameters to the left of all loops."""
 
     loops: tuple[Curve, ...]
-    """Closed curves in u and v; none if it is all of the surface."""
+    """Closed curves in u and v; empty if nothing is trimmed off."""
     faces: tuple[tuple[int, ...], ...]
-    """The pieces that it is in, by indices of loops: that around it, and those of its holes."""
+    """The connected pieces, by indices of loops: the outer one and those of holes."""
     area: Optional[float]
-    """The area of what is left, of surfaces in the plane and in space."""
+    """The area of the region, of surfaces in the plane and in space."""
     distance: float
-    """How far the outline can be from the data, in the unit of the points."""
+    """The largest distance of the outline from the data, in data units."""
 
     def __repr__(self) -> str:
         return f"<piad.Trim of {len(self.loops)} loops, area {self.area}>"
@@ -119,7 +120,7 @@ def _index(value: Any) -> Index:
 
 @dataclass(frozen=True)
 class Shape:
-    """What does not change from iteration to iteration: bases and weights that stay."""
+    """The parts that are constant over iterations: bases and fixed weights."""
 
     bases: tuple[Basis, ...]
     """One of a curve, two of a surface."""
@@ -131,14 +132,14 @@ class Shape:
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Shape:
-        """Reads the data of the `job` event, or a result."""
+        """Parses the data of the `job` event, or a result."""
         ways = [None] if value["kind"] == "curve" else ["u", "v"]
         bases = tuple(_basis(value, way) for way in ways)
         weights = value.get("weights") if value["rational"] == "fixed" else None
         return cls(bases, None if weights is None else _fixed_weights(value, weights, bases))
 
     def with_knots(self, knots: Any) -> Shape:
-        """The same with the knots of an iteration, of a fit that chooses them."""
+        """The same with the knots of an iteration, if the fit chooses them."""
         lines = [knots] if len(self.bases) == 1 else [knots["u"], knots["v"]]
         bases = tuple(replace(basis, knots=_knots(line)) for basis, line in zip(self.bases, lines))
         return Shape(bases, self.fixed_weights)
@@ -164,7 +165,7 @@ def _knots(knots: Any) -> Optional[tuple[float, ...]]:
 
 
 def _fixed_weights(value: Mapping[str, Any], weights: Any, bases: tuple[Basis, ...]) -> Array:
-    """Weights of surfaces are products of those of rows and columns; a direction may have none."""
+    """Weights of surfaces are products of those of rows and columns; a direction may lack them."""
     if len(bases) == 1:
         return _line(value, weights)
     u, v = (
@@ -181,7 +182,7 @@ def _line(value: Mapping[str, Any], numbers: Any) -> Array:
 
 
 def _line_of(text: str, width: int) -> Array:
-    """Numbers of so many bytes in base64."""
+    """Decodes base64 numbers of this many bytes."""
     count = (len(text) // 4 * 3 - text.count("=")) // width
     return from_base64(text, [count], single=width == 4)
 
@@ -200,7 +201,7 @@ class Samples:
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any], before: Optional[Samples] = None) -> Samples:
-        """Reads an iteration with `view=samples`. One that only says how they have moved is applied to those `before`."""
+        """Parses an iteration with `view=samples`. Differences are added to the samples `before`."""
         if value.get("encoding") == "delta":
             before = _known(before)
             return cls(before.parameters, _moved(value, "samples", "step", before.points))
@@ -219,13 +220,13 @@ def _known(before: Optional[_T]) -> _T:
 
 
 def _moved(value: Mapping[str, Any], name: str, step: str, before: Array) -> Array:
-    """An array of an iteration that says by how many steps its numbers have moved."""
+    """Decodes an array of an iteration that is sent as differences."""
     dimension = 1 if name == "weights" else value["shape"][-1]
     return moved(before, value[step], value[name], dimension)
 
 
 def _array(value: Mapping[str, Any], name: str, dropped: int = 0) -> Array:
-    """An array of the geometry, as lists or base64, without the last `dropped` axes of `shape`."""
+    """Decodes an array of the geometry, from lists or base64, without the last `dropped` axes of `shape`."""
     numbers = value[name]
     if not isinstance(numbers, str):
         return as_array(numbers)
@@ -235,7 +236,7 @@ def _array(value: Mapping[str, Any], name: str, dropped: int = 0) -> Array:
 
 @dataclass(frozen=True)
 class BadWeight:
-    """A control point of a homogeneous fit whose weight no CAD kernel takes."""
+    """A control point of a homogeneous fit whose weight CAD kernels do not accept."""
 
     control_point: Index
     weight: float
@@ -251,17 +252,17 @@ def _bad_weight(value: Mapping[str, Any]) -> Optional[BadWeight]:
 
 @dataclass(frozen=True, eq=False)
 class Iteration:
-    """A level of a fit."""
+    """An iteration of a fit."""
 
     number: int
-    """From 0 on."""
+    """Counted from 0."""
     error: Distances
     moved: int
-    """How many control points the step to this level has moved."""
+    """The number of control points moved by the step to this iteration."""
     rate: Optional[float] = None
-    """The factor by which the step has made the largest distance smaller."""
+    """The factor by which the step has reduced the largest distance."""
     milestone: Optional[float] = None
-    """The smallest of the milestones that this is the first level to reach."""
+    """The smallest milestone first reached by this iteration."""
     bad_weight: Optional[BadWeight] = None
     control_points: Optional[Array] = None
     """Complete, of shape (n, dimension) or (rows, columns, dimension); None in other views."""
@@ -271,15 +272,15 @@ class Iteration:
     """With `view="samples"`."""
     shape: Optional[Shape] = None
     predicted: Optional[int] = None
-    """About how many iterations the fit takes in all, by what is known at this level."""
+    """The total number of iterations, as predicted at this iteration."""
 
     def __repr__(self) -> str:
         return f"<piad.Iteration {self.number}: {self.error.brief}>"
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any], shape: Shape, before: Optional[Iteration] = None) -> Iteration:
-        """Reads the data of an `iteration` event. One that only says what has changed is applied to
-        the level `before`. `shape` is that of the level before, whose knots this one may change.
+        """Parses the data of an `iteration` event. One that contains only changes is applied to the iteration `before`.
+        `shape` is that of the previous iteration, whose knots this one may change.
         """
         shape = shape.with_knots(value["knots"]) if "knots" in value else shape
         points, weights = _net(value, before)
@@ -299,9 +300,9 @@ class Iteration:
 
     @cached_property
     def geometry(self) -> Geometry:
-        """The curve or surface. A `ValueError` if the view has no control points."""
+        """The curve or surface. Raises `ValueError` if the view has no control points."""
         if self.control_points is None or self.shape is None:
-            raise ValueError('this iteration has no control points: it was asked for in another view')
+            raise ValueError('this iteration has no control points: it was requested with another view')
         return self.shape.with_net(self.control_points, self.weights)
 
 
@@ -337,7 +338,7 @@ def _set(net: Any, place: Any, value: Any) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """The last level of a fit that has ended."""
+    """The last iteration of a fit that has ended."""
 
     id: str
     """The job."""
@@ -348,14 +349,14 @@ class Result:
     error: Distances
     geometry: Geometry
     parameters: tuple[Array, ...]
-    """Where on it the data points lie: on a curve, or those of u and of v."""
+    """The parameters of the data points: of a curve, or of u and v."""
     bad_weight: Optional[BadWeight] = None
     fairness: Optional[float] = None
-    """That of a least-squares fit, also if the data have chosen it."""
+    """The smoothing of a least-squares fit, also if it was chosen automatically."""
     outliers: tuple[int, ...] = ()
-    """The points that a robust fit leaves out, at most the first 1000."""
+    """The points that a robust fit ignores, at most the first 1000."""
     trim: Optional[Trim] = None
-    """What is left of a surface that is trimmed."""
+    """The trimmed region of a surface."""
 
     def __repr__(self) -> str:
         return f"<piad.Result {self.id}: {self.state} after iteration {self.iteration}, {self.error.brief}>"
@@ -384,22 +385,22 @@ class Result:
 
     @property
     def curve(self) -> Curve:
-        """The curve. A `TypeError` if it is a surface."""
+        """The curve. Raises `TypeError` for a surface."""
         if not isinstance(self.geometry, Curve):
             raise TypeError("the job fitted a surface, not a curve")
         return self.geometry
 
     @property
     def surface(self) -> Surface:
-        """The surface. A `TypeError` if it is a curve."""
+        """The surface. Raises `TypeError` for a curve."""
         if not isinstance(self.geometry, Surface):
             raise TypeError("the job fitted a curve, not a surface")
         return self.geometry
 
 
 def boundary(fitted: Union[Result, Iteration, Surface], side: Side) -> Boundary:
-    """The boundary of a fitted surface at "u_start", "u_end", "v_start" or "v_end", to which a neighbour can be
-    fitted: `boundary(result, "u_end").constraints("u_start")`.
+    """The boundary of a fitted surface at "u_start", "u_end", "v_start" or "v_end", to fit a neighbour to:
+    `boundary(result, "u_end").constraints("u_start")`.
     """
     geometry = fitted if isinstance(fitted, Surface) else fitted.geometry
     if not isinstance(geometry, Surface):

@@ -8,7 +8,7 @@ from .status import Status
 
 
 class Job:
-    """A job, and what can be done with it."""
+    """A job and its operations."""
 
     def __init__(self, job: AsyncJob):
         self._async = job
@@ -23,7 +23,7 @@ class Job:
 
     @property
     def status(self) -> Status:
-        """What the server said last; `refresh` asks it again."""
+        """The last state received from the server; `refresh` updates it."""
         return self._async.status
 
     refresh = same(AsyncJob.refresh)

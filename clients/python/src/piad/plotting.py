@@ -1,4 +1,4 @@
-"""Pictures of curves, surfaces and errors, with matplotlib where it is installed."""
+"""Plots of curves, surfaces and errors with matplotlib, if it is installed."""
 
 from __future__ import annotations
 
@@ -25,17 +25,16 @@ def plot(
 ) -> Any:
     """Draws a curve, a surface, or the errors of iterations, and returns the axes of matplotlib.
 
-    Of a curve or a surface, or of an iteration or a result that has one: by `samples` points (200 of
-    a curve, 40 in each direction of a surface), with its control points unless `net` is False, and
-    with the points `data` that were fitted. Scales are equal. Values, which have one coordinate, are
-    drawn over their parameters, and `data` of them have these first.
+    A curve or surface, also of an iteration or result, is drawn by `samples` points (200 of a curve, 40 in each
+    direction of a surface), with its control points unless `net` is False, and with the fitted points `data`. Axes have
+    equal scales. Values with one coordinate are drawn over their parameters, which come first in `data`.
 
-    Of several iterations: their largest and their root mean square distance on a logarithmic scale,
-    and the `tolerance`.
+    Several iterations are drawn as their largest and root mean square distance on a logarithmic scale, with the
+    `tolerance`.
 
-    `ax` are the axes to draw in, for what lies in space those of `projection="3d"`; without them
-    there is a new figure. `style`, such as `color="green"`, is that of the curve, of the surface or
-    of the largest distances. `MissingPackage` if there is no matplotlib.
+    `ax` are the axes to draw in, with `projection="3d"` for geometry in space; by default there is a new figure.
+    `style`, such as `color="green"`, applies to the curve, the surface or the largest distances. Raises
+    `MissingPackage` without matplotlib.
     """
     load("matplotlib.pyplot", "piad[plot]")
     if isinstance(what, (Iteration, Result)):
@@ -66,7 +65,7 @@ def _curve(curve: Curve, ax: Any, net: bool, data: Any, samples: int, style: dic
 
 
 def _coordinates(parameters: Any, points: Any, ax: Any, data: Any, style: dict[str, Any]) -> Any:
-    """Each of more than three coordinates over the parameter."""
+    """Draws each of more than three coordinates over the parameter."""
     if data is not None:
         raise ValueError("data with more than three coordinates have no place in a plot: leave data out")
     ax = _axes(ax, 2)
@@ -104,7 +103,7 @@ def _errors(iterations: list[Iteration], ax: Any, tolerance: Optional[float], st
         raise ValueError("there are no iterations to draw the errors of")
     ax = _axes(ax, 2)
     numbers = [iteration.number for iteration in iterations]
-    # Distances of None are infinite, and like those of zero have no place on the scale.
+    # None means infinite; neither that nor zero can be drawn on a logarithmic scale.
     largest, rms = (
         np.array([getattr(it.error, name) or np.nan for it in iterations], dtype=float) for name in ("max", "rms")
     )
@@ -119,7 +118,7 @@ def _errors(iterations: list[Iteration], ax: Any, tolerance: Optional[float], st
 
 
 def _axes(ax: Any, dimension: int) -> Any:
-    """Axes for points with so many coordinates."""
+    """Creates axes for points of this dimension."""
     projection = "3d" if dimension == 3 else None
     if ax is None:
         return load("matplotlib.pyplot", "piad[plot]").figure().add_subplot(projection=projection)
@@ -150,6 +149,6 @@ def _over(u: Any, v: Any, values: Any) -> Any:
 
 
 def _abscissas(basis: Basis) -> Any:
-    """Where control points of values belong (Greville): means of so many knots as the degree."""
+    """The Greville abscissae of control points of values: means of `degree` knots."""
     knots, degree = basis.full_knots(), basis.degree
     return np.array([np.mean(knots[i + 1 : i + degree + 1]) if degree else knots[i] for i in range(basis.count)])

@@ -1,4 +1,4 @@
-"""Points that the server reads from files."""
+"""Points read from files by the server."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from .errors import ProtocolError
 
 @dataclass(frozen=True)
 class FilePoints:
-    """The points of a file, as fits take them."""
+    """The points of a file, for fits."""
 
     points: Array
     """Of a curve and of scattered points of shape (n, dimension), of rows of a surface (rows, columns, dimension)."""
     name: Optional[str] = None
-    """What the file calls itself."""
+    """The name in the file."""
     notices: tuple[str, ...] = ()
-    """What was found out about the file, in sentences."""
+    """Notes about how the file was read."""
     closed: bool = False
-    """The curve is closed: the file had its first point at the end again, which is not among the points."""
+    """True if the curve is closed: the file repeats its first point at the end, which is dropped here."""
     parameters: Union[tuple[float, ...], Mapping[str, Any], None] = None
-    """The parameters of the points of a curve: their times, where these were asked for. Of a surface as fits take them: the
-    numbers of points of sections, the triangles of a mesh, or those of the rows and columns of a grid with missing points."""
+    """Parameters for the fit. Of a curve: the times of its points, if requested. Of a surface: the numbers of points of
+    sections, the triangles of a mesh, or the rows and columns of a grid with missing points."""
     scattered: bool = False
-    """The points are those of sections, or the vertices of a mesh."""
+    """True if the points are those of sections, or the vertices of a mesh."""
 
     def __repr__(self) -> str:
         closed = ", closed" if self.closed else ""

@@ -1,4 +1,4 @@
-"""How jobs stand, from the JSON of the server."""
+"""States of jobs, from the JSON of the server."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ State = Literal["queued", "running", "converged", "exhausted", "stalled", "faile
 
 @dataclass(frozen=True)
 class JobWarning:
-    """What is doubtful about a fit that is computed even so."""
+    """A warning about a fit that is computed nevertheless."""
 
     code: str
-    """What it is, such as "few_points"."""
+    """The kind, such as "few_points"."""
     pointer: str
-    """The part of the job's input that it is about, such as "/curve/basis/degree"."""
+    """A JSON pointer to the input concerned, such as "/curve/basis/degree"."""
     detail: str
-    """Why it is doubtful, and what to do about it."""
+    """The reason, and a remedy."""
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> JobWarning:
@@ -31,36 +31,36 @@ class JobWarning:
 
 @dataclass(frozen=True)
 class Status:
-    """A job as it stood when the server was asked."""
+    """A snapshot of a job."""
 
     id: str
     name: Optional[str]
     kind: Literal["curve", "surface"]
     state: State
     reason: Optional[str]
-    """Why a job ended as it did, such as "minimum" or "convexity"."""
+    """The reason for the end of a job, such as "minimum" or "convexity"."""
     detail: Optional[str]
-    """The reason in words, with the distance that is left."""
+    """The reason as text, with the remaining distance."""
     warnings: tuple[JobWarning, ...]
-    """What is doubtful about the fit; some of it is known only when the job runs."""
+    """Warnings about the fit; some are found only when the job runs."""
     points: int
     method: Mapping[str, Any]
-    """With the numbers that were computed for it."""
+    """The method, with its computed settings."""
     stop: Mapping[str, Any]
     """The tolerance in data units, and `max_iterations`."""
     stream: Optional[Mapping[str, Any]]
     iteration: Optional[int]
     predicted: Mapping[str, Any]
-    """`rate` and `iterations` in all, by what is known at that iteration; None where nobody knows."""
+    """The predicted `rate` and total `iterations`; None if unknown."""
     error: Optional[Distances]
     progress: float
     """From 0 to 1."""
     created_at: str
     started_at: Optional[str]
     finished_at: Optional[str]
-    """Times as in RFC 3339."""
+    """Times in RFC 3339 format."""
     parent: Optional[Mapping[str, Any]] = None
-    """Of an edit: `id` and `iteration`."""
+    """The parent of an edit: `id` and `iteration`."""
     problem: Optional[Problem] = None
     """Why the job failed."""
 
@@ -70,7 +70,7 @@ class Status:
 
     @property
     def ended(self) -> bool:
-        """Whether the job goes no further."""
+        """True if the job has ended."""
         return self.state not in ("queued", "running")
 
     @classmethod

@@ -56,18 +56,18 @@ export const batches: Scenarios = {
     equal(await all(client().batch([])), []);
   },
 
-  "batches go on after a server was killed": async ({ client, backstage }) => {
-    const server = await backstage.durable();
+  "batches resume after a server was killed": async ({ client, environment }) => {
+    const server = await environment.durable();
     const seen: number[] = [];
     for await (const { index } of client({}, server).batch(waves(1000))) {
       seen.push(index);
       if (index === 300) {
-        await backstage.kill(server);
-        await backstage.restart(server);
+        await environment.kill(server);
+        await environment.restart(server);
       }
     }
     equal(seen, [...Array(1000).keys()]);
-    await backstage.kill(server);
+    await environment.kill(server);
   },
 
   "batches that are left or aborted end": async ({ client }) => {

@@ -1,9 +1,9 @@
-/** All that is tried in Node and in a browser. */
+/** All scenarios for Node and browsers. */
 
 import type { Scenarios } from "../world.js";
 import { batches } from "./batches.js";
 import { jobs } from "./jobs.js";
-import { mistakes } from "./mistakes.js";
+import { failures } from "./failures.js";
 import { streams } from "./streams.js";
 
-export const scenarios: Scenarios = { ...jobs, ...batches, ...streams, ...mistakes };
+export const scenarios: Scenarios = { ...jobs, ...batches, ...streams, ...failures };

@@ -1,4 +1,4 @@
-/** Jobs from their beginning to their end: each operation of the API. */
+/** The life of jobs: each operation of the API. */
 
 import { ApiError, ConnectionLost, type FittedIteration, ProtocolError, type Tensor, type api } from "piad";
 
@@ -7,7 +7,7 @@ import { AUTOMATIC, AUTOMATIC_SURFACE, CURVE, FITS, slow } from "../shapes.js";
 import type { Scenarios } from "../world.js";
 
 const POINTS = { curve: { points: CURVE } };
-/** Curves have no triangles for STL and PLY, and this one no place on the earth for GPX. */
+/** Curves have no triangles for STL and PLY, and this one no geographic coordinates for GPX. */
 const FORMATS: Readonly<Record<Exclude<api.ParameterFormat, "stl" | "ply" | "gpx">, string>> = {
   step: "ISO-10303-21;",
   iges: "",
@@ -103,9 +103,9 @@ export const jobs: Scenarios = {
 
   "data are measured from the nearest points": async ({ client }) => {
     const job = await client().create(POINTS, { wait: 10 });
-    const told = await job.deviation({ list: true });
-    equal([told.iteration, (told.distances as number[]).length], [job.status.iteration, CURVE.length]);
-    ok(told.max <= (job.status.error?.max ?? 0));
+    const deviation = await job.deviation({ list: true });
+    equal([deviation.iteration, (deviation.distances as number[]).length], [job.status.iteration, CURVE.length]);
+    ok(deviation.max <= (job.status.error?.max ?? 0));
     equal((await job.deviation({ iteration: 0 })).distances, undefined);
   },
 
@@ -146,7 +146,7 @@ export const jobs: Scenarios = {
     const stream = job.editStream(drag, { describe: "none", changed: true, from });
     equal(await all(stream), kept);
     equal([stream.job?.knots, stream.job?.links, stream.end?.state], [undefined, null, "converged"]);
-    // Knots that are not described are known from nowhere else.
+    // Knots that are not described are unknown.
     const short = await all(job.editStream(drag, { describe: "none", view: "control_points" }));
     equal([short.at(-1)?.shape.bases[0].knots, short.at(-1)?.controlPoints], [null, kept.at(-1)?.controlPoints]);
     await refused(all(job.editStream(drag, { changed: true })), ProtocolError);
@@ -156,7 +156,7 @@ export const jobs: Scenarios = {
     equal((await refused(job.edit(drag), ApiError)).pointers, ["/ephemeral"]);
   },
 
-  "a drag that breaks off is over": async ({ client }) => {
+  "a drag cannot be resumed": async ({ client }) => {
     const job = await client().create(POINTS, { wait: 10 });
     let posts = 0;
     const broken = async (address: string, init: RequestInit) => {
@@ -222,8 +222,8 @@ export const jobs: Scenarios = {
     equal((await all(one.iterations())).length, (await all(other.iterations())).length);
   },
 
-  "servers that know their prefix": async ({ client, backstage }) => {
-    const url = await backstage.durable("/tools/fits");
+  "servers that know their prefix": async ({ client, environment }) => {
+    const url = await environment.durable("/tools/fits");
     const piad = client({}, `${url}/tools/fits`);
     const [one, other] = [await piad.create(POINTS, { wait: 10 }), await piad.create(POINTS, { wait: 10 })];
     equal((await piad.service()).links["jobs"], "/tools/fits/v1/jobs");
@@ -231,9 +231,9 @@ export const jobs: Scenarios = {
     equal((await all(one.iterations())).length, (await all(other.iterations())).length);
   },
 
-  "servers that ask for a token": async ({ client, backstage }) => {
+  "servers that ask for a token": async ({ client, environment }) => {
     const token = `piad_${"0123456789abcdef".repeat(4)}`;
-    const url = await backstage.durable("/", token);
+    const url = await environment.durable("/", token);
     equal((await refused(client({}, url).create(POINTS), ApiError)).problem.type, "/problems/unauthenticated");
     const job = await client({ token }, url).create(POINTS, { wait: 10 });
     const events = `${url}/v1/jobs/${job.id}/events`;
@@ -249,7 +249,7 @@ export const jobs: Scenarios = {
     equal((await refused(job.ticket(), ApiError)).problem.type, "/problems/no-tickets");
   },
 
-  "a server tells about itself": async ({ client }) => {
+  "information about a server": async ({ client }) => {
     const piad = client();
     ok((await piad.capabilities()).methods.length > 5);
     const rates = await piad.rates({ points: 5, degree: 2 });
@@ -263,7 +263,7 @@ export const jobs: Scenarios = {
   },
 };
 
-/** Fails unless the numbers of control points and knots go together. */
+/** Fails unless the numbers of control points and knots are consistent. */
 function consistent({ shape, controlPoints, weights }: FittedIteration, name: string): void {
   const counts = shape.bases.map(({ knots, degree }) => (knots === null ? degree + 1 : knots.length - degree - 1));
   equal(controlPoints.shape.slice(0, -1), counts, name);

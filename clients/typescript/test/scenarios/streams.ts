@@ -1,4 +1,4 @@
-/** Every iteration once and in order, whatever happens to the connection. */
+/** Each iteration once and in order, even if connections break. */
 
 import { ApiError, ConnectionLost, type ErrorIteration, type FittedIteration, type SampledIteration } from "piad";
 
@@ -33,7 +33,7 @@ export const streams: Scenarios = {
     equal((await numbers(job.iterations({ pace: "latest" }))).at(-1), last);
     // @ts-expect-error: errors have no control points.
     void error.controlPoints;
-    // @ts-expect-error: there is no such view.
+    // @ts-expect-error: unknown view.
     job.iterations({ view: "points" });
   },
 
@@ -94,54 +94,54 @@ export const streams: Scenarios = {
     equal((await all(client().createStream({ ...POINTS, stream }))).length, levels.length);
   },
 
-  "streams survive SIGKILL": async ({ client, backstage }) => {
-    const url = await backstage.durable();
+  "streams survive SIGKILL": async ({ client, environment }) => {
+    const url = await environment.durable();
     const job = await client({}, url).create(slow(3000));
     const numbers: number[] = [];
     for await (const level of job.iterations({ view: "control_points", changed: true })) {
       numbers.push(level.number);
       ok(level.controlPoints.data.every(Number.isFinite));
       if (level.number === 200 || level.number === 1000) {
-        await backstage.kill(url);
-        await backstage.restart(url);
+        await environment.kill(url);
+        await environment.restart(url);
       }
     }
     equal(numbers, Array.from({ length: 3001 }, (_, i) => i));
     equal((await job.refresh()).state, "exhausted");
-    await backstage.kill(url);
+    await environment.kill(url);
   },
 
-  "streams of new jobs survive SIGKILL": async ({ client, backstage }) => {
-    const url = await backstage.durable();
+  "streams of new jobs survive SIGKILL": async ({ client, environment }) => {
+    const url = await environment.durable();
     const stream = client({}, url).createStream(slow(2000), { view: "errors" });
     const numbers: number[] = [];
     for await (const level of stream) {
       numbers.push(level.number);
       if (level.number !== 300) continue;
-      await backstage.kill(url);
-      await backstage.restart(url);
+      await environment.kill(url);
+      await environment.restart(url);
     }
     equal(numbers, Array.from({ length: 2001 }, (_, i) => i));
     equal([stream.end?.state, (await all(client({}, url).jobs())).length], ["exhausted", 1]);
-    await backstage.kill(url);
+    await environment.kill(url);
   },
 
-  "knots are known after a broken connection": async ({ client, backstage, url }) => {
-    const proxy = await backstage.proxy(url);
+  "knots are known after a broken connection": async ({ client, environment, url }) => {
+    const proxy = await environment.proxy(url);
     const resumed: (string | null)[] = [];
     const noted = (init: RequestInit) => resumed.push(new Headers(init.headers).get("Last-Event-ID"));
     const piad = client({ fetch: (url, init) => (noted(init), fetch(url, init)) }, proxy);
-    await backstage.cutAfter(proxy, 12_000);
+    await environment.cutAfter(proxy, 12_000);
     const stream = piad.createStream(AUTOMATIC, { view: "control_points" });
     const levels = await all(stream);
-    equal([resumed.length, resumed[0], Number(resumed[1]) > 3], [2, null, true], `it goes on after ${resumed[1]}`);
+    equal([resumed.length, resumed[0], Number(resumed[1]) > 3], [2, null, true], `it resumes after ${resumed[1]}`);
     const job = await client().job(stream.job?.id ?? "");
     equal(levels, await all(job.iterations({ view: "control_points" })));
   },
 
-  "iterations that a server sends twice come once": async ({ client, backstage, url }) => {
-    const proxy = await backstage.proxy(url);
-    await backstage.cutAfter(proxy, 12_000);
+  "iterations that a server sends twice come once": async ({ client, environment, url }) => {
+    const proxy = await environment.proxy(url);
+    await environment.cutAfter(proxy, 12_000);
     const forgetful = (url: string, { headers, ...init }: RequestInit) => {
       const others = [...new Headers(headers)].filter(([name]) => name !== "last-event-id");
       return fetch(url, { ...init, headers: others });
@@ -150,9 +150,9 @@ export const streams: Scenarios = {
     equal(levels.map(({ number }) => number), [...levels.keys()]);
   },
 
-  "iterations of another version come again": async ({ client }) => {
+  "another version sends all iterations again": async ({ client }) => {
     let last = "";
-    // The first answer breaks off in the middle of an event.
+    // The first connection breaks in the middle of an event.
     const newer = async (url: string, init: RequestInit) => {
       const headers = new Headers(init.headers);
       last = headers.get("Last-Event-ID") ?? "";
@@ -169,39 +169,39 @@ export const streams: Scenarios = {
     equal([first > 3, numbers], [true, [...Array(first).keys(), ...Array(levels.length - first).keys()]]);
   },
 
-  "lost answers make one job": async ({ client, backstage, url }) => {
-    const proxy = await backstage.proxy(url);
+  "lost answers make one job": async ({ client, environment, url }) => {
+    const proxy = await environment.proxy(url);
     const piad = client({}, proxy);
     const count = async () => (await all(client().jobs())).length;
     const before = await count();
-    await backstage.loseAnswer(proxy);
+    await environment.loseAnswer(proxy);
     const job = await piad.create(slow(1_000_000));
     equal(await count(), before + 1);
     await first(job.iterations());
-    await backstage.loseAnswer(proxy);
+    await environment.loseAnswer(proxy);
     equal((await job.cancel()).state, "cancelled");
-    await backstage.loseAnswer(proxy);
+    await environment.loseAnswer(proxy);
     await job.edit({ stop: { max_iterations: 5 } });
     equal(await count(), before + 2);
-    await backstage.loseAnswer(proxy);
+    await environment.loseAnswer(proxy);
     equal((await all(piad.createStream(POINTS))).length > 5, true);
     equal(await count(), before + 3);
-    await backstage.loseAnswer(proxy);
+    await environment.loseAnswer(proxy);
     await job.delete();
     equal(await count(), before + 2);
   },
 
-  "streams give up": async ({ client, backstage }) => {
-    const url = await backstage.durable();
+  "streams give up": async ({ client, environment }) => {
+    const url = await environment.durable();
     const job = await client({ attempts: 2 }, url).create(slow(1_000_000));
     const levels = job.iterations()[Symbol.asyncIterator]();
     await levels.next();
-    await backstage.kill(url);
+    await environment.kill(url);
     await refused((async () => { while (!(await levels.next()).done); })(), ConnectionLost);
     await refused(job.refresh(), ConnectionLost);
   },
 
-  "signals end everything": async ({ client, backstage }) => {
+  "signals end everything": async ({ client, environment }) => {
     const piad = client();
     const job = await piad.create(slow(1_000_000));
     const controller = new AbortController();
@@ -225,23 +225,23 @@ export const streams: Scenarios = {
     ok(Date.now() - waiting < 8000, "answers that do not come are given up");
     await refused(first(job.iterations({ signal })), Error);
     await job.delete();
-    // Waiting for a server that is gone.
-    const url = await backstage.durable();
+    // Waiting for a server that has stopped.
+    const url = await environment.durable();
     const patient = client({ attempts: 20 }, url);
     await patient.live();
-    await backstage.kill(url);
+    await environment.kill(url);
     const started = Date.now();
     equal((await refused(patient.live({ signal: AbortSignal.timeout(700) }), DOMException)).name, "TimeoutError");
     ok(Date.now() - started < 8000);
   },
 
-  "streams that are left can end their job": async ({ client, backstage, url }) => {
+  "streams that are left can end their job": async ({ client, environment, url }) => {
     const stream = client().createStream(slow(1_000_000), { on_disconnect: "cancel" });
     for await (const level of stream) if (level.number === 5) break;
     const job = await client().job(stream.job?.id ?? "");
     equal((await job.wait()).state, "cancelled");
-    const proxy = await backstage.proxy(url);
-    await backstage.cutAfter(proxy, 20_000);
+    const proxy = await environment.proxy(url);
+    await environment.cutAfter(proxy, 20_000);
     const cut = client({}, proxy).createStream(slow(1_000_000), { on_disconnect: "cancel", view: "errors" });
     await all(cut);
     equal(cut.end?.state, "cancelled");
@@ -253,12 +253,12 @@ export const streams: Scenarios = {
     await other.delete();
   },
 
-  "who is slow is waited for": async ({ client, backstage, url }) => {
-    const proxy = await backstage.proxy(url);
+  "who is slow is waited for": async ({ client, environment, url }) => {
+    const proxy = await environment.proxy(url);
     const stream = client({}, proxy).createStream(large(400), { view: "control_points" });
     const levels = stream[Symbol.asyncIterator]();
     for (let i = 0; i < 3; i++) equal((await levels.next()).value?.number, i);
-    const passed = () => backstage.passed(proxy);
+    const passed = () => environment.passed(proxy);
     let stalled = -1;
     for (let i = 0; (await passed()) > stalled; i++) {
       ok(i < 15, "the connection does not stall");

@@ -87,7 +87,7 @@ fn invalid(field: &str, axis: &str, detail: String) -> InvalidNurbs {
 fn direction(data: DirectionData, axis: &str) -> Result<KnotVector, InvalidNurbs> {
     let degree = data.degree;
     if !(1..=MOST_DEGREE).contains(&degree) {
-        let detail = format!("it is {degree}, and degrees are 1 to {MOST_DEGREE}");
+        let detail = format!("{degree} is out of range; expected 1 to {MOST_DEGREE}");
         return Err(invalid("degree", axis, detail));
     }
     let bezier = || [vec![0.0; degree + 1], vec![1.0; degree + 1]].concat();
@@ -106,7 +106,7 @@ fn check_knots(vector: &KnotVector) -> Result<(), String> {
     if knots.len() < least {
         let count = knots.len();
         return Err(format!(
-            "there are {count}, and it takes at least {least} for degree {degree}"
+            "{count} given; degree {degree} needs at least {least}"
         ));
     }
     if let Some(index) = knots.iter().position(|x| !x.is_finite()) {
@@ -129,7 +129,7 @@ fn check_knots(vector: &KnotVector) -> Result<(), String> {
         let most = if is_inside(knot) { *degree } else { degree + 1 };
         if times > most {
             return Err(format!(
-                "{knot} is there {times} times, and at most {most} times can be"
+                "{knot} occurs {times} times; at most {most} are allowed"
             ));
         }
     }

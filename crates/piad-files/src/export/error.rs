@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::format::Format;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// Why a curve or surface cannot be written in a format.
 #[derive(Clone, Debug, PartialEq, Error)]

@@ -16,7 +16,7 @@ const MOST_ALONG_CURVE: usize = 1 << 16;
 pub(super) const MOST_ALONG_SURFACE: usize = 384;
 
 /// Single precision suffices while the distance from the origin is at most this multiple of the extent.
-const NEAR: f64 = 16.0;
+const MAX_ORIGIN_DISTANCE_EXTENTS: f64 = 16.0;
 
 /// A tessellated surface, or the points along a curve.
 #[derive(Clone, Debug, Default)]
@@ -180,7 +180,7 @@ fn origin(jets: &[Jet]) -> [f64; 3] {
         }
     }
     let middle = [0, 1, 2].map(|c| low[c] / 2.0 + high[c] / 2.0);
-    let near = length(middle) <= NEAR * length(minus(high, low));
+    let near = length(middle) <= MAX_ORIGIN_DISTANCE_EXTENTS * length(minus(high, low));
     if near { [0.0; 3] } else { middle }
 }
 
@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_samples_as_asked_for() {
+    fn requested_numbers_of_samples() {
         let options = Options {
             samples: Some(Grid {
                 rows: 3,

@@ -87,8 +87,8 @@ fn parse<'a, T>(
     let value = read(&mut json, ListLimits::new(text.as_bytes(), most));
     let value = value.and_then(|value| json.end().map(|()| value));
     value.map_err(|error| {
-        let told = error.to_string();
-        let detail = told.split(" at line ").next().unwrap_or(&told);
+        let message = error.to_string();
+        let detail = message.split(" at line ").next().unwrap_or(&message);
         FileError::at(error.line().max(1), detail)
     })
 }

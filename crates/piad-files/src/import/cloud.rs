@@ -2,7 +2,7 @@
 
 use super::error::FileError;
 use super::part::{Order, Part};
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::Points;
 
 /// The most names that a notice lists.

@@ -2,7 +2,7 @@
 
 use super::choice::Choice;
 use super::sample::Content;
-use crate::short::cut;
+use crate::text::cut;
 
 /// The most characters of a name in a notice.
 const LONGEST_NAME: usize = 40;

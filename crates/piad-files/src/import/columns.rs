@@ -3,7 +3,7 @@
 mod resolve;
 
 use super::names::{Meaning, meaning};
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::MAX_DIMENSION;
 
 /// The most columns of a file, most of which are not read.

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::error::FileError;
-use crate::short::without_mark;
+use crate::text::without_mark;
 
 /// The number of bytes examined to detect that a text without a byte-order mark is UTF-16.
 const LOOKED_AT: usize = 64;

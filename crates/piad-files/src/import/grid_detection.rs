@@ -92,7 +92,7 @@ fn grid(part: &mut Part, hints: &Hints) -> Result<Option<Grid>, FileError> {
         return Ok(None);
     }
     Ok(match (hints.size, hints.kind) {
-        (Some(size), _) => Some(asked_for(part, size)?),
+        (Some(size), _) => Some(requested(part, size)?),
         (None, Some(Kind::Curve)) => None,
         _ if part.order == Order::Curve => None,
         _ => shown(part),
@@ -133,7 +133,7 @@ pub(super) fn are_uneven_rows(table: &Part, hints: &Hints) -> bool {
     !is_grid && table.counts().into_iter().min() >= Some(2)
 }
 
-fn asked_for(part: &Part, size: Grid) -> Result<Grid, FileError> {
+fn requested(part: &Part, size: Grid) -> Result<Grid, FileError> {
     let count = part.points.len();
     if size.rows.checked_mul(size.columns) == Some(count) {
         return Ok(size);

@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
+    fn errors_name_the_reason() {
         let changed = |at: usize, value: &[u8]| {
             let mut bytes = file(2, 1, 28);
             put(&mut bytes, at, value);

@@ -7,7 +7,7 @@ use super::imported::Hints;
 use super::number_format::{Notation, column_end, is_gap};
 use super::sample::{Content, Sample, has_width};
 use super::timestamps;
-use crate::short::quoted;
+use crate::text::quoted;
 use jiff::Timestamp;
 
 use super::columns::MOST_COLUMNS;

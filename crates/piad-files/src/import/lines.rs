@@ -16,11 +16,11 @@ use super::part::{NO_POINTS, Part};
 use super::sample::Below;
 use super::table::{self, Table};
 use super::text_column::text_column;
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::Points;
 
 /// Files of more points get room for all of them at once.
-const LONG: usize = 1024;
+const PREALLOCATION_POINTS: usize = 1024;
 
 /// The most lines of words above the points. More of them are the head of a format of its own.
 const MOST_TITLES: usize = 3;
@@ -244,9 +244,9 @@ impl<'a> Reader<'a> {
         // Points below them: they were no remarks.
         self.errors.append(&mut self.remarks);
         let points = self.points.get_or_insert_with(|| Points::new(point.len()));
-        if self.lines.len() == LONG {
+        if self.lines.len() == PREALLOCATION_POINTS {
             // Growth by doubling would need three times the memory during the move.
-            let more = self.possible.saturating_sub(LONG);
+            let more = self.possible.saturating_sub(PREALLOCATION_POINTS);
             points.make_room(more);
             self.lines.reserve_exact(more);
         }

@@ -412,7 +412,7 @@ mod tests {
             ),
             (
                 obj() + "f 1 2 x\n",
-                "line 18: \"x\" is no number of a vertex (OBJ)",
+                "line 18: \"x\" is not the number of a vertex (OBJ)",
             ),
             (
                 format!("OFF\n9 1 0\n{vertices}3 0 1 9\n"),

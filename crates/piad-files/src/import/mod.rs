@@ -85,7 +85,7 @@ mod xml;
 
 use std::borrow::Cow;
 
-use crate::short::quoted;
+use crate::text::quoted;
 
 pub use columns::Columns;
 pub use error::{FileError, FileErrors};

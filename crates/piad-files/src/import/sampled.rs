@@ -14,8 +14,8 @@ const LARGEST_ANGLE: f64 = 5.0 * PI / 180.0;
 const FEWEST_OF_ARC: usize = 2;
 
 /// The fewest and the most pieces of a curve that is not an arc.
-const FEWEST: usize = 16;
-const MOST: usize = 64;
+const MIN_PIECES: usize = 16;
+const MAX_PIECES: usize = 64;
 
 /// Curves that are no arcs are no further from their polygon than this part of the length of their control polygon,
 /// unless they have the most pieces.
@@ -96,11 +96,13 @@ fn pieces(control: &[Point; 4]) -> usize {
     // The second derivative is at most six times the largest bend; a chord is off by an eighth of it.
     let pieces = (0.75 * bend / tolerance).sqrt().ceil();
     // An even number, so that the middle of the curve is a point.
-    (pieces as usize).clamp(FEWEST, MOST).next_multiple_of(2)
+    (pieces as usize)
+        .clamp(MIN_PIECES, MAX_PIECES)
+        .next_multiple_of(2)
 }
 
 /// The number of pieces between two knots of a spline.
-pub(super) const PIECES_OF_SPAN: usize = FEWEST;
+pub(super) const PIECES_OF_SPAN: usize = MIN_PIECES;
 
 /// An angle as one from 0 to a full turn, without 0: two equal angles are a full turn apart.
 pub(super) fn turn(angle: f64) -> f64 {
@@ -140,7 +142,7 @@ mod tests {
     fn cubics_keep_to_their_tolerance() {
         let flat = |x: f64, y: f64| [x, y, 0.0];
         let line = [0.0, 1.0, 2.0, 3.0].map(|x| flat(x, 0.0));
-        assert_eq!(cubic(line).count(), FEWEST);
+        assert_eq!(cubic(line).count(), MIN_PIECES);
         let loops = [
             flat(0.0, 0.0),
             flat(1e6, 1e6),
@@ -148,7 +150,7 @@ mod tests {
             flat(1.0, 0.0),
         ];
         let points: Vec<Point> = cubic(loops).collect();
-        assert!(points.len() > 20 && points.len() <= MOST);
+        assert!(points.len() > 20 && points.len() <= MAX_PIECES);
         assert_eq!(points.last(), Some(&loops[3]));
         let wild = [
             flat(0.0, 0.0),
@@ -156,7 +158,7 @@ mod tests {
             flat(-1e308, 1e308),
             flat(1.0, 0.0),
         ];
-        assert!(cubic(wild).count() <= MOST);
+        assert!(cubic(wild).count() <= MAX_PIECES);
     }
 
     #[test]

@@ -20,15 +20,15 @@ const FEWEST: usize = 4;
 /// If sections are requested and there is one part, or they have different numbers of coordinates.
 pub(super) fn joined(mut parts: Parts, is_table: bool, hints: &Hints) -> Result<Parts, FileError> {
     if let [part] = &mut parts.parts[..] {
-        let is_asked = hints.sections == Some(true);
+        let is_requested = hints.sections == Some(true);
         let is_surface = hints.kind == Some(Kind::Surface) && hints.sections.is_none();
         let are_rows = is_table && is_surface && grid_detection::are_uneven_rows(part, hints);
-        if is_asked && part.breaks.is_empty() && !matches!(part.order, Order::Rows(_)) {
+        if is_requested && part.breaks.is_empty() && !matches!(part.order, Order::Rows(_)) {
             let detail =
                 "the file has one part, and sections are several: blank lines are between them";
             return Err(FileError::of_hint(SECTIONS, detail));
         }
-        if is_asked || are_rows {
+        if is_requested || are_rows {
             make_sections(part);
         }
         return Ok(parts);

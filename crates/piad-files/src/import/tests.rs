@@ -111,7 +111,7 @@ fn clouds_have_more_than_coordinates() {
 }
 
 #[test]
-fn what_is_wrong_is_told_at_its_line() {
+fn errors_name_their_lines() {
     let wrong = errors("x,y\n1,2\n3,oops\n4\n5,6,7\n\n8,inf\n9,1e999\n");
     let lines: Vec<_> = wrong.iter().map(|it| it.0.unwrap()).collect();
     assert_eq!(lines, [3, 4, 5, 7, 8]);
@@ -263,8 +263,8 @@ fn remarks_below_points_are_no_points() {
     ] {
         let read = read(&text, &HINTS).unwrap();
         assert_eq!(read.points.len(), 3, "{text}");
-        let told = format!("from line {line} on, ");
-        assert!(read.notices[0].contains(&told), "{:?}", read.notices);
+        let expected = format!("from line {line} on, ");
+        assert!(read.notices[0].contains(&expected), "{:?}", read.notices);
     }
     // Points below them, damaged points, tables with names of columns, and no blank line or title.
     for (text, line) in [

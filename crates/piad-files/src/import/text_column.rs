@@ -3,7 +3,7 @@
 use super::columns::MOST_COLUMNS;
 use super::error::FileError;
 use super::number_format::Notation;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// A column of text in the last of these lines, whose other columns are numbers, at the first line that has it.
 pub(super) fn text_column(lines: &[(usize, String)]) -> Option<FileError> {

@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_xml_is_said_at_its_line() {
+    fn syntax_errors_name_their_lines() {
         for (text, line) in [
             ("<a>\n<b>\n</a>", 3),
             ("<a>\n\n", 3),

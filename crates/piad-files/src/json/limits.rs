@@ -2,7 +2,7 @@
 
 /// Shorter lists grow without limits.
 #[doc(hidden)]
-pub const LONG: usize = 1024;
+pub const LIMITED_LENGTH: usize = 1024;
 
 /// The limits of the lists in a text.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl ListLimits {
     /// Growth by doubling would need three times the memory during the move; memory that is not written to costs
     /// nothing.
     pub fn make_room<T>(self, list: &mut Vec<T>, most: usize) {
-        if list.len() == list.capacity() && list.len() >= LONG {
+        if list.len() == list.capacity() && list.len() >= LIMITED_LENGTH {
             let more = most.min(self.elements).saturating_sub(list.len());
             // If this much memory is not available, the capacity doubles.
             let _ = list.try_reserve_exact(more);

@@ -4,5 +4,5 @@
 mod limits;
 mod points;
 
-pub use limits::{LONG, ListLimits};
+pub use limits::{LIMITED_LENGTH, ListLimits};
 pub use points::{Coordinates, Rows, check_count, read_points, read_rows, read_sections};

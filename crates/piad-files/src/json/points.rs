@@ -9,7 +9,7 @@ use serde::de::{
 };
 use serde::{Deserialize, Serialize};
 
-use super::limits::{LONG, ListLimits};
+use super::limits::{LIMITED_LENGTH, ListLimits};
 
 /// Rows (u) of columns (v) of points, or of heights, which are points of one coordinate; `null` stands
 /// for a missing one.
@@ -234,9 +234,9 @@ impl Gathered {
             .points
             .get_or_insert_with(|| Points::zeros(count, before));
         let dimension = points.dimension();
-        if points.len() == LONG {
+        if points.len() == LIMITED_LENGTH {
             let most = self.limits.points_of(dimension);
-            points.make_room(most.saturating_sub(LONG));
+            points.make_room(most.saturating_sub(LIMITED_LENGTH));
         }
         if dimension != count {
             return Err(E::custom(format_args!(

@@ -4,10 +4,10 @@
 //! to any degree m, with the same span as the Bernstein polynomials of degree m. They differ in the
 //! middle functions.
 
-use crate::about::About;
+use crate::kind_info::KindInfo;
 
 /// The entry of the Said–Ball basis in the table of bases.
-pub(super) const SAID_BALL: About = About {
+pub(super) const SAID_BALL: KindInfo = KindInfo {
     name: "said_ball",
     title: "Said–Ball basis",
     summary: "A generalized Ball basis of degree control points − 1, totally positive and cheaper to evaluate than Bernstein polynomials.",
@@ -15,7 +15,7 @@ pub(super) const SAID_BALL: About = About {
 };
 
 /// The entry of the Wang–Ball basis in the table of bases.
-pub(super) const WANG_BALL: About = About {
+pub(super) const WANG_BALL: KindInfo = KindInfo {
     name: "wang_ball",
     title: "Wang–Ball basis",
     summary: "A generalized Ball basis of degree control points − 1, not totally positive from degree 4 on, for the extended method.",

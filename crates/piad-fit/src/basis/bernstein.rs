@@ -9,10 +9,10 @@
 //! i/m the eigenvalues of the collocation matrix are `m! / ((m − i)! mⁱ)`, and the least one is
 //! `m!/mᵐ`: slow for high degrees.
 
-use crate::about::About;
+use crate::kind_info::KindInfo;
 
 /// The entry in the table of bases.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "bernstein",
     title: "Bernstein polynomials",
     summary: "The basis of Bézier curves, of degree control points − 1: the fastest of its space.",

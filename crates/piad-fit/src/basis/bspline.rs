@@ -20,10 +20,10 @@
 //! All terms are sums of nonnegative numbers, so that nothing cancels: each value is accurate to a few times p rounding
 //! errors.
 
-use crate::about::About;
+use crate::kind_info::KindInfo;
 
 /// The entry in the table of bases.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "bspline",
     title: "B-splines",
     summary: "Piecewise polynomials of a degree of one's choice with local support, open or closed.",

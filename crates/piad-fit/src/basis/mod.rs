@@ -36,7 +36,7 @@ pub(crate) mod quadrature;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::about::About;
+use super::kind_info::KindInfo;
 
 pub use choice::{BasisChoice, Corners};
 pub use end_conditions::{End, Ends};
@@ -44,9 +44,9 @@ pub use knots::Knots;
 
 /// All bases, in the order in which they are listed.
 #[doc(hidden)]
-pub const BASES: [&About; 4] = [
-    &bspline::ABOUT,
-    &bernstein::ABOUT,
+pub const BASES: [&KindInfo; 4] = [
+    &bspline::INFO,
+    &bernstein::INFO,
     &ball::SAID_BALL,
     &ball::WANG_BALL,
 ];
@@ -99,9 +99,9 @@ pub enum Polynomial {
 
 impl Polynomial {
     /// Its names and source.
-    pub fn about(self) -> &'static About {
+    pub fn info(self) -> &'static KindInfo {
         match self {
-            Self::Bernstein => &bernstein::ABOUT,
+            Self::Bernstein => &bernstein::INFO,
             Self::SaidBall => &ball::SAID_BALL,
             Self::WangBall => &ball::WANG_BALL,
         }
@@ -109,22 +109,22 @@ impl Polynomial {
 
     /// The name of the kind of basis.
     pub fn name(self) -> &'static str {
-        self.about().name
+        self.info().name
     }
 }
 
 impl Basis {
     /// Its names and source.
-    pub fn about(&self) -> &'static About {
+    pub fn info(&self) -> &'static KindInfo {
         match self {
-            Self::Polynomial { kind, .. } => kind.about(),
-            Self::BSpline { .. } => &bspline::ABOUT,
+            Self::Polynomial { kind, .. } => kind.info(),
+            Self::BSpline { .. } => &bspline::INFO,
         }
     }
 
     /// The name of the kind of basis.
     pub fn name(&self) -> &'static str {
-        self.about().name
+        self.info().name
     }
 
     /// The polynomial degree.

@@ -16,7 +16,7 @@ use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
 
 /// From this length on, in numbers, lanes start at different offsets of a memory page.
-const LONG: usize = 1024;
+const STAGGERED_NUMBERS: usize = 1024;
 
 /// From this length on, in numbers, lanes are made by several threads.
 const PARALLEL: usize = 100_000;
@@ -67,7 +67,7 @@ impl Lane {
     /// A lane without numbers, and with room for `count` of them.
     pub(crate) fn with_room(count: usize) -> Self {
         let start = match count {
-            LONG.. => LANES.fetch_add(1, Ordering::Relaxed) % 3 * THIRD,
+            STAGGERED_NUMBERS.. => LANES.fetch_add(1, Ordering::Relaxed) % 3 * THIRD,
             _ => 0,
         };
         let mut numbers = AVec::with_capacity(CACHELINE_ALIGN, start + count);

@@ -143,15 +143,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_are_named() {
         let rows = [vec![1.0, 2.0], vec![1.0]];
-        let told = rows.into_points().unwrap_err().to_string();
-        assert_eq!(told, "point 1 has 1 coordinates, and the first one has 2");
+        let message = rows.into_points().unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "point 1 has 1 coordinates, and the first one has 2"
+        );
         for (flat, dimension) in [(&[1.0; 5][..], 2), (&[1.0; 4], 0), (&[1.0; 34], 17)] {
             assert!((flat, dimension).into_points().is_err());
         }
         let grid = vec![vec![[0.0; 3]; 2], vec![[0.0; 3]; 3]];
-        let told = grid.into_grid().unwrap_err().to_string();
-        assert_eq!(told, "row 1 has 3 points, and the first one has 2");
+        let message = grid.into_grid().unwrap_err().to_string();
+        assert_eq!(message, "row 1 has 3 points, and the first one has 2");
     }
 }

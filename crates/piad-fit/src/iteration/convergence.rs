@@ -33,13 +33,13 @@ impl Iteration {
 /// The predicted end of a fit: short fits are tried, of longer ones the beginning. `None` if that is not enough.
 fn end(system: &Arc<System>) -> Option<Prediction> {
     let problem = system.problem();
-    let method = problem.method().scheme();
+    let method = problem.method().algorithm();
     let exact = system.forecast().exact_after;
     if method.ends_when_exact() {
         return exact.map(Prediction::End);
     }
     // Of the other exact methods there is no better prediction.
-    let exact = exact.map(|end| Prediction::About { end, seen: end });
+    let exact = exact.map(|end| Prediction::Estimate { end, seen: end });
     let steps = LOOK / problem.step_cost().max(1);
     // Errors do not fall to zero: fits without a tolerance run to the last allowed level.
     let endless = problem.tolerance() <= 0.0 && !method.ends_by_itself();
@@ -58,5 +58,5 @@ fn end(system: &Arc<System>) -> Option<Prediction> {
     }
     let seen = iteration.level().iteration;
     let end = iteration.end_of_decay();
-    exact.or(end.map(|end| Prediction::About { end, seen }))
+    exact.or(end.map(|end| Prediction::Estimate { end, seen }))
 }

@@ -14,7 +14,7 @@
 //! follows from the integral of g.
 
 /// The most errors that are remembered: of long fits every second, fourth … one.
-const MOST: usize = 256;
+const MAX_ERRORS: usize = 256;
 
 /// The least number of levels that allow an estimate.
 const LEAST: usize = 4;
@@ -46,7 +46,7 @@ impl Decay {
         if !level.is_multiple_of(self.stride) {
             return;
         }
-        if self.logs.len() == MOST {
+        if self.logs.len() == MAX_ERRORS {
             let mut index = 0;
             self.logs.retain(|_| {
                 index += 1;
@@ -207,7 +207,7 @@ mod tests {
 
     /// Neither are errors that are no numbers, nor ends at a tolerance of zero.
     #[test]
-    fn what_is_far_or_does_not_fall_is_not_foretold() {
+    fn far_or_constant_errors_are_not_predicted() {
         assert_eq!(forecast(|_| 1.0, 50, 1e-3, None), None);
         assert_eq!(forecast(|k| 0.999_f64.powf(k), 50, 1e-9, None), None);
         assert_eq!(forecast(|k| 0.5_f64.powf(k), 2, 1e-9, None), None);
@@ -221,7 +221,7 @@ mod tests {
     fn little_is_remembered_of_long_fits() {
         let mut decay = Decay::default();
         (0..100_000).for_each(|k| decay.record(k, (-1e-3 * k as f64).exp()));
-        assert!(decay.logs.len() <= MOST);
+        assert!(decay.logs.len() <= MAX_ERRORS);
         let (level, log) = decay.before(70_000).unwrap();
         assert!((70_000.0 - level) < decay.stride as f64 && (log + 1e-3 * level).abs() < 1e-9);
     }

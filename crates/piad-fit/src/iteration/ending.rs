@@ -40,7 +40,7 @@ impl Iteration {
     /// have points to move, or may need more than small distances.
     pub(super) fn is_within(&self) -> bool {
         let (problem, largest) = (self.system.problem(), self.level.error.max);
-        let first = problem.method().scheme().first_end();
+        let first = problem.method().algorithm().first_end();
         if self.level.iteration < first.min(problem.max_iterations()) {
             return false;
         }
@@ -48,7 +48,8 @@ impl Iteration {
             return false;
         }
         let unfinished = || self.update().is_some_and(Update::is_unfinished);
-        largest <= problem.tolerance() && (largest <= problem.asked_tolerance() || !unfinished())
+        largest <= problem.tolerance()
+            && (largest <= problem.requested_tolerance() || !unfinished())
     }
 
     /// How the iteration ends, if the current level is its last one. A fit that leaves its data between neighbours has not
@@ -117,7 +118,7 @@ impl Iteration {
 
     /// Returns true if the fit ends for a reason of the method's own, by its errors or by what its update has measured.
     fn rule_of_method(&self) -> Option<Outcome> {
-        let rule = self.system.problem().method().scheme();
+        let rule = self.system.problem().method().algorithm();
         let measured = || self.update().and_then(Update::outcome);
         rule.stop(&self.progress()).or_else(measured)
     }

@@ -48,7 +48,7 @@ pub enum NoLimit {
 pub fn local_limit(start: &Iteration) -> Result<LocalLimit, NoLimit> {
     let system = start.system();
     let problem = system.problem();
-    let adjusted = problem.method().scheme().adjusted(problem.setup());
+    let adjusted = problem.method().algorithm().adjusted(problem.setup());
     let adjusted = adjusted.ok_or(NoLimit::NotLocal)?;
     let count = problem.grid().count();
     if adjusted.len() > MOST_ADJUSTED {

@@ -126,7 +126,7 @@ impl Iteration {
 
     /// Level 0 of the plain loop from these control points.
     fn with_plain(system: Arc<System>, control_points: Arc<Points>) -> Self {
-        let method = system.problem().method().scheme();
+        let method = system.problem().method().algorithm();
         let (plain, error) = method.plain(system.equations(), control_points);
         let length = plain.residual_length();
         Self::begin(system, Engine::Plain(Box::new(plain)), error, length)
@@ -423,7 +423,7 @@ impl Iteration {
         }
         match self.system.prediction() {
             Some(Prediction::End(level)) => Some(level).filter(|level| *level > iteration),
-            Some(Prediction::About { end, seen }) if iteration <= seen => Some(end),
+            Some(Prediction::Estimate { end, seen }) if iteration <= seen => Some(end),
             _ => self.end_of_decay().or_else(|| {
                 let forecast = self.system.forecast();
                 let left = forecast.iterations_of_block(error.max, problem.tolerance())?;
@@ -435,7 +435,7 @@ impl Iteration {
     /// The level at which the errors will be within the tolerance if they keep falling at the current rate.
     pub(super) fn end_of_decay(&self) -> Option<usize> {
         let problem = self.system.problem();
-        let method = problem.method().scheme();
+        let method = problem.method().algorithm();
         if !method.decays() || problem.tolerance() <= 0.0 {
             return None;
         }

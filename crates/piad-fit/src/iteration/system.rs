@@ -44,7 +44,7 @@ impl System {
 
     /// Prepares the transform and the forecast of the method.
     fn with(problem: Arc<Problem>, collocation: Operator) -> Self {
-        let method = problem.method().scheme();
+        let method = problem.method().algorithm();
         let setup = Arc::clone(problem.setup());
         // Methods of scattered points have no fixed transform, and no forecast.
         let (forecast, transform) = match collocation.tensor() {
@@ -90,7 +90,10 @@ impl System {
 
     /// The control points of level 0: given ones, or those of the method.
     pub fn start(&self) -> Arc<Points> {
-        self.problem.method().scheme().level_zero(&self.equations)
+        self.problem
+            .method()
+            .algorithm()
+            .level_zero(&self.equations)
     }
 
     /// Finds out where the fit will end, unless that is known.

@@ -17,7 +17,7 @@ const STEPS: usize = 1000;
 const DONE: f64 = 1e-13;
 
 /// A residual up to this part counts as a solution if rounding ends the steps before it is smaller.
-const NEAR: f64 = 1e-8;
+const ACCEPTED_RESIDUAL: f64 = 1e-8;
 
 impl SparseRows {
     /// The solutions of `A x = b` for several right-hand sides; `None` if the steps do not come near one.
@@ -55,7 +55,7 @@ impl SparseRows {
             }
             self.steps(hierarchy, &mut x, &mut r, (DONE * size, &mut steps));
         }
-        (least <= NEAR * size).then_some(best)
+        (least <= ACCEPTED_RESIDUAL * size).then_some(best)
     }
 
     /// Steps until the residual is small, or a step cannot be taken.

@@ -17,7 +17,7 @@ use crate::data::aligned::Lane;
 use crate::data::monotonic;
 
 /// If stretches have fewer rows than this on average, they are joined by zeros.
-const LONG: usize = 64;
+const JOINED_ROWS: usize = 64;
 
 /// This many stretches are few, whatever their length: rows at the ends of a curve have stretches
 /// of their own.
@@ -55,7 +55,7 @@ impl Banded {
         let lowest = runs.iter().map(|run| run.offset).min().unwrap_or(0);
         let ends = runs.iter().map(|run| run.offset + run.length as i32);
         let uniform = (ends.max().unwrap_or(1) - lowest) as usize;
-        if stretches.len() > FEW + rows / LONG && uniform <= (width + 1).min(columns) {
+        if stretches.len() > FEW + rows / JOINED_ROWS && uniform <= (width + 1).min(columns) {
             width = uniform;
             stretches = self::stretches(&runs, rows, |_| lowest, room(uniform));
         }

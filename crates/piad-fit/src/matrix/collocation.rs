@@ -20,7 +20,7 @@ use crate::linear::{Dense, Inverse};
 
 /// Above this number of columns, eigenvalues are computed to fewer digits, which is enough for
 /// forecasts.
-pub(crate) const LONG: usize = 1000;
+pub(crate) const ROUGH_EIGENVALUE_COLUMNS: usize = 1000;
 
 /// The least values of a dense matrix that another thread is woken up for.
 const PART: usize = 50_000;
@@ -179,7 +179,7 @@ impl Collocation {
     /// are not long are factorized with pivots.
     pub fn shifted_inverse(&self, sigma: f64, exact: bool) -> Option<Inverse> {
         match self {
-            Self::Banded(banded) if exact && banded.columns() <= LONG => {
+            Self::Banded(banded) if exact && banded.columns() <= ROUGH_EIGENVALUE_COLUMNS => {
                 banded.shifted(sigma).as_ref().map(Inverse::of_banded)
             }
             Self::Banded(banded) => Inverse::of_shifted(banded, sigma),

@@ -46,7 +46,7 @@ pub(crate) enum Prediction {
     End(usize),
     /// By a trial run of the beginning: at about this level, unless later errors give a better
     /// prediction.
-    About {
+    Estimate {
         /// The level at which it ends.
         end: usize,
         /// The level up to which this prediction is the best one.

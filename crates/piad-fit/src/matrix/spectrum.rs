@@ -10,7 +10,7 @@
 
 use nalgebra::DVector;
 
-use super::collocation::{Collocation, LONG};
+use super::collocation::{Collocation, ROUGH_EIGENVALUE_COLUMNS};
 use super::tensor::Tensor;
 use crate::basis::direction::Direction;
 use crate::interrupt;
@@ -29,7 +29,11 @@ const BLOCK_ACCURACY: f64 = 1e-9;
 /// for long curves.
 fn effort(matrix: &Collocation) -> (f64, usize) {
     let n = matrix.columns();
-    let accuracy = if n <= LONG { 1e-13 } else { 1e-9 };
+    let accuracy = if n <= ROUGH_EIGENVALUE_COLUMNS {
+        1e-13
+    } else {
+        1e-9
+    };
     (accuracy, most_steps(matrix.entries()))
 }
 
@@ -72,9 +76,9 @@ pub fn least_eigenvalue(matrix: &Collocation) -> f64 {
 /// end each shift doubles the digits, unless eigenvalues nearly coincide, as they do for even
 /// degrees. A few digits are enough for long curves: the step after one of 3 in 100 is less than 1
 /// in 100.
-fn patience(matrix: &Collocation) -> (f64, usize) {
+fn precision(matrix: &Collocation) -> (f64, usize) {
     match matrix.columns() {
-        n if n <= LONG => (1e-13, 100),
+        n if n <= ROUGH_EIGENVALUE_COLUMNS => (1e-13, 100),
         ..=20_000 => (1e-6, 20),
         _ => (3e-2, 8),
     }
@@ -82,7 +86,7 @@ fn patience(matrix: &Collocation) -> (f64, usize) {
 
 /// After a relative step larger than this the shift is far enough from the eigenvalue for
 /// elimination without pivots.
-const NEAR: f64 = 1e-3;
+const PIVOTED_STEP: f64 = 1e-3;
 
 /// A relative step less than this is one of the last two: the next one is below rounding.
 const NEARLY: f64 = 1e-7;
@@ -103,7 +107,7 @@ const NEARLY: f64 = 1e-7;
 /// `None` if a matrix that is not totally positive spoils a sign.
 fn by_shifts(matrix: &Collocation) -> Option<f64> {
     let n = matrix.columns();
-    let (accuracy, shifts) = patience(matrix);
+    let (accuracy, shifts) = precision(matrix);
     let inverse = matrix.inverse();
     let mut z: Vec<f64> = (0..n).map(alternating).collect();
     let mut w = z.clone();
@@ -114,7 +118,7 @@ fn by_shifts(matrix: &Collocation) -> Option<f64> {
     for _ in 0..shifts {
         interrupt::check();
         matrix.apply_to_lines(&z, &mut w);
-        let exact = step < NEAR;
+        let exact = step < PIVOTED_STEP;
         matrix.shifted_inverse(upper, exact)?.apply(&mut w);
         let (least, largest) = extremes(&z, &w);
         if !(least > 0.0 && largest.is_finite()) {
@@ -326,7 +330,7 @@ mod tests {
     /// 1/3.
     #[test]
     fn shifts_find_the_least_eigenvalue_of_long_curves() {
-        // As accurate as `patience` allows for this number of points.
+        // As accurate as `precision` allows for this number of points.
         for (count, accuracy) in [(20_000, 1e-5), (120_000, 1e-2)] {
             let knots = Knots::Usual;
             let cubic = BasisChoice::BSpline { degree: 3, knots };

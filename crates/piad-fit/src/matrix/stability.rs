@@ -23,7 +23,7 @@ use nalgebra::{Complex, DMatrix, DVector, Schur};
 const MOST_QR_STEPS: usize = 100;
 
 /// The most eigenvalues that are examined: those that seem to diverge the most.
-const SUSPECTS: usize = 4;
+const MAX_CANDIDATES: usize = 4;
 
 /// Steps of the inverse iteration for an eigenvector.
 const STEPS: usize = 3;
@@ -35,7 +35,7 @@ const WELL_KNOWN: f64 = 1e-9;
 const ONE: Complex<f64> = Complex::new(1.0, 0.0);
 
 /// An eigenvalue of each direction, and the distance of their product from one.
-struct Suspect {
+struct Candidate {
     /// The eigenvalue of each direction.
     values: Vec<Complex<f64>>,
     /// `|1 − λ|` of their product λ.
@@ -45,8 +45,8 @@ struct Suspect {
 /// ρ(I − M) of the tensor product M of the matrices of all directions, as computed. `None` if the
 /// QR algorithm does not end.
 pub(crate) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
-    let first = suspects(matrices)?.into_iter().next();
-    first.map(|suspect| suspect.rate)
+    let first = candidates(matrices)?.into_iter().next();
+    first.map(|candidate| candidate.rate)
 }
 
 /// ρ(I − M), if that is certainly not less than one.
@@ -55,28 +55,31 @@ pub(crate) fn rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
 /// for a small error oscillates if it is far from zero; near zero its part of the error stays
 /// constant, as that of a selection does.
 pub(crate) fn diverging_rate(matrices: &[DMatrix<f64>]) -> Option<f64> {
-    let suspects = suspects(matrices)?;
-    let certain = suspects.into_iter().take(SUSPECTS).find(|suspect| {
-        if suspect.rate < 1.0 - WELL_KNOWN {
-            return false;
-        }
-        let error = error(matrices, &suspect.values);
-        let overshoots = suspect.product().norm() >= 1.0 && error < WELL_KNOWN;
-        suspect.rate > 1.0 + error || (overshoots && suspect.rate >= 1.0 - error)
-    });
-    certain.map(|suspect| suspect.rate)
+    let candidates = candidates(matrices)?;
+    let certain = candidates
+        .into_iter()
+        .take(MAX_CANDIDATES)
+        .find(|candidate| {
+            if candidate.rate < 1.0 - WELL_KNOWN {
+                return false;
+            }
+            let error = error(matrices, &candidate.values);
+            let overshoots = candidate.product().norm() >= 1.0 && error < WELL_KNOWN;
+            candidate.rate > 1.0 + error || (overshoots && candidate.rate >= 1.0 - error)
+        });
+    certain.map(|candidate| candidate.rate)
 }
 
-impl Suspect {
+impl Candidate {
     /// The eigenvalue of the tensor product.
     fn product(&self) -> Complex<f64> {
         self.values.iter().product()
     }
 }
 
-/// The eigenvalues of the tensor product, the least contracting first: at most [`SUSPECTS`] of
+/// The eigenvalues of the tensor product, the least contracting first: at most [`MAX_CANDIDATES`] of
 /// them. `None` if the QR algorithm does not end.
-fn suspects(matrices: &[DMatrix<f64>]) -> Option<Vec<Suspect>> {
+fn candidates(matrices: &[DMatrix<f64>]) -> Option<Vec<Candidate>> {
     let mut products = vec![Vec::new()];
     for matrix in matrices {
         let steps = MOST_QR_STEPS * matrix.nrows();
@@ -90,17 +93,17 @@ fn suspects(matrices: &[DMatrix<f64>]) -> Option<Vec<Suspect>> {
             })
             .collect();
     }
-    let mut suspects: Vec<Suspect> = products
+    let mut candidates: Vec<Candidate> = products
         .into_iter()
         .map(|values| {
             let product: Complex<f64> = values.iter().product();
             let rate = (ONE - product).norm();
-            Suspect { values, rate }
+            Candidate { values, rate }
         })
         .collect();
-    suspects.sort_by(|a, b| f64::total_cmp(&b.rate, &a.rate));
-    suspects.truncate(SUSPECTS);
-    Some(suspects)
+    candidates.sort_by(|a, b| f64::total_cmp(&b.rate, &a.rate));
+    candidates.truncate(MAX_CANDIDATES);
+    Some(candidates)
 }
 
 /// How far the product of these eigenvalues of the matrices can be from the exact one.

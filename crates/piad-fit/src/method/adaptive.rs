@@ -11,23 +11,23 @@
 //! The fit ends when no point is further away than its threshold, even if the tolerance is less, or when all are within
 //! the tolerance.
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::eigenvalues;
 use super::equations::Equations;
 use super::omega::Omega;
-use super::scheme::{Demand, Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::threshold::Threshold;
 use super::update::{State, Update};
-use crate::about::About;
 use crate::data::blocks::BLOCK;
 use crate::geometry::norms::Norms;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "adaptive",
     title: "Adaptive PIA",
     summary: "Only control points move whose data points are further away than a threshold, chosen anew at every level.",
@@ -55,9 +55,9 @@ impl Adaptive {
     }
 }
 
-impl Scheme for Adaptive {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Adaptive {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// At 0 all points would move forever.
@@ -68,8 +68,8 @@ impl Scheme for Adaptive {
 
     /// Points that are nearer than the threshold are left alone; no distance above the largest one
     /// is.
-    fn tolerance(&self, asked: f64) -> f64 {
-        asked.max(self.threshold.largest())
+    fn tolerance(&self, requested: f64) -> f64 {
+        requested.max(self.threshold.largest())
     }
 
     /// Checks of other methods, and of the thresholds of points.

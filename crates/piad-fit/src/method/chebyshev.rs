@@ -12,17 +12,17 @@
 //! interval is chosen so that they do not rise far. Bases that are not totally positive are
 //! refused, as their eigenvalues are not real.
 
+use super::algorithm::{Algorithm, Demand, Progress};
 use super::divergence;
 use super::eigenvalues;
 use super::equations::Equations;
 use super::recurrence::Recurrence;
 use super::relaxation::Relaxation;
-use super::scheme::{Demand, Progress, Scheme};
 use super::trial_run;
 use super::update::{Change, State, Update};
-use crate::about::About;
 use crate::data::points::Points;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::spectrum;
 use crate::matrix::tensor::Tensor;
@@ -31,7 +31,7 @@ use crate::termination::{Outcome, Reason};
 use crate::warning::Warning;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "chebyshev",
     title: "Chebyshev-accelerated PIA",
     summary: "Chebyshev semi-iteration: classical PIA with momentum, a third of its iterations on B-splines.",
@@ -48,14 +48,14 @@ const SLOW: usize = 200;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chebyshev;
 
-impl Scheme for Chebyshev {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Chebyshev {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// Steps are chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
-        divergence::check_real(setup, ABOUT.name)
+        divergence::check_real(setup, INFO.name)
     }
 
     /// The last step, in the plain loop and in sweeps.

@@ -12,17 +12,17 @@
 //! the interpolant turns otherwise, steps become shorter and shorter, and the fit stalls with a
 //! positive error. A level costs one application of B, and O(n) for each bisection.
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::equations::Equations;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::{Change, State, Update};
-use crate::about::About;
 use crate::data::points::{Points, normalizing_scale};
 use crate::invalid::{Invalid, Place, Setting, Side};
+use crate::kind_info::KindInfo;
 use crate::setup::Setup;
 use crate::termination::Reason;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "convex",
     title: "Convexity-preserving PIA",
     summary: "Steps are as long as the control polygon of a planar curve keeps the turns of the data.",
@@ -56,9 +56,9 @@ impl Default for Convex {
     }
 }
 
-impl Scheme for Convex {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Convex {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// Turning angles are those of planar polygons. A tolerance of 0 would take bisection to its
@@ -86,7 +86,7 @@ impl Scheme for Convex {
             Place::Method,
             format!(
                 "{method} fits only planar curves (two coordinates, not homogeneous): {found}",
-                method = ABOUT.name
+                method = INFO.name
             ),
         ))
     }

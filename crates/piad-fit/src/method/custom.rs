@@ -20,12 +20,12 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::equations::Equations;
 use super::linear::Linear;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
-use crate::about::About;
 use crate::invalid::{Axis, Invalid, Place};
+use crate::kind_info::KindInfo;
 use crate::linear::DenseMap;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::stability;
@@ -34,7 +34,7 @@ use crate::matrix::transform::Transform;
 use crate::setup::Setup;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "custom",
     title: "PIA with a given transform",
     summary: "Difference vectors are multiplied with any given matrix U, with which ρ(I − U B) < 1.",
@@ -116,9 +116,9 @@ fn is_small(setup: &Setup) -> bool {
     grid.rows.max(grid.columns) <= SMALL
 }
 
-impl Scheme for Custom {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Custom {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// The size and the entries of each matrix.

@@ -8,12 +8,12 @@
 //! a level costs O(n p) or O(n²). Further levels refine the solution (iterative refinement), until
 //! the residual shrinks no more: what is left is rounding.
 
+use super::algorithm::{Algorithm, Progress};
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::{Progress, Scheme};
 use super::update::Update;
-use crate::about::About;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::matrix::transform::Transform;
@@ -21,7 +21,7 @@ use crate::setup::Setup;
 use crate::termination::{Outcome, Reason};
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "direct",
     title: "Direct interpolation",
     summary: "The interpolation equations are solved by an LU decomposition, so that level 1 is the limit.",
@@ -36,9 +36,9 @@ const REFINED: f64 = 0.5;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Direct;
 
-impl Scheme for Direct {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Direct {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// Level 1 is the limit.

@@ -20,13 +20,13 @@
 
 use std::sync::Arc;
 
+use super::algorithm::{Algorithm, Demand};
 use super::equations::Equations;
 use super::linear::Linear;
-use super::scheme::{Demand, Scheme};
 use super::trial_run;
 use super::update::Update;
-use crate::about::About;
 use crate::data::points::Points;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::matrix::transform::Transform;
@@ -34,7 +34,7 @@ use crate::setup::Setup;
 use crate::warning::Warning;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "extended",
     title: "Extended PIA",
     summary: "A QR decomposition of the collocation matrix gives a transform with which the fit is exact after finitely many levels.",
@@ -79,9 +79,9 @@ impl Extended {
     }
 }
 
-impl Scheme for Extended {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Extended {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// The step, if its length is reported.

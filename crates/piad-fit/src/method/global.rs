@@ -10,22 +10,22 @@
 //! `1 − λ_min(B)` in each level (LBW05, Theorem 2.1). A level costs one application of B: O(n p)
 //! for B-splines of degree p.
 
+use super::algorithm::{Algorithm, Demand};
 use super::divergence;
 use super::eigenvalues;
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::{Demand, Scheme};
 use super::update::Update;
-use crate::about::About;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
 use crate::warning::Warning;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "global",
     title: "Classical PIA",
     summary: "Every control point moves by the difference vector of its data point.",
@@ -36,14 +36,14 @@ pub(super) const ABOUT: About = About {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Global;
 
-impl Scheme for Global {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Global {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// With the Wang–Ball basis eigenvalues can be complex or larger than 2.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
-        divergence::check_relaxation(setup, ABOUT.name, 1.0)
+        divergence::check_relaxation(setup, INFO.name, 1.0)
     }
 
     /// The residual is the step: this needs no further vector and no factorization.

@@ -16,22 +16,22 @@
 //! line until it is within the tolerance, then the next one. One pass is not enough, as later lines
 //! disturb earlier ones, so that the sweeps are repeated until all lines are.
 
+use super::algorithm::{Algorithm, Scope};
 use super::eigenvalues;
 use super::equations::Equations;
 use super::omega::Omega;
-use super::scheme::{Scheme, Scope};
 use super::selection::{Choice, Selection, all_points};
 use super::update::{State, Update};
-use crate::about::About;
 use crate::geometry::norms::Norms;
 use crate::invalid::{Invalid, Place, Setting};
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::spectrum;
 use crate::matrix::tensor::Tensor;
 use crate::setup::Setup;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "local",
     title: "Local PIA (LPIA)",
     summary: "Only the control points of selected data points move, and all others stay where they are.",
@@ -63,9 +63,9 @@ pub enum Sweeps {
     Columns,
 }
 
-impl Scheme for Local {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Local {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// Sweeps are for surfaces, and indices are those of points, each once.

@@ -16,14 +16,14 @@
 //! | `least_squares` | D Aᵀ | sampled data | to the minimum | Deng, Lin 2014 |
 //! | `custom` | any matrix | P | if ρ(I − U B) < 1 | Deng13, Theorem 2.1 |
 
-// What a method is for the rest of the crate is the trait `Scheme`: its checks, its demand of memory,
+// What a method is for the rest of the crate is the trait `Algorithm`: its checks, its demand of memory,
 // its forecast, its transform, its level 0, its update, its stop rule and its warnings. Functions
 // of it that a method does not have are those of classical PIA.
 //
 // # To add a method
 //
-// Write a file with a type that implements `Scheme`, whose documentation gives its formula and its source, and add a
-// line to each of `Method`, `Method::scheme` and `METHODS`. Nothing else in the crate distinguishes methods.
+// Write a file with a type that implements `Algorithm`, whose documentation gives its formula and its source, and add a
+// line to each of `Method`, `Method::algorithm` and `METHODS`. Nothing else in the crate distinguishes methods.
 //
 // # What methods share
 //
@@ -36,6 +36,7 @@
 // - `trial_run`: fits in advance.
 
 mod adaptive;
+mod algorithm;
 mod chebyshev;
 mod convex;
 mod custom;
@@ -52,7 +53,6 @@ mod omega;
 pub(crate) mod plain;
 mod recurrence;
 pub(super) mod relaxation;
-mod scheme;
 mod selection;
 mod threshold;
 mod transpose;
@@ -60,11 +60,12 @@ mod trial_run;
 pub(super) mod update;
 mod weighted;
 
-use super::about::About;
+use super::kind_info::KindInfo;
 use super::warning::Warning;
 use crate::matrix::forecast::Forecast;
 
 pub use adaptive::Adaptive;
+pub(super) use algorithm::{Algorithm, Progress, Scope};
 pub use convex::Convex;
 pub use custom::{Custom, LARGEST};
 pub use extended::{Extended, Start};
@@ -73,12 +74,11 @@ pub(super) use least_squares::constrained_surface::ConstrainedSurface;
 pub(super) use least_squares::cross_validation;
 pub(super) use least_squares::fair_surface::{FairSurface, MORE_NUMBERS};
 pub use least_squares::{
-    AS_MANY_AS_DATA, At, Automatic, BY_KNOTS, Constraint, EndPoints, Fairness, LeastSquares,
+    AS_MANY_AS_DATA, At, BY_KNOTS, Constraint, EndPoints, Fairness, KnotSelection, LeastSquares,
     MOST_CONDITIONS, Variant, Wanted,
 };
 pub use local::{Local, Sweeps};
 pub use omega::Omega;
-pub(super) use scheme::{Progress, Scheme, Scope};
 pub use threshold::Threshold;
 pub use weighted::Weighted;
 
@@ -122,23 +122,23 @@ pub enum Method {
 /// assert_eq!(Method::Direct.name(), "direct");
 /// ```
 #[doc(hidden)]
-pub const METHODS: [&About; 11] = [
-    &global::ABOUT,
-    &weighted::ABOUT,
-    &local::ABOUT,
-    &adaptive::ABOUT,
-    &extended::ABOUT,
-    &transpose::ABOUT,
-    &convex::ABOUT,
-    &chebyshev::ABOUT,
-    &direct::ABOUT,
-    &least_squares::ABOUT,
-    &custom::ABOUT,
+pub const METHODS: [&KindInfo; 11] = [
+    &global::INFO,
+    &weighted::INFO,
+    &local::INFO,
+    &adaptive::INFO,
+    &extended::INFO,
+    &transpose::INFO,
+    &convex::INFO,
+    &chebyshev::INFO,
+    &direct::INFO,
+    &least_squares::INFO,
+    &custom::INFO,
 ];
 
 impl Method {
     /// The algorithm of the method: the only place in the crate that distinguishes methods.
-    pub(super) fn scheme(&self) -> &dyn Scheme {
+    pub(super) fn algorithm(&self) -> &dyn Algorithm {
         match self {
             Self::Global => &global::Global,
             Self::Weighted(method) => method,
@@ -166,7 +166,7 @@ impl Method {
     }
 
     /// The settings of a fit that chooses its knots.
-    pub(crate) fn automatic(&self) -> Option<(&LeastSquares, &Automatic)> {
+    pub(crate) fn automatic(&self) -> Option<(&LeastSquares, &KnotSelection)> {
         match self {
             Self::LeastSquares(settings) => Some((settings, settings.automatic.as_ref()?)),
             _ => None,
@@ -180,12 +180,12 @@ impl Method {
 
     /// Returns true if there are fewer control points than data points.
     pub fn has_fewer_control_points(&self) -> bool {
-        self.scheme().control_points().is_some()
+        self.algorithm().control_points().is_some()
     }
 
     /// Its names, what it does, and its source.
-    pub fn about(&self) -> &'static About {
-        self.scheme().about()
+    pub fn info(&self) -> &'static KindInfo {
+        self.algorithm().info()
     }
 
     /// The fairness of a least-squares fit, also if the data have chosen it.
@@ -206,7 +206,7 @@ impl Method {
 
     /// Its name.
     pub fn name(&self) -> &'static str {
-        self.about().name
+        self.info().name
     }
 
     /// Warnings by what is known before the first step. The fit is predicted to end at level `predicted`, and is
@@ -217,6 +217,6 @@ impl Method {
         predicted: Option<usize>,
         iterations: usize,
     ) -> Vec<Warning> {
-        self.scheme().warnings(forecast, predicted, iterations)
+        self.algorithm().warnings(forecast, predicted, iterations)
     }
 }

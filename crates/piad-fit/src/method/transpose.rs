@@ -13,12 +13,12 @@
 //! Of a surface ρ is the product of those of both directions. A level costs two applications of B;
 //! ρ is found by power iteration before.
 
+use super::algorithm::Algorithm;
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::Scheme;
 use super::update::Update;
-use crate::about::About;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::spectrum;
 use crate::matrix::tensor::Tensor;
@@ -26,7 +26,7 @@ use crate::matrix::transform::Transform;
 use crate::setup::Setup;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "transpose",
     title: "PIA with the transpose",
     summary: "Difference vectors are multiplied with the scaled transpose of the collocation matrix, which converges for any basis, slowly.",
@@ -37,9 +37,9 @@ pub(super) const ABOUT: About = About {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Transpose;
 
-impl Scheme for Transpose {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Transpose {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// ρ(B Bᵀ) by power iteration in each direction.

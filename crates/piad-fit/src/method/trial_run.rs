@@ -9,8 +9,8 @@
 //! A trial run is made with the data of the fit, by the plain loop, when a system is made. It is
 //! limited by a number of multiplications, so that it never takes longer than a moment.
 
+use super::algorithm::Algorithm;
 use super::equations::Equations;
-use super::scheme::Scheme;
 
 /// The most multiplications of a trial run: a moment.
 const WORK: usize = 50_000_000;
@@ -18,7 +18,7 @@ const WORK: usize = 50_000_000;
 /// About how large a distance rounding leaves at the end of an extended fit, in data units, if it
 /// is beyond the tolerance; infinite if numbers overflow between. Of long fits only the beginning
 /// is tried: what is left of them is at least the rounding of the largest distance there.
-pub(super) fn left_by_rounding(method: &dyn Scheme, equations: &Equations) -> Option<f64> {
+pub(super) fn left_by_rounding(method: &dyn Algorithm, equations: &Equations) -> Option<f64> {
     let setup = &equations.setup;
     let levels = equations.forecast.exact_after?;
     let steps = levels.min(WORK / setup.residual_cost().max(1));
@@ -82,7 +82,7 @@ fn is_doubtful(equations: &Equations) -> bool {
 
 /// Returns true if residuals stay low in a fit with the steps of the forecast, as far as it is
 /// tried.
-pub(super) fn stays_low(method: &dyn Scheme, equations: &Equations) -> bool {
+pub(super) fn stays_low(method: &dyn Algorithm, equations: &Equations) -> bool {
     let setup = &equations.setup;
     let steps = (WORK / setup.residual_cost().max(1)).clamp(STEPS.0, STEPS.1);
     let (mut plain, _) = method.plain(equations, method.level_zero(equations));

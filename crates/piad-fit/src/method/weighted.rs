@@ -8,15 +8,15 @@
 //! 2, by the factor `max(|1 − ω λ_min|, |1 − ω|)` in each level, which is least for ω = 2 / (1 +
 //! λ_min): `(1 − λ_min) / (1 + λ_min)`. A level costs as much as one of classical PIA.
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::divergence;
 use super::eigenvalues;
 use super::equations::Equations;
 use super::linear::Linear;
 use super::relaxation::Relaxation;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
-use crate::about::About;
 use crate::invalid::Invalid;
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::matrix::tensor::Tensor;
 use crate::matrix::transform::Transform;
@@ -24,7 +24,7 @@ use crate::setup::Setup;
 use crate::warning::Warning;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "weighted",
     title: "Weighted PIA (WPIA)",
     summary: "Every control point moves by the difference vector of its data point times a relaxation factor.",
@@ -39,9 +39,9 @@ pub struct Weighted {
     pub omega: Option<f64>,
 }
 
-impl Scheme for Weighted {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for Weighted {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// ω = 0 would make no progress, and ω = 2 oscillate, as 1 is an eigenvalue of most matrices.
@@ -55,8 +55,8 @@ impl Scheme for Weighted {
     /// The best ω is chosen for eigenvalues that are real and positive.
     fn check_convergence(&self, setup: &Setup) -> Result<(), Invalid> {
         match self.omega {
-            Some(omega) => divergence::check_relaxation(setup, ABOUT.name, omega),
-            None => divergence::check_real(setup, ABOUT.name),
+            Some(omega) => divergence::check_relaxation(setup, INFO.name, omega),
+            None => divergence::check_real(setup, INFO.name),
         }
     }
 

@@ -57,7 +57,7 @@ pub(super) fn check_points(request: &mut Request) -> Result<Option<Missing>, Inv
             return Err(Invalid::at(Place::Points, "no point is given"));
         }
         if let (false, Some(&index)) = (
-            request.method.scheme().fits_holes(),
+            request.method.algorithm().fits_holes(),
             request.missing.first(),
         ) {
             return Err(Invalid::at(
@@ -77,8 +77,8 @@ pub(super) fn check_scattered(request: &Request) -> Result<(), Invalid> {
     }
     let weighted = |choice: &DirectionChoice| choice.weights.is_some();
     let mut choices = std::iter::once(&request.u).chain(&request.v);
-    if !request.method.scheme().fits_scattered() || request.v.is_none() {
-        let method = request.method.scheme().about().name;
+    if !request.method.algorithm().fits_scattered() || request.v.is_none() {
+        let method = request.method.algorithm().info().name;
         return Err(Invalid::at(
             Place::Method,
             format!(

@@ -36,7 +36,7 @@ impl Problem {
     /// and their factorizations. It is an upper bound by what the method demands, for admission.
     pub fn memory(&self) -> usize {
         let points = self.grid().count();
-        let demand = self.method().scheme().demand();
+        let demand = self.method().algorithm().demand();
         // Data, control points, residual and what the method needs besides; scratch on surfaces.
         let given = usize::from(self.is_homogeneous()) + usize::from(self.start().is_some());
         let shifted = usize::from(self.offsets().is_some());
@@ -69,12 +69,12 @@ impl Problem {
     /// Multiplications of one iteration: the measure of how long a step takes, for fair shares of
     /// time.
     pub fn step_cost(&self) -> usize {
-        self.residual_cost() + self.method().scheme().step_cost(self)
+        self.residual_cost() + self.method().algorithm().step_cost(self)
     }
 
     /// The approximate number of multiplications before the first iteration: bases, factorizations, eigenvalues.
     pub fn start_cost(&self) -> usize {
-        let method = self.method().scheme().start_cost(self);
+        let method = self.method().algorithm().start_cost(self);
         let placing = adaptive_knots::cost(&self.request, &self.setup);
         self.preparation_cost()
             .saturating_add(method)

@@ -11,9 +11,9 @@ use crate::setup::Setup;
 const FEW: usize = 50;
 
 /// The largest number of control points of more data, unless one for every [`PART`] data is more.
-const MOST: usize = 200;
+const MAX_CONTROL_POINTS: usize = 200;
 
-/// See [`MOST`].
+/// See [`MAX_CONTROL_POINTS`].
 const PART: usize = 20;
 
 /// The settings of a fit of which the data choose the fairness.
@@ -42,7 +42,7 @@ pub(super) fn settle(request: &mut Request) {
         settings.ends = EndPoints::Free;
     }
     if settings.automatic.is_some() && is_curve && !has_goal {
-        let most = MOST
+        let most = MAX_CONTROL_POINTS
             .max(count / PART)
             .min(FEW + count.saturating_sub(FEW) / 2);
         settings.automatic = None;

@@ -12,7 +12,7 @@ use crate::invalid::{Axis, Invalid};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::edges::Edges;
 use crate::knot_selection::surface::{MOST_FACTOR, sections};
-use crate::method::{Automatic as Settings, LeastSquares, MORE_NUMBERS};
+use crate::method::{KnotSelection, LeastSquares, MORE_NUMBERS};
 use crate::parameters::{Domain, Pairs};
 use crate::setup::Setup;
 
@@ -20,7 +20,7 @@ use crate::setup::Setup;
 pub(crate) fn first_directions(
     request: &Request,
     (pairs, missing): (Option<&Pairs>, Option<&Missing>),
-    (settings, _): (&LeastSquares, &Settings),
+    (settings, _): (&LeastSquares, &KnotSelection),
 ) -> Result<(Direction, Option<Direction>), Invalid> {
     let breaks = |place: usize| {
         let all = request.start_breaks.as_ref();

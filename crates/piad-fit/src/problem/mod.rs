@@ -137,7 +137,7 @@ impl Problem {
             Some(_) => creases::resolve(&mut request)?,
             None => corners::resolve(&mut request, inliers.as_deref())?,
         }
-        request.method.scheme().check(&scope(&request))?;
+        request.method.algorithm().check(&scope(&request))?;
         automatic::check_request(&request)?;
         adaptive_knots::check(&request)?;
         settle(&mut request);
@@ -147,7 +147,7 @@ impl Problem {
         let (u, v) = match inliers.as_ref().zip(alone.as_ref()) {
             None => all_directions(&request, pairs.as_ref(), missing.as_ref())?,
             Some((inliers, alone)) => {
-                alone.method.scheme().check(&scope(alone))?;
+                alone.method.algorithm().check(&scope(alone))?;
                 let (u, v) = all_directions(alone, pairs.as_ref(), None)?;
                 let with_outliers = |it: &Direction| inliers.with_outliers(it, v.is_some());
                 (with_outliers(&u), v.as_ref().map(with_outliers))
@@ -179,7 +179,7 @@ impl Problem {
             selected: request.selected.clone(),
             start: request.start.clone(),
             lambda_min: request.lambda_min,
-            tolerance: request.method.scheme().tolerance(tolerance),
+            tolerance: request.method.algorithm().tolerance(tolerance),
             max_iterations: request.max_iterations,
             diagonal,
             clustered: choices().any(DirectionChoice::is_clustered),
@@ -202,9 +202,9 @@ impl Problem {
             problem.setup = Arc::new(placed);
         }
         fairness::choose(&mut problem.request, &problem.setup, problem.tolerance)?;
-        while let Err(mistake) = problem.method().scheme().check_convergence(&problem) {
+        while let Err(error) = problem.method().algorithm().check_convergence(&problem) {
             let finer = first::finer(&problem.setup, &problem.request);
-            problem.setup = Arc::new(finer.ok_or(mistake)?);
+            problem.setup = Arc::new(finer.ok_or(error)?);
         }
         let kept = match problem.is_automatic() {
             true => gaps::present(&problem.request, &problem.setup),
@@ -320,7 +320,7 @@ impl Problem {
     }
 
     /// The requested tolerance in data units: at most that of the fit.
-    pub(super) fn asked_tolerance(&self) -> f64 {
+    pub(super) fn requested_tolerance(&self) -> f64 {
         self.tolerance
     }
 
@@ -368,7 +368,7 @@ impl Problem {
             warnings.extend(spikes.or_else(|| is_round.then(corners).flatten()));
         }
         // Fewer control points have knots of their own, which are not at the data.
-        if self.method().scheme().control_points().is_some() {
+        if self.method().algorithm().control_points().is_some() {
             return warnings;
         }
         warnings.extend(Warning::of_direction(u, self.u(), Axis::U));
@@ -397,7 +397,7 @@ fn scattered_directions(
     request: &Request,
     pairs: &Pairs,
 ) -> Result<(Direction, Option<Direction>), Invalid> {
-    let counts = request.method.scheme().control_points();
+    let counts = request.method.algorithm().control_points();
     let (rows, columns) = counts.unwrap_or_default();
     let u = Direction::scattered(&request.u, pairs.direction(0), rows, Axis::U)?;
     let v = request.v.as_ref();
@@ -417,7 +417,7 @@ fn directions(
         choice_u.weights = Some(rows);
         v.weights = Some(columns);
     }
-    if let Some((u, v)) = request.method.scheme().control_points() {
+    if let Some((u, v)) = request.method.algorithm().control_points() {
         choice_u.control_points = Some(u);
         if let Some(choice) = &mut choice_v {
             choice.control_points = Some(v);

@@ -421,7 +421,7 @@ mod tests {
 
     /// A gap across the seam is one, not two.
     #[test]
-    fn closed_directions_go_on() {
+    fn closed_directions_continue() {
         let rows = vec!["..########.."; 9];
         let mut it = cells(&rows, true);
         it.close(&mut Meter::default());

@@ -162,7 +162,7 @@ fn half_a_rectangle_keeps_its_straight_sides() {
 }
 
 #[test]
-fn distances_are_asked_for() {
+fn distances_are_returned_on_request() {
     let points = points(4000, |x, y| x.hypot(y) < 0.9);
     let fit = |distance| Fit::scattered(&points, plan()).trimmed_within(distance);
     let outline = outline_of(fit(0.2)).unwrap();

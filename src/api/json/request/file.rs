@@ -13,14 +13,14 @@ use super::job;
 use super::places::Places;
 use super::points::Data;
 use crate::api::json::view::to_bytes;
-use crate::api::problem::{Kind, Location, Problem, Words};
+use crate::api::problem::{Kind, Location, Locator, Problem};
+use crate::model::errors::SpecPart;
 use crate::model::job::{JobRequest, LONGEST_NAME};
-use crate::model::mistakes::SpecPart;
 use crate::model::points::{PointGrid, PointList};
 use crate::model::scattered::{MeshUnfoldingInput, SurfaceParameters};
 use crate::model::stream::Samples;
 use piad_files::import::{Columns, Hints, Imported, Kind as FileKind, PartChoice};
-use piad_files::short;
+use piad_files::text;
 use piad_fit::data::Grid;
 use piad_fit::parameters::{Mesh, MeshUnfolding, Scattered};
 
@@ -72,15 +72,15 @@ impl FileHints {
         match name {
             SIZE => self.size = Some(size(text)?),
             SECTIONS => {
-                let wrong = |_| format!("{} is neither true nor false", short::quoted(text));
+                let wrong = |_| format!("{} is neither true nor false", text::quoted(text));
                 self.sections = Some(text.parse::<bool>().map_err(wrong)?);
             }
             PART => self.part = Some(PartChoice::of_text(text)),
             PIECE => {
                 let piece = text.parse().map_err(|_| {
                     format!(
-                        "{} is no number of a piece, such as 1 for the largest",
-                        short::quoted(text)
+                        "{} is not the number of a piece; expected a number such as 1 for the largest",
+                        text::quoted(text)
                     )
                 })?;
                 self.piece = Some(piece);
@@ -91,7 +91,7 @@ impl FileHints {
                 let [given, nearest] = ORDERS;
                 return Err(format!(
                     "unknown order {}; expected {given} or {nearest}",
-                    short::quoted(text)
+                    text::quoted(text)
                 ));
             }
             _ => return Ok(false),
@@ -107,8 +107,8 @@ fn size(text: &str) -> Result<Grid, String> {
             Ok(Grid { rows, columns })
         }
         _ => Err(format!(
-            "{} is no number of rows and columns, such as 40x60",
-            short::quoted(text)
+            "{} is not a size; expected rows and columns such as 40x60",
+            text::quoted(text)
         )),
     }
 }
@@ -162,10 +162,10 @@ pub(crate) fn read(
     fields: Map<String, Value>,
     file: Imported,
     hints: &Hints,
-) -> Result<(JobRequest, FileWords), Problem> {
+) -> Result<(JobRequest, FileLocator), Problem> {
     let (fields, data, lines) = parts_of_job(fields, file, hints)?;
     match job::read_with(&to_bytes(&fields), data, hints.most) {
-        Ok((spec, places)) => Ok((spec, FileWords { places, lines })),
+        Ok((spec, places)) => Ok((spec, FileLocator { places, lines })),
         Err(problem) => Err(problem.relocated(|place| match place {
             Location::Pointer(pointer) => lines.place(pointer),
             place => place,
@@ -274,7 +274,7 @@ fn parts_of_job(
         }
     }
     if let Some(name) = file.name {
-        let name = short::cut(&name, LONGEST_NAME - 1).into_owned();
+        let name = text::cut(&name, LONGEST_NAME - 1).into_owned();
         fields.entry("name").or_insert(Value::from(name));
     }
     Ok((fields, data, lines))
@@ -303,12 +303,12 @@ const UNFOLDING: &str = "surface.parameters.unfolding";
 
 /// The locations of the parts of such a job.
 #[derive(Debug)]
-pub(crate) struct FileWords {
+pub(crate) struct FileLocator {
     places: Places,
     lines: Lines,
 }
 
-impl Words for FileWords {
+impl Locator for FileLocator {
     fn of(&self, place: SpecPart) -> String {
         self.places.of(place)
     }

@@ -13,14 +13,14 @@ use crate::model::scattered::SurfaceParameters;
 use piad_fit::parameters::Scattered;
 
 /// Shorter bodies are read by serde alone, which takes negligible time.
-const LONG: usize = 2 * 1024;
+const SERDE_BODY_BYTES: usize = 2 * 1024;
 
 /// The number of bytes of points that one thread reads at a time.
 const PART: usize = 1 << 20;
 
 /// The job of a body, with at most this many points, and the locations of its parts.
 pub(crate) fn read(body: Bytes, most_points: usize) -> Result<(JobRequest, Places), Problem> {
-    let quick = (body.len() >= LONG)
+    let quick = (body.len() >= SERDE_BODY_BYTES)
         .then(|| read_quickly(&body, PART, most_points))
         .flatten();
     match quick {

@@ -25,7 +25,7 @@ pub(crate) fn insert_value(
     let mut names: Vec<&str> = path.split('.').collect();
     let last = names.pop().unwrap_or("");
     if last.is_empty() || names.contains(&"") || names.len() >= DEEPEST {
-        return Err("it is no path of a field, such as curve.degree".to_owned());
+        return Err("not the path of a field; expected one such as curve.degree".to_owned());
     }
     if last == "points" && names.len() == 1 {
         return Err("the points are those of the body".to_owned());

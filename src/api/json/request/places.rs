@@ -1,11 +1,11 @@
 //! Locations of the parts of the model in the JSON of a request.
 
-use crate::api::problem::{self, Words};
+use crate::api::problem::{self, Locator};
 use crate::model::edit::EditRequest;
 use crate::model::ends::{EndsForm, EndsInput};
+use crate::model::errors::{ChangePart, SpecPart};
 use crate::model::job::JobRequest;
 use crate::model::method::{self, MethodForm, MethodInput};
-use crate::model::mistakes::{ChangePart, SpecPart};
 use crate::model::named::Named;
 use crate::model::per_direction::{PerDirection, direction};
 use crate::model::scattered::SurfaceParameters;
@@ -232,7 +232,7 @@ fn numbered(list: &str, index: Option<usize>) -> String {
     index.map_or_else(|| list.to_owned(), |index| format!("{list}/{index}"))
 }
 
-impl Words for Places {
+impl Locator for Places {
     fn of(&self, place: SpecPart) -> String {
         match place {
             SpecPart::Whole => String::new(),

@@ -314,7 +314,7 @@ mod tests {
     const PART: usize = 40;
 
     /// More points than any of these bodies has.
-    const MOST: usize = 300;
+    const MAX_POINTS: usize = 300;
 
     /// Numbers as programs write them, and others that are JSON: large, tiny, or with many digits.
     fn number() -> impl Strategy<Value = String> {
@@ -375,10 +375,10 @@ mod tests {
 
     /// The same by serde, if it is accepted.
     fn agrees(body: &str) -> bool {
-        let Some(quick) = read_quickly(body.as_bytes(), PART, MOST) else {
+        let Some(quick) = read_quickly(body.as_bytes(), PART, MAX_POINTS) else {
             return false;
         };
-        let read = read_by_serde(body.as_bytes(), MOST).unwrap();
+        let read = read_by_serde(body.as_bytes(), MAX_POINTS).unwrap();
         assert_eq!(
             serde_json::to_string(&quick).unwrap(),
             serde_json::to_string(&read).unwrap()
@@ -395,7 +395,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_changed_anywhere_is_read_as_by_serde(
+        fn any_change_is_read_as_by_serde(
             body in usual(),
             at in any::<prop::sample::Index>(),
             length in 0..3_usize,
@@ -408,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_unusual_is_left_to_serde() {
+    fn unusual_bodies_are_read_by_serde() {
         for body in [
             // Other numbers than JSON has.
             r#"{"curve":{"points":[[01,2],[3,4]]}}"#,

@@ -4,10 +4,10 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::job::outline::Outline;
-use crate::model::either::Whole;
 use crate::model::method::counts::{ControlPointCount, ControlPoints, MostControlPoints};
 use crate::model::method::{LeastSquaresInput, MethodKind, StartInput, SweepsInput, VariantKind};
 use crate::model::per_direction::PerDirection;
+use crate::model::serde_helpers::Whole;
 use piad_fit::engine::Forecast;
 use piad_fit::method::{Adaptive, Convex, Local, Method, Threshold, Weighted};
 
@@ -104,11 +104,11 @@ impl AppliedMethod {
                 view.transformed_error = settings.transformed_error.then_some(true);
             }
             Method::LeastSquares(settings) => {
-                let asked = LeastSquaresInput::of(settings, outline.grid, outline.surface);
-                view.control_points = asked.control_points;
-                view.max_control_points = asked.max_control_points;
-                view.correct_parameters = asked.correct_parameters;
-                view.variant = asked.variant;
+                let input = LeastSquaresInput::of(settings, outline.grid, outline.surface);
+                view.control_points = input.control_points;
+                view.max_control_points = input.max_control_points;
+                view.correct_parameters = input.correct_parameters;
+                view.variant = input.variant;
                 view.fairness = settings.fairness.map(|it| it.value);
             }
             _ => {}

@@ -5,10 +5,10 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::api::json::request::places::Places;
-use crate::api::problem::Words;
+use crate::api::problem::Locator;
 use crate::job::outline::Outline;
 use crate::job::state::Levels;
-use crate::model::mistakes::SpecPart;
+use crate::model::errors::SpecPart;
 use piad_fit::engine as fit;
 use piad_fit::invalid::Axis;
 

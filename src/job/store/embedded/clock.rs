@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_measured_does_not_change_when_the_clock_is_set() {
+    fn measured_times_ignore_changes_of_the_clock() {
         for hours in [-200, 200] {
             let clock = ahead(hours);
             let is = clock.measured() - SignedDuration::from_hours(hours);

@@ -82,7 +82,7 @@ impl Committer {
         }
         let answered = self.doubt.as_ref().map(|it| it.inserted.clone());
         if self.reopen()?.is_some() {
-            warn!("a commit that had failed is there, and its new jobs are removed");
+            warn!("a commit that had failed is stored, and its new jobs are removed");
             self.refused.extend(answered.into_iter().flatten());
         }
         Ok(())
@@ -99,7 +99,7 @@ impl Committer {
         };
         match self.reopen() {
             Ok(Some(committed)) => {
-                warn!(%error, "a commit has said that it failed, and is there");
+                warn!(%error, "a commit that reported a failure is stored");
                 Ok(committed)
             }
             Ok(None) => Err(error),

@@ -287,7 +287,7 @@ mod tests {
     type Results<'a> = Table<'a, u128, &'static [u8]>;
 
     #[test]
-    fn what_is_being_decoded_can_be_deleted() {
+    fn jobs_can_be_deleted_while_they_are_decoded() {
         let database = JobDatabase::in_bytes(Arc::new(InMemoryBackend::new())).unwrap();
         let write = |change: &dyn Fn(&mut Results<'_>)| {
             let redb = database.redb();

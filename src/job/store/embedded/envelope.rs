@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_is_what_it_was_or_damaged() {
+    fn a_value_is_unchanged_or_damaged() {
         let (id, value) = (Uuid::now_v7(), b"points");
         let sealed = [envelope(Kind::Input, id, value).as_slice(), value].concat();
         let read = |bytes: &[u8]| opened(Kind::Input, id, "it", bytes).map(<[u8]>::to_vec);

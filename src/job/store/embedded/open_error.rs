@@ -83,7 +83,7 @@ pub(super) fn explain(path: &Path, error: redb::Error) -> OpenError {
     match error {
         redb::Error::DatabaseAlreadyOpen => OpenError::InUse(path.to_owned()),
         redb::Error::Io(reason) => match reason.kind() {
-            ErrorKind::InvalidData => broken(path, "it is no store of this program"),
+            ErrorKind::InvalidData => broken(path, "it is not a store of this program"),
             ErrorKind::UnexpectedEof => broken(path, "its end is missing"),
             kind if means_full(kind) => OpenError::Full(path.to_owned()),
             _ => of_file(path, reason),

@@ -85,7 +85,7 @@ pub(super) fn open_or_make(
             path: path.to_owned(),
             found,
         }),
-        None => Err(broken(path, "it is a database, but not of jobs")),
+        None => Err(broken(path, "it is a database without jobs")),
     }
 }
 
@@ -126,7 +126,7 @@ pub(super) fn open_below(
             path: path.to_owned(),
             found,
         }),
-        Ok(None) => Err(broken(path, "it is a database, but not of jobs")),
+        Ok(None) => Err(broken(path, "it is a database without jobs")),
         Err(error) => Err(error),
     }
 }

@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read_and_the_file_stays() {
+    fn writes_are_visible_and_the_file_is_unchanged() {
         let mut file = tempfile::tempfile().unwrap();
         let mut expected: Vec<u8> = (0..10_000).map(|i| i as u8).collect();
         file.write_all(&expected).unwrap();

@@ -15,7 +15,7 @@ use sqlx::{Connection, PgConnection, Postgres};
 use tokio::time::{sleep, timeout};
 use tracing::{info, warn};
 
-use super::pieces::Value;
+use super::chunked_value::Value;
 use crate::job::counters::Counters;
 use crate::job::store::StoreError;
 
@@ -235,7 +235,7 @@ pub(super) async fn execute(
 pub(super) fn of_database(error: sqlx::Error) -> StoreError {
     let text = error.to_string();
     match &error {
-        sqlx::Error::Database(told) => match told.code().as_deref() {
+        sqlx::Error::Database(reason) => match reason.code().as_deref() {
             // disk_full
             Some("53100") => StoreError::Full(text),
             // Connections, resources, a shutdown, a lock or statement that took too long, a deadlock, and a read-only

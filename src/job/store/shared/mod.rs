@@ -4,23 +4,23 @@
 //! - [`connection`]: connections, and statements that are run again when one breaks;
 //! - [`opening`]: opens the database, and migrates its schema;
 //! - [`writes`]: changes of a job; [`within`]: new ones within a quota; [`reads`]: reads of one;
-//!   [`pieces`]: long values;
+//!   [`chunked_value`]: long values;
 //! - [`order`]: changes of one job, one after the other;
 //! - [`leases`]: which replica runs a job, and recovery of the jobs of a dead one;
-//! - [`hints`], [`telling`]: notifications between replicas.
+//! - [`hints`], [`notifications`]: notifications between replicas.
 //!
 //! A job that runs is claimed by a replica, with a number that grows with each claim, its epoch. Writes of a replica
 //! carry the epoch of its claim; once another replica has claimed the job, they change nothing. So it does no harm when
 //! two replicas believe that they run a job: both compute the same, and the database accepts the end of one.
 
+mod chunked_value;
 mod connection;
 pub(crate) mod hints;
 mod leases;
+mod notifications;
 mod opening;
 mod order;
-mod pieces;
 mod reads;
-mod telling;
 mod within;
 mod writes;
 
@@ -42,11 +42,11 @@ use crate::job::counters::Counters;
 use crate::job::quota::Quota;
 use crate::job::result::LastGeometry;
 use crate::job::state::Status;
+use chunked_value::Table;
 use connection::Connections;
 use hints::Hint;
 use order::Order;
 use piad_fit::engine::Problem;
-use pieces::Table;
 
 /// The store of several replicas, as one of them sees it.
 pub(crate) struct Shared {
@@ -59,7 +59,7 @@ pub(crate) struct Shared {
     claims: Mutex<HashMap<Uuid, Claim>>,
     order: Arc<Order>,
     /// The hints to send to the other replicas.
-    told: mpsc::Sender<Hint>,
+    hint_sender: mpsc::Sender<Hint>,
     counters: Counters,
 }
 

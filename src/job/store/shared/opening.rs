@@ -13,7 +13,7 @@ use tracing::warn;
 use uuid::Uuid;
 
 use super::connection::{Connections, of_database};
-use super::{Settings, Shared, telling};
+use super::{Settings, Shared, notifications};
 use crate::job::counters::Counters;
 use crate::job::store::{OpenError, StoreError};
 use crate::redact::redacted;
@@ -67,9 +67,9 @@ impl Shared {
             }
         }
         let open = Connections::new(options.clone(), settings.connections, counters.clone());
-        let (told, hints) = mpsc::channel(telling::MOST);
+        let (hint_sender, hints) = mpsc::channel(notifications::MAX_HINTS);
         let store = Arc::new(Self {
-            told,
+            hint_sender,
             connections: open.map_err(OpenError::Database)?,
             options,
             lease: settings.lease,
@@ -78,7 +78,7 @@ impl Shared {
             order: Default::default(),
             counters,
         });
-        tokio::spawn(telling::go_on_telling(Arc::downgrade(&store), hints));
+        tokio::spawn(notifications::send_hints(Arc::downgrade(&store), hints));
         Ok(store)
     }
 }

@@ -6,8 +6,8 @@ use sqlx::postgres::PgRow;
 use uuid::Uuid;
 
 use super::Shared;
+use super::chunked_value::{PIECE, Table};
 use super::connection::of_database;
-use super::pieces::{PIECE, Table};
 use crate::job::store::{
     IdempotencyEntry, IdempotencyKey, KEY_LIFETIME, Record, Secret, Selection, StoreError, record,
 };

@@ -3,8 +3,8 @@
 use sqlx::postgres::PgRow;
 use sqlx::{Connection, PgConnection, Row};
 
+use super::chunked_value::Value;
 use super::connection::{Statement, Work, execute};
-use super::pieces::Value;
 use crate::job::outline::Outline;
 use crate::job::quota::{Amount, Exceeded, Quota};
 
@@ -19,7 +19,7 @@ SELECT count(*) FILTER (WHERE finished IS NULL) AS jobs,
 FROM jobs WHERE tenant = $1 AND id <> $2";
 
 /// The insertion of a job within the quota of its tenant.
-pub(super) struct Within<'a, F> {
+pub(super) struct InsertWithinQuota<'a, F> {
     pub(super) outline: &'a Outline,
     pub(super) quota: &'a Quota,
     /// The usage by the job.
@@ -28,7 +28,7 @@ pub(super) struct Within<'a, F> {
     pub(super) value: &'a Value<'a>,
 }
 
-impl<'q, F: Fn() -> Statement<'q> + Sync> Work for Within<'_, F> {
+impl<'q, F: Fn() -> Statement<'q> + Sync> Work for InsertWithinQuota<'_, F> {
     type Done = Result<Vec<PgRow>, Exceeded>;
 
     async fn run(&self, connection: &mut PgConnection) -> Result<Self::Done, sqlx::Error> {
@@ -48,7 +48,7 @@ impl<'q, F: Fn() -> Statement<'q> + Sync> Work for Within<'_, F> {
     }
 }
 
-impl<F> Within<'_, F> {
+impl<F> InsertWithinQuota<'_, F> {
     /// The usage of the tenant, while no other transaction inserts a job for it.
     async fn has(&self, transaction: &mut PgConnection) -> Result<Amount, sqlx::Error> {
         let tenant = self.outline.tenant.name();

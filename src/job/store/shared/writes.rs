@@ -11,11 +11,11 @@ use sqlx::postgres::PgRow;
 use tracing::warn;
 use uuid::Uuid;
 
+use super::chunked_value::{Table, Value};
 use super::connection::of_database;
 use super::hints::Hint;
-use super::pieces::{Table, Value};
 use super::reads::record_of;
-use super::within::Within;
+use super::within::InsertWithinQuota;
 use super::{Claim, Shared};
 use crate::job::quota::{Amount, Quota};
 use crate::job::state::{State, Status};
@@ -164,7 +164,7 @@ impl Shared {
             ..outline.amount()
         };
         let (connections, begin) = (&self.connections, Instant::now());
-        let work = Within {
+        let work = InsertWithinQuota {
             outline,
             quota,
             new,

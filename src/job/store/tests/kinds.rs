@@ -13,8 +13,8 @@ use piad_fit::basis::{BasisChoice, Corners, End, Ends, Knots, Polynomial};
 use piad_fit::data::{Grid, Points};
 use piad_fit::engine::{DirectionChoice, Problem, Request, Tolerance, Trim, Weights, trimmed};
 use piad_fit::method::{
-    AS_MANY_AS_DATA, Adaptive, Automatic, Convex, Custom, Extended, LeastSquares, Local, Method,
-    Omega, Start, Sweeps, Threshold, Variant, Weighted,
+    AS_MANY_AS_DATA, Adaptive, Convex, Custom, Extended, KnotSelection, LeastSquares, Local,
+    Method, Omega, Start, Sweeps, Threshold, Variant, Weighted,
 };
 use piad_fit::parameters::{
     CoordinatePlane, Cylinder, Domain, Mesh, MeshUnfolding, Pairs, Parametrization, Scattered,
@@ -41,7 +41,7 @@ pub(super) fn problems() -> Vec<Problem> {
     let mut turn = 0;
     for surface in [false, true] {
         let methods = methods(surface);
-        for method in super::obeying::methods(surface) {
+        for method in super::constrained::methods(surface) {
             // With polynomials of all degrees in both directions, without weights.
             let mut request = request(surface, 4, 0, 7);
             request.method = method;
@@ -123,7 +123,7 @@ fn automatic(surface: bool) -> impl Iterator<Item = Problem> {
     [false, true].into_iter().map(move |goes_on| {
         let mut request = open_cubic(surface);
         let mut settings = LeastSquares::automatic(AS_MANY_AS_DATA, AS_MANY_AS_DATA);
-        settings.automatic = Some(Automatic {
+        settings.automatic = Some(KnotSelection {
             correct_parameters: goes_on && !surface,
         });
         request.method = Method::LeastSquares(settings);

@@ -18,7 +18,7 @@ fn queued_of(tenant: Tenant) -> Record {
 }
 
 /// Inserts many jobs of a tenant at the same time; returns those that are stored.
-async fn crowd(store: &Store, quota: Quota) -> Vec<Uuid> {
+async fn create_many(store: &Store, quota: Quota) -> Vec<Uuid> {
     let records: Vec<Record> = (0..CROWD).map(|_| queued_of(cad())).collect();
     let insert = |record: &Record| store.insert(record.clone(), Arc::new(problem()), None, quota);
     let insertions = futures_util::future::join_all(records.iter().map(insert)).await;
@@ -42,11 +42,11 @@ pub(super) async fn no_more_jobs_are_kept_than_a_quota_allows(store: &Store) {
         points: Some(points),
         ..NONE
     };
-    let mut kept = crowd(store, jobs(7)).await;
+    let mut kept = create_many(store, jobs(7)).await;
     assert_eq!(kept.len(), 7);
-    kept.extend(crowd(store, points(9 * 20 + 19)).await);
+    kept.extend(create_many(store, points(9 * 20 + 19)).await);
     assert_eq!(kept.len(), 9);
-    assert!(crowd(store, jobs(8)).await.is_empty());
+    assert!(create_many(store, jobs(8)).await.is_empty());
     kept.sort();
     let mut found = ids(store).await.split_off(3);
     found.sort();
@@ -78,7 +78,10 @@ async fn replicas_share_a_quota() {
         jobs: Some(11),
         ..NONE
     };
-    let (here, there) = tokio::join!(crowd(&stores[0], quota), crowd(&stores[1], quota));
+    let (here, there) = tokio::join!(
+        create_many(&stores[0], quota),
+        create_many(&stores[1], quota)
+    );
     assert_eq!(here.len() + there.len(), 11);
 }
 
@@ -124,6 +127,6 @@ pub(super) async fn what_jobs_take_is_given_back(store: &Store) {
     let result = two_inputs_and_a_result - 2 * input;
     // Twenty points of two coordinates of eight bytes.
     assert!((320..1000).contains(&result), "{result}");
-    let kept = crowd(store, bytes(5 * input + input / 2)).await;
+    let kept = create_many(store, bytes(5 * input + input / 2)).await;
     assert_eq!(kept.len(), 5);
 }

@@ -167,9 +167,9 @@ fn silent(_: Uuid) -> Option<Status> {
 }
 
 #[tokio::test]
-async fn how_far_a_job_has_come_is_told_with_its_lease() {
+async fn leases_report_progress() {
     let (_schema, one, other) = two().await;
-    let (told, ended) = (running(&one).await, running(&one).await);
+    let (reported, ended) = (running(&one).await, running(&one).await);
     let mut iteration = Iteration::start(System::new(problem().into()).into());
     let first = iteration.level();
     iteration.steps(7, &mut |_| {});
@@ -187,11 +187,11 @@ async fn how_far_a_job_has_come_is_told_with_its_lease() {
     assert!(one.finish(ended, converged(0), None).await.unwrap());
     one.shared().unwrap().renew(status).await.unwrap();
     let levels_of = async |id| other.get(id).await.unwrap().unwrap().status.levels;
-    assert_eq!(levels_of(told).await, Some(levels));
+    assert_eq!(levels_of(reported).await, Some(levels));
     assert_eq!(levels_of(ended).await, None);
     // Without news the last ones stay.
     one.shared().unwrap().renew(silent).await.unwrap();
-    assert_eq!(levels_of(told).await, Some(levels));
+    assert_eq!(levels_of(reported).await, Some(levels));
 }
 
 #[tokio::test]
@@ -319,7 +319,7 @@ async fn replicas_hear_of_jobs_that_they_wait_for() {
 }
 
 #[tokio::test]
-async fn who_follows_a_job_reads_it_as_it_is() {
+async fn watchers_read_the_current_state() {
     let (_schema, one, other) = two().await;
     let id = running(&one).await;
     let follow = async || other.shared().unwrap().follow(id).await.unwrap();

@@ -4,10 +4,10 @@ use schemars::json_schema;
 use serde::de::{Deserializer, Error, Unexpected};
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::model::either::{Object, below, read_object, some};
 use crate::model::lists::Lists;
 use crate::model::named::{Named, names};
 use crate::model::schema::schema_of;
+use crate::model::serde_helpers::{Object, below, read_object, some};
 use crate::model::settings::Index;
 use piad_fit::data::Grid;
 use piad_fit::invalid::{Axis, Side};

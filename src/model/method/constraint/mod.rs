@@ -8,8 +8,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::model::either::object;
 use crate::model::lists::Vectors;
+use crate::model::serde_helpers::object;
 use crate::model::settings::Index;
 use piad_fit::data::{Grid, Points};
 use piad_fit::method::{At, Constraint, Wanted};

@@ -351,7 +351,7 @@
     </message>
     <message>
         <location filename="../settings.py" line="35"/>
-        <source>Goes on smoothly from the last point to the first.</source>
+        <source>Continues smoothly from the last point to the first.</source>
         <translation type="unfinished"></translation>
     </message>
     <message>

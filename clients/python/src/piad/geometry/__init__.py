@@ -1,11 +1,11 @@
-"""Curves and surfaces as CAD kernels store them, and their form in other packages.
+"""Curves and surfaces as CAD kernels store them, and conversions to other packages.
 
-- `curve`, `surface`: what is fitted;
-- `basis`: knots and functions of one direction; `net`: homogeneous control points; `ball`: how
-  polynomials of the Ball bases become Bézier form;
+- `curve`, `surface`: the fitted geometry;
+- `basis`: knots and functions of one direction; `net`: homogeneous control points; `ball`: conversion of the Ball bases
+  to Bézier form;
 - `derivative`: derivatives with respect to the parameters;
 - `boundary`: boundaries of surfaces, for neighbours that join there;
-- `scipy`, `geomdl`, `rhino`, `occ`: the same in other packages, which are imported when asked for.
+- `scipy`, `geomdl`, `rhino`, `occ`: conversions to other packages, which are imported when needed.
 """
 
 from .basis import Basis, BasisKind

@@ -1,4 +1,4 @@
-"""Packages that are only needed by those who ask for them."""
+"""Optional packages."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from ..errors import MissingPackage
 
 
 def load(module: str, package: str) -> Any:
-    """A module; without it, an error that says which package has it, or why that cannot be loaded."""
+    """Imports a module; the error names the package that is missing, or why it cannot be loaded."""
     try:
         return import_module(module)
     except ImportError as error:
-        # Those that are there may lack a library of the system, such as libGL.so.1.
+        # An installed package may lack a system library, such as libGL.so.1.
         why = None if isinstance(error, ModuleNotFoundError) else str(error)
         raise MissingPackage(module, package, why) from error

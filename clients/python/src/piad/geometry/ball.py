@@ -29,7 +29,7 @@ class _Term(NamedTuple):
 def to_bezier(kind: BasisKind, degree: int) -> tuple[tuple[float, ...], ...]:
     """The matrix from control points of a Ball basis to Bézier points, a row for each of these.
 
-    The entries are quotients of integers and rounded once.
+    The entries are quotients of integers, rounded once.
     """
     terms = _said_ball(degree) if kind == "said_ball" else _wang_ball(degree)
     total = [comb(degree, k) for k in range(degree + 1)]
@@ -59,6 +59,6 @@ def _wang_ball(degree: int) -> list[_Term]:
 
 
 def _mirrored(left: list[_Term], middle: list[_Term]) -> list[_Term]:
-    """Both halves of a symmetric basis."""
+    """Mirrors half of a symmetric basis."""
     right = [_Term(factor, down, up) for factor, up, down in reversed(left)]
     return left + middle + right

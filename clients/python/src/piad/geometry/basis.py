@@ -17,7 +17,7 @@ class Basis:
 
     `knots` are non-decreasing, `degree + 1` more than control points; polynomial bases have none
     and are defined on [0, 1]. A `closed` basis is periodic: its last `degree` control points are
-    the first ones again; with corners it is clamped at one of them, where the curve begins and ends.
+    the first ones again; with corners it is clamped at one of them.
     """
 
     kind: BasisKind
@@ -52,7 +52,7 @@ class Basis:
 
 
 def multiplicities(knots: tuple[float, ...]) -> list[tuple[float, int]]:
-    """The distinct knots, each with the number of times that it occurs."""
+    """The distinct knots with their multiplicities."""
     distinct: list[tuple[float, int]] = []
     for knot in knots:
         if distinct and distinct[-1][0] == knot:
@@ -70,7 +70,7 @@ def inside(basis: Basis, u: Any) -> Any:
     start, end = basis.domain
     array = np is not None and isinstance(u, np.ndarray)
     if basis.closed:
-        # Parameters in the domain stay what they are, to the last bit.
+        # Parameters in the domain are unchanged, to the last bit.
         wrapped = start + (u - start) % (end - start)
         if array:
             return np.where((u < start) | (u > end), wrapped, u)
@@ -82,8 +82,8 @@ def inside(basis: Basis, u: Any) -> Any:
 
 
 def span(basis: Basis, u: Any) -> Any:
-    """The index i of the knot interval [t_i, t_{i+1}), never an empty one, that holds a parameter
-    of the domain, or such indices for an array of parameters. The last interval has its end, too.
+    """The index i of the non-empty knot interval [t_i, t_{i+1}) that contains a parameter of the domain, or indices for
+    an array of parameters. The last interval includes its end.
     """
     knots = basis.full_knots()
     last = bisect_left(knots, basis.domain[1]) - 1
@@ -95,8 +95,8 @@ def span(basis: Basis, u: Any) -> Any:
 def functions(basis: Basis, u: Any) -> tuple[Any, list[Any]]:
     """The span of parameters and the `degree + 1` functions that are not zero there.
 
-    The triangular scheme of de Boor and Cox in the form of Piegl and Tiller (A2.2): sums of
-    positive numbers only. For an array of parameters all of these are arrays of its length.
+    The recursion of de Boor and Cox in the form of Piegl and Tiller (A2.2), which adds positive numbers only. For an
+    array of parameters, all results are arrays of its length.
     """
     u = inside(basis, u)
     i = span(basis, u)

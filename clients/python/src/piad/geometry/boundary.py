@@ -1,4 +1,4 @@
-"""Boundaries of surfaces, as constraints of a neighbour that is to join there."""
+"""Boundaries of surfaces, as constraints of a neighbouring surface."""
 
 from __future__ import annotations
 
@@ -29,11 +29,10 @@ class Boundary:
     def constraints(self, at: Side, *, scale: float = 1.0) -> list[dict[str, Any]]:
         """Constraints of a neighbour that joins at its boundary `at`, for the method `least_squares`.
 
-        The neighbour has the same basis along the boundary. Its derivative across is that of this
-        surface times `scale`: with any but zero both have the same tangent planes (G1). It is positive
-        where an end joins a start, and negative where an end joins an end or a start a start, as the
-        parameters run against each other there. If a parameter of the neighbour is worth a times as
-        much length as one of this surface, a is the scale that suits it.
+        The neighbour has the same basis along the boundary. Its derivative across is that of this surface times
+        `scale`: unless it is zero, both have the same tangent planes (G1). It is positive where an end joins a start,
+        and negative where two ends or two starts join, since the parameters then run in opposite directions. If a unit
+        of the neighbour's parameter is a times as long as one of this surface, set it to a.
         """
         if not scale:
             raise ValueError("with scale 0 the neighbour would stand still at the boundary")

@@ -1,4 +1,4 @@
-"""Curves: points at parameters, and their form in other packages."""
+"""Curves: evaluation, and conversions to other packages."""
 
 from __future__ import annotations
 
@@ -17,13 +17,12 @@ from .derivative import checked, differentiated, quotient
 class Curve:
     """A curve: a basis, control points and, if it is rational, weights.
 
-    Lengths are in the units of the data that were fitted. With numpy the arrays are arrays of it,
-    otherwise nested lists.
+    Lengths are in data units. Arrays are numpy arrays if numpy is installed, otherwise nested lists.
     """
 
     basis: Basis
     control_points: Array
-    """Shape (n, dimension): the places, not multiplied by weights."""
+    """Shape (n, dimension): positions, not multiplied by weights."""
     weights: Optional[Array] = None
     """Shape (n,), or None if the curve is not rational."""
 
@@ -43,7 +42,7 @@ class Curve:
 
     @property
     def closed(self) -> bool:
-        """Whether the curve is periodic: its last p control points are the first ones again."""
+        """True if the curve is periodic: its last p control points repeat the first ones."""
         return self.basis.closed
 
     @property
@@ -65,10 +64,10 @@ class Curve:
         return net.in_bspline_basis(self.basis, net_)
 
     def as_bspline(self) -> Curve:
-        """The same curve as a B-spline: exact for every basis.
+        """The same curve as a B-spline, exact for each basis.
 
         Polynomials get the knots 0 and 1, and control points of the Ball bases become Bézier
-        points. What is a B-spline stays what it is.
+        points. A B-spline is returned unchanged.
         """
         if self.basis.kind == "bspline":
             return self
@@ -78,7 +77,7 @@ class Curve:
     def derivative(self, order: int = 1) -> Curve:
         """The derivative with respect to the parameter, as a curve: its control points are vectors.
 
-        A `ValueError` if the curve is rational: `evaluate` has derivatives of these, too.
+        Raises `ValueError` if the curve is rational: use `evaluate` with `derivative`.
         """
         (order,) = checked(order)
         if self.weights is not None:
@@ -87,11 +86,10 @@ class Curve:
 
     def evaluate(self, u: Any, *, derivative: int = 0) -> Array:
         """The point at a parameter, shape (dimension,), or those at m parameters, (m, dimension);
-        with `derivative` a derivative of this order with respect to the parameter instead.
+        with `derivative`, the derivative of this order.
 
-        Parameters of closed curves may go round; those outside of the domain of other curves are a
-        `ValueError`. A derivative that jumps at a knot is that of what follows, at the last of
-        what precedes.
+        Parameters of closed curves are periodic; outside the domain of other curves they raise `ValueError`. At a knot
+        where the derivative jumps, it is that from the right; at the last knot, that from the left.
         """
         at = self._evaluator(checked(derivative)[0])
         if depth(u) == 0:
@@ -112,8 +110,8 @@ class Curve:
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.BSpline` (`extrapolate="periodic"` if the curve is closed).
 
-        scipy has no rational splines: those are a `ValueError`, unless `homogeneous` asks for the
-        spline of (x w, y w, z w, w), whose values are to be divided by their last coordinate.
+        scipy has no rational splines: they raise `ValueError`, unless `homogeneous` is set, which returns the spline of
+        (x w, y w, z w, w). Divide its values by their last coordinate.
         """
         return scipy.curve(self, homogeneous=homogeneous)
 

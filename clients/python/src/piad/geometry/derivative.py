@@ -1,8 +1,8 @@
 """Derivatives with respect to parameters.
 
-The derivative of a B-spline is a B-spline of one degree less, whose control points are differences. That of a rational
-curve or surface C = A / w is not one of the same degrees; its values follow from those of the numerator and of w by
-the rule of Leibniz (Piegl and Tiller, eq. 4.8 and 4.20).
+The derivative of a B-spline is a B-spline of one degree less, whose control points are differences. The derivative of a
+rational curve or surface C = A / w has higher degrees; its values follow from those of A and w by the Leibniz rule
+(Piegl and Tiller, eq. 4.8 and 4.20).
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from .._arrays import Array, as_array, as_lists, mix, np
 from .basis import Basis
 
 Orders = tuple[int, ...]
-"""Of a derivative: one number for a curve, two for a surface."""
+"""The order of a derivative: one number for a curve, two for a surface."""
 
 
 def checked(*orders: Any) -> Orders:
-    """Orders of a derivative, or a `ValueError` (`TypeError` of what is no whole number)."""
+    """Checks orders of a derivative; raises `ValueError`, or `TypeError` if one is not an integer."""
     whole = tuple(map(index, orders))
     if min(whole) < 0:
         raise ValueError(f"a derivative has orders from 0 on, not {min(whole)}")
@@ -35,14 +35,14 @@ def differentiated(basis: Basis, net: Array, order: int) -> tuple[Basis, Array]:
             return basis, _differences(net, [0.0] * basis.count, 0)
         knots, degree = basis.full_knots(), basis.degree
         lengths = [knots[i + degree + 1] - knots[i + 1] for i in range(basis.count - 1)]
-        # Where there is no length the function is nowhere, and its control point is of no account.
+        # A function with empty support is zero, and its control point has no effect.
         net = _differences(net, [degree / length if length else 0.0 for length in lengths], 1)
         basis = Basis("bspline", degree - 1, knots[1:-1], basis.closed)
     return basis, net
 
 
 def _differences(net: Array, factors: list[float], lag: int) -> Array:
-    """Each element after a lag less the one before it, times its factor."""
+    """Differences of elements a lag apart, times factors."""
     if np is not None:
         column = np.asarray(factors).reshape(-1, *[1] * (net.ndim - 1))
         scaled: Array = column * (net[lag:] - net[: len(net) - lag])
@@ -52,7 +52,7 @@ def _differences(net: Array, factors: list[float], lag: int) -> Array:
 
 
 def quotient(orders: Orders, numerators: Callable[[Orders], Any]) -> Any:
-    """The derivative of A / w, of those of the homogeneous points (A, w) of all orders up to it."""
+    """The derivative of A / w, from the derivatives of the homogeneous points (A, w) up to its order."""
     found: dict[Orders, Any] = {}
     values: dict[Orders, Any] = {}
     for at in product(*(range(order + 1) for order in orders)):

@@ -11,7 +11,7 @@ from .shapes import CurveLike, SurfaceLike
 
 
 def curve(it: CurveLike) -> Any:
-    """With the knots as they are; geomdl would otherwise move them to [0, 1]."""
+    """Keeps the knots; geomdl would otherwise scale them to [0, 1]."""
     spline = it.as_bspline()
     made = _module(spline).Curve(normalize_kv=False)
     made.degree = spline.degree
@@ -21,7 +21,7 @@ def curve(it: CurveLike) -> Any:
 
 
 def surface(it: SurfaceLike) -> Any:
-    """The control points go in one list, row by row."""
+    """Passes the control points as one list, row by row."""
     spline = it.as_bspline()
     made = _module(spline).Surface(normalize_kv=False)
     made.degree_u, made.degree_v = spline.degrees

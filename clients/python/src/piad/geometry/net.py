@@ -16,7 +16,7 @@ from .basis import Basis, functions
 
 
 def homogeneous(points: Array, weights: Optional[Array]) -> Array:
-    """The net (x w, y w, z w, w) of a rational curve or surface; the points of another one."""
+    """The net (x w, y w, z w, w) of a rational curve or surface, otherwise the points."""
     if weights is None:
         return points
     if np is not None:
@@ -36,7 +36,7 @@ def projected(net: Array) -> tuple[Array, Array]:
 
 
 def is_finite(net: Array) -> bool:
-    """Whether all numbers are; control points of weight zero are at infinity."""
+    """True if all numbers are finite; control points of weight zero are at infinity."""
     if np is not None:
         return bool(np.isfinite(net).all())
     flat: list[bool] = []
@@ -45,7 +45,7 @@ def is_finite(net: Array) -> bool:
 
 
 def in_bspline_basis(basis: Basis, net: Array) -> Array:
-    """The net that makes the same curve in the basis `basis.as_bspline()`."""
+    """The net of the same curve in the basis `basis.as_bspline()`."""
     if basis.kind in ("bspline", "bernstein"):
         return net
     matrix = to_bezier(basis.kind, basis.degree)
@@ -57,7 +57,7 @@ def in_bspline_basis(basis: Basis, net: Array) -> Array:
 
 
 def combined(basis: Basis, u: Any, net: Array) -> Array:
-    """The net at parameters of its first axis, which is gone if there is only one parameter."""
+    """Evaluates the net along its first axis, which is dropped for a single parameter."""
     i, values = functions(basis, u)
     first = i - basis.degree
     if np is None:
@@ -70,7 +70,7 @@ def combined(basis: Basis, u: Any, net: Array) -> Array:
 
 
 def swapped(net: Array) -> Array:
-    """The net of a surface with columns as rows."""
+    """Transposes the net of a surface."""
     if np is not None:
         return np.swapaxes(net, 0, 1)  # type: ignore[no-any-return]
     nested: Any = [list(column) for column in zip(*net)]
@@ -94,7 +94,7 @@ def _pairwise(function: Callable[[Any, Any], Any], points: Any, weights: Any) ->
 
 
 def _leaves(net: Any, function: Callable[[Any], Any]) -> Any:
-    """A function of every point of nested lists."""
+    """Applies a function to each point of nested lists."""
     if isinstance(net[0], list):
         return [_leaves(row, function) for row in net]
     return function(net)

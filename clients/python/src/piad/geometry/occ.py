@@ -13,7 +13,7 @@ from .shapes import CurveLike, SurfaceLike
 _MOST_DEGREE = 25
 _PACKAGE = "cadquery-ocp"
 
-# Arrays by their names in OCP 8, which has all in one module: where OCP 7 has each.
+# Array types by their names in OCP 8, which has one module, and the modules of OCP 7.
 _ARRAYS = {
     "Array1_gp_Pnt": ("OCP.TColgp", "TColgp_Array1OfPnt"),
     "Array2_gp_Pnt": ("OCP.TColgp", "TColgp_Array2OfPnt"),

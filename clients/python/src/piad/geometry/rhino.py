@@ -1,6 +1,6 @@
 """Curves and surfaces of OpenNURBS, with rhino3dm.
 
-OpenNURBS leaves out the first and the last knot, which no curve depends on, and keeps control
+OpenNURBS omits the first and last knot, which have no effect, and stores control
 points in homogeneous coordinates.
 """
 

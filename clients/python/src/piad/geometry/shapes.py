@@ -1,4 +1,4 @@
-"""What converters and boundaries need of curves and surfaces."""
+"""The interface of curves and surfaces for converters and boundaries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Surfaces: points at parameters, and their form in other packages."""
+"""Surfaces: evaluation, and conversions to other packages."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from .derivative import Orders, checked, differentiated, quotient
 class Surface:
     """A tensor-product surface: two bases, a net of control points and, if it is rational, weights.
 
-    u runs down the rows of the net and v along its columns. Lengths are in the units of the data
-    that were fitted. With numpy the arrays are arrays of it, otherwise nested lists.
+    u runs over the rows of the net and v over its columns. Lengths are in data units. Lengths are in data units. Arrays
+    are numpy arrays if numpy is installed, otherwise nested lists.
     """
 
     bases: tuple[Basis, Basis]
     """Those of u and v."""
     control_points: Array
-    """Shape (rows, columns, dimension): the places, not multiplied by weights."""
+    """Shape (rows, columns, dimension): positions, not multiplied by weights."""
     weights: Optional[Array] = None
     """Shape (rows, columns), or None if the surface is not rational."""
 
@@ -49,7 +49,7 @@ class Surface:
 
     @property
     def closed(self) -> tuple[bool, bool]:
-        """Whether the surface is periodic in u and in v."""
+        """For u and v: true if the surface is periodic."""
         u, v = self.bases
         return u.closed, v.closed
 
@@ -85,7 +85,7 @@ class Surface:
     def derivative(self, u: int = 0, v: int = 0) -> Surface:
         """The derivative of order `u` in u and `v` in v, as a surface: its control points are vectors.
 
-        A `ValueError` if the surface is rational: `evaluate` has derivatives of these, too.
+        Raises `ValueError` if the surface is rational: use `evaluate` with `derivative`.
         """
         orders = checked(u, v)
         if self.weights is not None:
@@ -102,10 +102,10 @@ class Surface:
 
     def evaluate(self, u: Any, v: Any, *, derivative: tuple[int, int] = (0, 0)) -> Array:
         """The points on the grid of parameters u and v, shape (len(u), len(v), dimension); with
-        `derivative`, such as (1, 0), the derivative of these orders in u and v instead.
+        `derivative`, such as (1, 0), the derivative of these orders in u and v.
 
-        A single number instead of a list of parameters has no axis in the result: with two numbers
-        it is one point. Parameters of closed directions may go round.
+        A single number instead of a list drops its axis of the result: two numbers give one point. Parameters of closed
+        directions are periodic.
         """
         order_u, order_v = derivative
         at = self._evaluator(checked(order_u, order_v))
@@ -127,17 +127,16 @@ class Surface:
         return lambda u, v: quotient(orders, lambda at: _at(*splines[at], u, v))
 
     def boundary(self, side: Side) -> Boundary:
-        """The boundary at "u_start", "u_end", "v_start" or "v_end": its control points and its derivative
-        across, which a neighbour can be fitted to. A `ValueError` if the surface is closed there, or
-        rational.
+        """The boundary at "u_start", "u_end", "v_start" or "v_end": its control points and cross derivative, to fit a
+        neighbour to. Raises `ValueError` if the surface is closed there, or rational.
         """
         return boundary(self, side)
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.NdBSpline`, to be called with points (u, v).
 
-        scipy has no rational splines: those are a `ValueError`, unless `homogeneous` asks for the
-        spline of (x w, y w, z w, w), whose values are to be divided by their last coordinate.
+        scipy has no rational splines: they raise `ValueError`, unless `homogeneous` is set, which returns the spline of
+        (x w, y w, z w, w). Divide its values by their last coordinate.
         """
         return scipy.surface(self, homogeneous=homogeneous)
 

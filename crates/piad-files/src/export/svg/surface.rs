@@ -54,9 +54,9 @@ pub(super) fn scene(
     view: &Projection,
     measured: Option<&Measured>,
 ) -> Scene {
-    let along = |knots: &KnotVector, asked: Option<usize>| {
+    let along = |knots: &KnotVector, requested: Option<usize>| {
         let suits = || knots.steps(MOST_FACES).max(MOST_FACES / 2);
-        knots.sites(asked.map_or_else(suits, steps_between))
+        knots.sites(requested.map_or_else(suits, steps_between))
     };
     let rows = along(&nurbs.u, samples.map(|grid| grid.rows));
     let columns = along(v, samples.map(|grid| grid.columns));

@@ -39,7 +39,7 @@ fn wrong_data_are_named() {
             .to_string()
     };
     let knots = |knots: &[f64]| error(data(3, Some(knots), false), None);
-    assert!(knots(&[0.0; 7]).starts_with("knots: there are 7, and it takes at least 8"));
+    assert!(knots(&[0.0; 7]).starts_with("knots: 7 given; degree 3 needs at least 8"));
     let falling = [0.0, 0.0, 0.0, 0.0, -0.4, 1.0, 1.0, 1.0, 1.0];
     assert_eq!(
         knots(&falling),

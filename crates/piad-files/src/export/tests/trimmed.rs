@@ -103,7 +103,7 @@ fn edges_turn_at_corners_and_lie_on_the_surface() {
 }
 
 #[test]
-fn meshes_leave_out_what_is_outside() {
+fn meshes_omit_the_outside() {
     let grid = |samples| Options {
         samples: Some(Grid {
             rows: samples,
@@ -148,7 +148,7 @@ fn meshes_leave_out_what_is_outside() {
 }
 
 #[test]
-fn files_have_faces_beside_what_is_not_trimmed() {
+fn files_mix_trimmed_and_untrimmed_faces() {
     let [curve, ..] = curves();
     let parts = [curve, trimmed(), part("tube", cylinder())];
     let step = String::from_utf8(file(Format::Step, &parts)).unwrap();

@@ -6,7 +6,7 @@ use crate::import::error::FileError;
 use crate::import::names;
 use crate::import::sample::{Content, Sample};
 use crate::import::timestamps;
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::MAX_DIMENSION;
 
 /// The most names that an error lists.

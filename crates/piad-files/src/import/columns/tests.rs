@@ -36,7 +36,7 @@ fn first(imported: &Imported) -> Vec<f64> {
 }
 
 #[test]
-fn names_say_which_columns_are_coordinates() {
+fn names_select_coordinate_columns() {
     for (head, expected) in [
         ("x,y,q", vec![1.0, 2.0]),
         ("X (m),Y (m),Z [m]", vec![1.0, 2.0, 3.0]),
@@ -86,7 +86,7 @@ fn units_may_stand_below_names() {
 }
 
 #[test]
-fn what_is_not_read_is_said_in_one_notice() {
+fn one_notice_lists_skipped_columns() {
     for (text, notice) in [
         (
             "FID,X (m),Y (m)\n1,5,6\n2,7,9\n",

@@ -5,7 +5,7 @@ use std::collections::{HashMap, VecDeque};
 use crate::import::curves::{Curve, Point, distance, size};
 
 /// Ends meet if they are no further from each other than this part of the size of all pieces.
-const NEAR: f64 = 1e-9;
+const RELATIVE_GAP: f64 = 1e-9;
 
 /// The joint at ends that meet no others.
 const NOWHERE: usize = usize::MAX;
@@ -50,7 +50,7 @@ pub(super) fn chains(pieces: Vec<Curve>) -> Vec<(usize, Curve)> {
 impl Pieces {
     fn of(pieces: &[Curve]) -> Self {
         let all = || pieces.iter().flat_map(|piece| &piece.points);
-        let near = (NEAR * size(all())).max(f64::MIN_POSITIVE);
+        let near = (RELATIVE_GAP * size(all())).max(f64::MIN_POSITIVE);
         let mut places = Places {
             near,
             cells: HashMap::new(),

@@ -3,7 +3,7 @@
 use super::pairs::Pair;
 use crate::import::curves::Point;
 use crate::import::error::FileError;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// An entity, from its name up to the next one.
 #[derive(Debug)]
@@ -134,7 +134,11 @@ impl<'a> Entity<'a> {
 pub(super) fn number(pair: &Pair<'_>) -> Result<f64, FileError> {
     let number = pair.value.parse().ok();
     number.filter(|it: &f64| it.is_finite()).ok_or_else(|| {
-        let detail = format!("{} is no number (group {})", quoted(pair.value), pair.code);
+        let detail = format!(
+            "{} is not a number (group {})",
+            quoted(pair.value),
+            pair.code
+        );
         FileError::at(pair.line as usize, detail)
     })
 }

@@ -13,7 +13,7 @@ use super::curves::{Curve, Curves, size};
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::Parts;
-use crate::short::{plain, quoted};
+use crate::text::{plain, quoted};
 use blocks::{Blocks, MOST_NESTED, MOST_PLACED, Placement, placements, too_deep, too_many};
 use entity::Entity;
 use pairs::{Pair, Pairs};

@@ -2,7 +2,7 @@
 
 use crate::import::error::FileError;
 use crate::import::line::line_end;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// A value and what it means.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ impl<'a> Pairs<'a> {
             }
             let line = self.line as usize;
             let code = text.parse().map_err(|_| {
-                let detail = format!("{} is no group code of DXF", quoted(text));
+                let detail = format!("{} is not a group code of DXF", quoted(text));
                 FileError::at(line, detail)
             })?;
             let value = self.line().ok_or_else(|| {

@@ -165,7 +165,7 @@ fn splines_are_their_fit_points_or_sampled() {
         ("71 3", "71 99999999999", "is of degree"),
         ("40 3\n", "40 33\n", "decrease"),
         ("70 11", "41 0", "positive weight"),
-        ("40 3\n", "40 x\n", "\"x\" is no number (group 40)"),
+        ("40 3\n", "40 x\n", "\"x\" is not a number (group 40)"),
     ] {
         let error = parts(&text.replace(old, new)).unwrap_err();
         assert!(error.to_string().contains(detail), "{error}");
@@ -173,20 +173,24 @@ fn splines_are_their_fit_points_or_sampled() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     for (text, line, detail) in [
         (
             "0 LINE\n10 0\n20 0\n11 1\n",
             16,
             "this LINE has no y (group 11)",
         ),
-        ("0 LINE\n10 0\n20 a\n", 20, "\"a\" is no number (group 20)"),
+        (
+            "0 LINE\n10 0\n20 a\n",
+            20,
+            "\"a\" is not a number (group 20)",
+        ),
         (
             "0 CIRCLE\n10 0\n20 0\n40 -1\n",
             16,
             "the radius of this CIRCLE is -1",
         ),
-        ("0 LINE\nx 0\n", 17, "\"x\" is no group code of DXF"),
+        ("0 LINE\nx 0\n", 17, "\"x\" is not a group code of DXF"),
         (
             "0 CIRCLE\n40 1\n10 1\n20 1\n210 0\n",
             16,
@@ -344,7 +348,7 @@ fn blocks_have_limits() {
         (
             &[("a", line)],
             insert("a", "41 x\n"),
-            "\"x\" is no number (group 41)",
+            "\"x\" is not a number (group 41)",
         ),
         (
             &[("a", line)],

@@ -3,7 +3,7 @@
 use super::super::byte_lines::text as shown;
 use super::super::error::FileError;
 use super::tokens::{Tokens, number};
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::Grid;
 
 /// The value of missing heights, unless the file gives another one.
@@ -71,7 +71,7 @@ pub(super) fn entries(text: &str) -> Result<(Vec<Entry>, Tokens<'_>), FileError>
                 return Ok((entries, heights));
             }
             let detail = format!(
-                "{} is no line of the header of a grid (ESRI)",
+                "{} is not a header line of a grid (ESRI)",
                 quoted(&shown(word))
             );
             return Err(FileError::at(tokens.line, detail));

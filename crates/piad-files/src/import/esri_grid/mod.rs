@@ -11,7 +11,7 @@ use super::cloud::too_many;
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::{Order, Part};
-use crate::short::quoted;
+use crate::text::quoted;
 use header::{Head, entries};
 use piad_fit::data::{Grid, Points};
 use tokens::{Tokens, number};

@@ -57,7 +57,7 @@ fn heights_are_rows_of_points() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     let good = format!("{HEAD}1 2 3\n4 -1 6.5\n");
     for (from, to, expected) in [
         (
@@ -108,7 +108,7 @@ fn what_is_wrong_is_said_at_its_line() {
         (
             "xllcorner 100",
             "left 100",
-            "line 3: \"left\" is no line of the header of a grid (ESRI)",
+            "line 3: \"left\" is not a header line of a grid (ESRI)",
         ),
         ("4 -1 6.5", "4 oops 6.5", "line 8: \"oops\" is no height"),
         (

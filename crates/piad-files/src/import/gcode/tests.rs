@@ -100,7 +100,7 @@ fn arcs_are_sampled() {
 }
 
 #[test]
-fn what_is_no_path_is_left_out() {
+fn statements_without_a_path_are_skipped() {
     let text = "G20 G0 X0 Y0\nG1 X1 Y1 A5\nG28 Z0\nG1 X2 Y2\nG1 X3 Y2\nG81 X5 Y5 Z-1 R1\nX6\nG80\nG4 X2\nG1 X7 Y7\nG92 X0 Y0\nG1 X1 Y2\n";
     let found = parts(text).unwrap();
     let all: Vec<_> = found.iter().map(points).collect();
@@ -128,7 +128,7 @@ fn what_is_no_path_is_left_out() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     for (text, detail) in [
         ("G1 X1 Y1\nG1 X#5 Y[2]\n", "line 2: \"X#5 Y[2]\" is no word"),
         ("G20 G1 X1 Y1\nX2\nG21\n", "line 3: the units change here"),

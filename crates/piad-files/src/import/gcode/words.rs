@@ -1,6 +1,6 @@
 //! The words of a line of G-code: letters with numbers.
 
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// A letter with its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,8 +24,8 @@ pub(super) fn words(line: &str) -> Result<Vec<Word>, String> {
     let mut words = Vec::new();
     let mut rest = line.trim();
     while let Some(letter) = rest.chars().next() {
-        let (word, behind) =
-            word(letter, rest).ok_or_else(|| format!("{} is no word of G-code", quoted(rest)))?;
+        let (word, behind) = word(letter, rest)
+            .ok_or_else(|| format!("{} is not a word of G-code", quoted(rest)))?;
         words.push(word);
         if letter.eq_ignore_ascii_case(&'M') && WITH_TEXT.contains(&word.number) {
             break;

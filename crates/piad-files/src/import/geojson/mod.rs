@@ -8,7 +8,7 @@ use super::degrees;
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::Parts;
-use crate::short::{quoted, without_mark};
+use crate::text::{quoted, without_mark};
 use object::{Geometry, Object, ObjectType, top_level_type};
 use positions::Positions;
 

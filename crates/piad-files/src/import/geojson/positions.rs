@@ -7,7 +7,7 @@ use serde::de::{
 };
 
 use crate::import::curves::Point;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The positions of one geometry, one after the other.
 #[derive(Debug)]

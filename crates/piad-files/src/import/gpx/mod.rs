@@ -8,7 +8,7 @@ use super::imported::Hints;
 use super::part::Parts;
 use super::tracks::{self, timestamp};
 use super::xml::{self, Element, Node, Nodes};
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// Returns true if a text is GPX.
 pub(super) fn is_gpx(text: &str) -> bool {

@@ -53,7 +53,7 @@ fn segments_and_routes_are_parts() {
 }
 
 #[test]
-fn times_are_parameters_where_they_are_asked_for() {
+fn times_are_parameters_on_request() {
     let times = Hints {
         times: true,
         ..HINTS
@@ -82,7 +82,7 @@ fn times_are_parameters_where_they_are_asked_for() {
 }
 
 #[test]
-fn elevations_and_waypoints_are_taken_where_they_are_all_there_is() {
+fn elevations_and_waypoints_are_used_if_there_is_nothing_else() {
     let some = |i| match i {
         0 => String::new(),
         _ => timed(i),
@@ -98,7 +98,7 @@ fn elevations_and_waypoints_are_taken_where_they_are_all_there_is() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     let good = points("trkpt", |_| String::new());
     for (wrong, line, detail) in [
         ("<trkpt lat='1'/>", 8, "this point has no lon"),

@@ -8,7 +8,7 @@ use super::imported::Hints;
 use super::part::Parts;
 use super::tracks::{self, timestamp};
 use super::xml::{self, Element, Node, Nodes};
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The largest longitude and latitude.
 const LARGEST: [(&str, f64); 2] = [("longitude", 180.0), ("latitude", 90.0)];

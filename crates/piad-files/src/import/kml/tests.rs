@@ -80,7 +80,7 @@ fn tracks_have_times() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     let line = |text: &str| {
         placemark(
             "a",

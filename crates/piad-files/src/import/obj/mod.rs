@@ -13,7 +13,7 @@ use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::mesh::Faces;
 use super::part::{Part, Parts};
-use crate::short::{plain, quoted};
+use crate::text::{plain, quoted};
 use polylines::{Polylines, no_vertex, vertex_index};
 use statements::{Kind, Statements};
 

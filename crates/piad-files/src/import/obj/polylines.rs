@@ -3,7 +3,7 @@
 use super::super::cloud::too_many;
 use super::super::error::FileError;
 use super::super::part::{Order, Part};
-use crate::short::quoted;
+use crate::text::quoted;
 use piad_fit::data::Points;
 
 /// The polylines that were read so far.
@@ -120,7 +120,7 @@ impl Polyline {
 /// The index of a vertex in a line.
 pub(super) fn vertex_index(word: &str, above: usize, at: usize) -> Result<usize, FileError> {
     index(word, above).ok_or_else(|| {
-        let detail = format!("{} is no number of a vertex (OBJ)", quoted(word));
+        let detail = format!("{} is not the number of a vertex (OBJ)", quoted(word));
         FileError::at(at, detail)
     })
 }

@@ -88,7 +88,7 @@ fn polylines_are_curves() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     let good = format!("{VERTICES}l 1 2 3\n");
     for (from, to, expected) in [
         (
@@ -106,22 +106,22 @@ fn what_is_wrong_is_said_at_its_line() {
         (
             "l 1 2 3",
             "l 1 x",
-            "line 5: \"x\" is no number of a vertex (OBJ)",
+            "line 5: \"x\" is not the number of a vertex (OBJ)",
         ),
         (
             "l 1 2 3",
             "l 1 0",
-            "line 5: \"0\" is no number of a vertex (OBJ)",
+            "line 5: \"0\" is not the number of a vertex (OBJ)",
         ),
         (
             "l 1 2 3",
             "l 1 -5",
-            "line 5: \"-5\" is no number of a vertex (OBJ)",
+            "line 5: \"-5\" is not the number of a vertex (OBJ)",
         ),
         (
             "l 1 2 3",
             "l 1 -9223372036854775808",
-            "line 5: \"-9223372036854775808\" is no number of a vertex (OBJ)",
+            "line 5: \"-9223372036854775808\" is not the number of a vertex (OBJ)",
         ),
         (
             "l 1 2 3",

@@ -3,7 +3,7 @@
 use super::super::binary::Scalar;
 use super::super::byte_lines::{ByteLines, text, words};
 use super::super::error::FileError;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The keywords of a head.
 const KEYWORDS: [&[u8]; 10] = [
@@ -151,7 +151,7 @@ impl<'a> Header<'a> {
             }
             let data = data(line);
             if data.is_none() && lines.take(line).is_none() {
-                let detail = format!("{} is no line of a PCD header", quoted(&text(line)));
+                let detail = format!("{} is not a line of a PCD header", quoted(&text(line)));
                 return Err(FileError::at(body.number, detail));
             }
             if let Some(data) = data {

@@ -12,7 +12,7 @@ use super::cloud::{Cloud, not_read, too_few, too_many};
 use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::Part;
-use crate::short::quoted;
+use crate::text::quoted;
 use header::{Coordinate, Data, Header};
 
 pub(super) use header::is_pcd;

@@ -78,7 +78,7 @@ fn points_are_read_however_they_are_stored() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn errors_name_the_reason() {
     let error = |bytes: &[u8]| surface(bytes).unwrap_err();
     let good = String::from_utf8(of("ascii", TEXT.as_bytes())).unwrap();
     for (from, to, expected) in [
@@ -105,12 +105,12 @@ fn what_is_wrong_is_said() {
         (
             "POINTS 4",
             "POINTS -4",
-            "line 10: \"POINTS -4\" is no line of a PCD header",
+            "line 10: \"POINTS -4\" is not a line of a PCD header",
         ),
         (
             "POINTS 4",
             "NUMBER 4",
-            "line 10: \"NUMBER 4\" is no line of a PCD header",
+            "line 10: \"NUMBER 4\" is not a line of a PCD header",
         ),
         (
             "WIDTH 2\nHEIGHT 2\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4\n",
@@ -140,7 +140,7 @@ fn what_is_wrong_is_said() {
         (
             "DATA ascii",
             "DATA ebcdic",
-            "line 11: \"DATA ebcdic\" is no line of a PCD header",
+            "line 11: \"DATA ebcdic\" is not a line of a PCD header",
         ),
         (
             "COUNT 1 1 3 1 1",

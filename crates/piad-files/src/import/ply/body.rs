@@ -7,7 +7,7 @@ use super::super::error::FileError;
 use super::super::imported::Hints;
 use super::super::mesh::{Faces, not_there};
 use super::header::{Element, Header, PropertyKind};
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The elements that are not read yet.
 pub(super) enum Body<'a> {

@@ -3,7 +3,7 @@
 use super::super::binary::{Endian, Scalar};
 use super::super::byte_lines::{ByteLines, text, words};
 use super::super::error::FileError;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The name of the vertices.
 pub(super) const VERTEX: &str = "vertex";
@@ -74,7 +74,7 @@ impl<'a> Header<'a> {
                 _ => None,
             };
             done.ok_or_else(|| {
-                let detail = format!("{} is no line of a PLY header", quoted(&text(line)));
+                let detail = format!("{} is not a line of a PLY header", quoted(&text(line)));
                 FileError::at(lines.number, detail)
             })?;
         }

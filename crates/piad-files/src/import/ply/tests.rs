@@ -116,7 +116,7 @@ fn elements_above_the_vertices_are_passed_over() {
 }
 
 #[test]
-fn what_is_wrong_is_said() {
+fn errors_name_the_reason() {
     let good = String::from_utf8(of("ascii", b"200 1 0 2 3\n200 4 0 5 6\n200 7 0 8 8\n")).unwrap();
     for (from, to, expected) in [
         (
@@ -132,7 +132,7 @@ fn what_is_wrong_is_said() {
         (
             "vertex 3",
             "vertex 1000000000000000000000",
-            "line 4: \"element vertex 1000000000000000000000\" is no line of a PLY header",
+            "line 4: \"element vertex 1000000000000000000000\" is not a line of a PLY header",
         ),
         (
             "vertex 3",
@@ -147,17 +147,17 @@ fn what_is_wrong_is_said() {
         (
             "float x",
             "quad x",
-            "line 6: \"property quad x\" is no line of a PLY header",
+            "line 6: \"property quad x\" is not a line of a PLY header",
         ),
         (
             "element vertex 3\n",
             "",
-            "line 4: \"property uchar red\" is no line of a PLY header",
+            "line 4: \"property uchar red\" is not a line of a PLY header",
         ),
         (
             "ascii",
             "ebcdic",
-            "line 2: \"format ebcdic 1.0\" is no line of a PLY header",
+            "line 2: \"format ebcdic 1.0\" is not a line of a PLY header",
         ),
         (
             "format ascii 1.0\n",
@@ -167,7 +167,7 @@ fn what_is_wrong_is_said() {
         (
             "end_header\n",
             "",
-            "line 12: \"200 1 0 2 3\" is no line of a PLY header",
+            "line 12: \"200 1 0 2 3\" is not a line of a PLY header",
         ),
         (
             "200 4 0 5 6",

@@ -118,7 +118,7 @@ fn sizes_of_binary_files_match() {
 }
 
 #[test]
-fn what_is_wrong_in_text_is_said_at_its_line() {
+fn errors_in_text_name_their_lines() {
     let whole = text(&CORNERS);
     for (from, to, expected) in [
         (
@@ -139,7 +139,7 @@ fn what_is_wrong_in_text_is_said_at_its_line() {
         (
             "vertex 1e0 0",
             "vertices 0 0",
-            "line 5: \"vertices 0 0 0.25\" is no line of an STL file",
+            "line 5: \"vertices 0 0 0.25\" is not a line of an STL file",
         ),
         (
             "      vertex 1e0 0 0.25\n",

@@ -5,7 +5,7 @@ use super::super::error::{FileError, FileErrors};
 use super::super::imported::Hints;
 use super::super::part::Part;
 use super::Corners;
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The keywords of lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ struct Reader {
 impl Reader {
     fn line(&mut self, line: &[u8], at: usize) -> Result<(), FileError> {
         let unknown = || {
-            let detail = format!("{} is no line of an STL file", quoted(&text(line)));
+            let detail = format!("{} is not a line of an STL file", quoted(&text(line)));
             FileError::at(at, detail)
         };
         let keyword = Keyword::of_line(line).ok_or_else(unknown)?;

@@ -12,7 +12,7 @@ use super::error::{FileError, FileErrors};
 use super::imported::Hints;
 use super::part::Parts;
 use super::xml::{self, Element, Node, Nodes};
-use crate::short::quoted;
+use crate::text::quoted;
 use pen::{ArcShape, Pen};
 use references::{References, Referred, in_window};
 use scan::{Scanner, Transform, length};

@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_understood_is_returned() {
+    fn unknown_commands_are_returned() {
         for (data, rest) in [
             ("L1 1", "L1 1"),
             ("1 1", "1 1"),

@@ -6,7 +6,7 @@ use std::collections::hash_map::Entry;
 use super::scan::{Scanner, Transform};
 use crate::import::error::FileError;
 use crate::import::xml::{Element, Node, Nodes, Place};
-use crate::short::quoted;
+use crate::text::quoted;
 
 /// The deepest nesting of references.
 const MOST_NESTED: usize = 16;

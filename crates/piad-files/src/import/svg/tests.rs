@@ -62,7 +62,7 @@ fn basic_shapes_are_outlines() {
 }
 
 #[test]
-fn what_is_left_out_is_said() {
+fn skipped_elements_are_reported() {
     let found = parts(
         "<defs><path d='M0 0 9 9'/><clipPath><rect width='1' height='1'/></clipPath></defs><symbol><path d='M0 0 9 9'/></symbol>\n<use href='#a'/><use href='#b'/><text>a<path d='M0 0 1 1'/></text><svg><path d='M0 0 1 1'/></svg>\n<path style='stroke: red; display : none' d='M0 0 1 1'/><g display='none'><path d='M0 0 1 1'/></g>\n<rect width='100%' height='100%'/><x:path d='M0 0 1 1'/><path d='M1 1 2 2'/>",
     )
@@ -170,7 +170,7 @@ fn sizes_of_drawings_are_said() {
 }
 
 #[test]
-fn what_is_wrong_is_said_at_its_line() {
+fn errors_name_their_lines() {
     for (body, detail) in [
         (
             "<path d='M0 0 L1 1 x'/>",

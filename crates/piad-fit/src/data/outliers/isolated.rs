@@ -12,7 +12,7 @@ use super::median;
 use crate::data::points::Points;
 
 /// The number of neighbours.
-const NEAR: usize = 12;
+const NEIGHBOURS: usize = 12;
 
 /// For an isolated point the last of them is this number of times further away than for most points.
 const SPARSE: f64 = 4.0;
@@ -28,7 +28,7 @@ pub(crate) fn isolated(points: &Points) -> Vec<bool> {
     let place = |i: usize| [x[i], y[i], z[i]];
     let leaf = |i: usize| GeomWithData::new(place(i), i);
     let tree = RTree::bulk_load((0..points.len()).map(leaf).collect());
-    let near = |i: usize| tree.nearest_neighbor_iter(place(i)).take(NEAR + 1);
+    let near = |i: usize| tree.nearest_neighbor_iter(place(i)).take(NEIGHBOURS + 1);
     let all = (0..points.len()).into_par_iter();
     let reaches: Vec<f64> = all
         .clone()

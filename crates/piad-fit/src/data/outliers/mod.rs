@@ -121,7 +121,7 @@ const MOST_WITH_SPIKES: usize = 100_000;
 const ONE_IN: usize = 10;
 
 /// A spike is this number of times further from its neighbours than they are from each other.
-const LONG: f64 = 2.0;
+const SPIKE_RATIO: f64 = 2.0;
 
 /// The spikes of a curve with few points, which are outliers whatever the noise is: their neighbours on either side are
 /// nearer to each other than to them.
@@ -149,7 +149,7 @@ pub(crate) fn spikes(points: &Points, closed: bool) -> Vec<usize> {
         let behind = right(&mut (index + 1..index + count));
         before.zip(behind).is_some_and(|(a, b)| {
             let nearest = points.distance(a, index).min(points.distance(index, b));
-            nearest > LONG * points.distance(a, b)
+            nearest > SPIKE_RATIO * points.distance(a, b)
         })
     };
     found.iter().copied().filter(is_spike).collect()

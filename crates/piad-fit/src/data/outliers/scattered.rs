@@ -14,13 +14,13 @@ use super::{Neighbourhood, median};
 use crate::data::points::Points;
 
 /// The number of neighbours that make a plane.
-const NEAR: usize = 12;
+const NEIGHBOURS: usize = 12;
 
 /// The number of further neighbours that are compared with them.
 const FAR: usize = 12;
 
 /// The number of neighbours to find, as some may be outliers.
-const LOOKED_UP: usize = 2 * (NEAR + FAR);
+const LOOKED_UP: usize = 2 * (NEIGHBOURS + FAR);
 
 /// How often the third of the neighbours that is furthest from a plane is left out.
 const STEPS: usize = 3;
@@ -86,7 +86,7 @@ impl<'a> Cloud<'a> {
 
     /// The distance of the last neighbour that makes a plane, in parameters.
     fn reach(&self, index: usize, is_left_out: &[bool]) -> Option<f64> {
-        let last = self.around(index, is_left_out).take(NEAR).last()?;
+        let last = self.around(index, is_left_out).take(NEIGHBOURS).last()?;
         let ([u, v], [s, t]) = (self.parameters[index], self.parameters[last]);
         Some((u - s).hypot(v - t))
     }
@@ -143,9 +143,9 @@ impl Neighbourhood for Cloud<'_> {
     }
 
     fn off(&self, index: usize, is_left_out: &[bool]) -> Option<f64> {
-        let near: Vec<usize> = self.around(index, is_left_out).take(NEAR).collect();
+        let near: Vec<usize> = self.around(index, is_left_out).take(NEIGHBOURS).collect();
         let reach = self.reach(index, is_left_out)?;
-        if near.len() < NEAR {
+        if near.len() < NEIGHBOURS {
             return None;
         }
         if self.is_by_itself(reach, &near, is_left_out) {
@@ -156,8 +156,11 @@ impl Neighbourhood for Cloud<'_> {
     }
 
     fn doubt(&self, index: usize, is_left_out: &[bool]) -> f64 {
-        let all: Vec<usize> = self.around(index, is_left_out).take(NEAR + FAR).collect();
-        let Some((near, far)) = all.split_at_checked(NEAR) else {
+        let all: Vec<usize> = self
+            .around(index, is_left_out)
+            .take(NEIGHBOURS + FAR)
+            .collect();
+        let Some((near, far)) = all.split_at_checked(NEIGHBOURS) else {
             return 0.0;
         };
         let reach = self.reach(index, is_left_out).unwrap_or(0.0);

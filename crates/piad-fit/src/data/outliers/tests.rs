@@ -27,7 +27,7 @@ fn curve(count: usize, at: impl Fn(f64) -> [f64; 2]) -> Points {
 }
 
 /// The number of moved points that are not found, and of others that are.
-fn mistakes(moved: &[usize], found: &[usize]) -> [usize; 2] {
+fn errors(moved: &[usize], found: &[usize]) -> [usize; 2] {
     let without =
         |some: &[usize], others: &[usize]| some.iter().filter(|it| !others.contains(it)).count();
     [without(moved, found), without(found, moved)]
@@ -59,7 +59,7 @@ fn outliers_of_curves_are_found() {
                 let [px, py] = [0, 1].map(|c| points.lane(c)[i]);
                 points.set(i, [px + x, py + y]);
             }
-            let [not_found, found] = mistakes(&moved, &along(&points, false));
+            let [not_found, found] = errors(&moved, &along(&points, false));
             (all, missed, others) = (all + moved.len(), missed + not_found, others + found);
         }
         let most = (share_missed * all as f64).ceil() as usize;
@@ -131,7 +131,7 @@ fn outliers_of_surfaces_are_found() {
             0.0,
             |_| false,
         );
-        let [missed, others] = mistakes(&moved, &found);
+        let [missed, others] = errors(&moved, &found);
         assert!(
             missed == 0 && others <= 2,
             "{noise} {part}: {missed} of {} missed, {others} others",

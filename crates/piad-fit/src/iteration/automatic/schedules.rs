@@ -19,9 +19,7 @@ use crate::knot_selection::surface::{
 };
 use crate::knot_selection::values::{MANY, Values};
 use crate::knot_selection::{Level, Options};
-use crate::method::{
-    Automatic as Settings, Constrained, ConstrainedSurface, FairSurface, LeastSquares,
-};
+use crate::method::{Constrained, ConstrainedSurface, FairSurface, KnotSelection, LeastSquares};
 use crate::problem::Problem;
 use crate::termination::Outcome;
 
@@ -83,7 +81,11 @@ impl Between {
 
 impl Schedules {
     /// The schedule of a fit.
-    pub(super) fn new(problem: &Problem, settings: &LeastSquares, automatic: &Settings) -> Self {
+    pub(super) fn new(
+        problem: &Problem,
+        settings: &LeastSquares,
+        automatic: &KnotSelection,
+    ) -> Self {
         let points = Arc::clone(problem.data());
         let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
         let first = problem.start().map(|start| in_lines(start, &lines));
@@ -229,7 +231,7 @@ impl Schedules {
 /// The options of a surface, with the control points to begin with, if there are some.
 pub(super) fn surface_options(
     problem: &Problem,
-    (settings, automatic): (&LeastSquares, &Settings),
+    (settings, automatic): (&LeastSquares, &KnotSelection),
     first: Option<Points>,
 ) -> SurfaceOptions {
     let directions: Vec<&Direction> = problem.directions().collect();

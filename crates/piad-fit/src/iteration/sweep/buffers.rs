@@ -40,11 +40,11 @@ pub(super) struct Returned(Vec<Arc<Points>>);
 
 impl Returned {
     /// The most buffers that are kept: about the number that slow readers share at a time.
-    const MOST: usize = 4;
+    const MAX_BUFFERS: usize = 4;
 
     /// Keeps points for later, unless there are enough.
     pub(super) fn add(&mut self, points: Arc<Points>) {
-        if self.0.len() < Self::MOST {
+        if self.0.len() < Self::MAX_BUFFERS {
             self.0.push(points);
         }
     }

@@ -148,7 +148,7 @@ impl Sweep {
         plan: Plan,
     ) -> Result<(Self, Measured), Arc<Points>> {
         let problem = system.problem();
-        let relaxation = problem.method().scheme().relaxation(system.equations());
+        let relaxation = problem.method().algorithm().relaxation(system.equations());
         let (Some(relaxation), true) = (relaxation, is_plain(system)) else {
             return Err(control_points);
         };

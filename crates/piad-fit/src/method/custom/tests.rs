@@ -270,7 +270,7 @@ fn diverging_transforms_are_refused() {
 
 /// `I − U B` is a rotation times a number: eigenvalues are complex, and the number is the rate.
 #[test]
-fn rotations_are_told_from_spirals() {
+fn rotations_are_distinguished_from_spirals() {
     let n = 30;
     let inverse = collocation(n, 1).remove(0).try_inverse().unwrap();
     let turn = Complex::from_polar(1.0, 1.0);

@@ -17,7 +17,7 @@
 use super::fairness::Energy;
 use super::objective::weights;
 use super::settings::{EndPoints, Fairness, LeastSquares};
-use super::solver::{MOST, places, row};
+use super::solver::{MAX_SURFACE_MULTIPLICATIONS, places, row};
 use crate::interrupt;
 use crate::linear::symmetric::SymmetricBand;
 use crate::matrix::operator::Operator;
@@ -69,7 +69,7 @@ pub(crate) fn chosen(
     };
     let scores = match setup.v() {
         None => tried(&mut (0..VALUES)),
-        Some(_) if equations.cost() > MOST => return Err(TOO_MANY),
+        Some(_) if equations.cost() > MAX_SURFACE_MULTIPLICATIONS => return Err(TOO_MANY),
         Some(_) => {
             let mut scores = tried(&mut (FIRST_OF_SURFACES..VALUES).step_by(COARSE));
             let best = scores.iter().min_by(|a, b| a.1.value.total_cmp(&b.1.value));

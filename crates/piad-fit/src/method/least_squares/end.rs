@@ -30,7 +30,7 @@ use crate::termination::{Outcome, Reason};
 const SLOW: f64 = 1e-6;
 
 /// A fit is at its minimum if its objective is above it by at most this part.
-const NEAR: f64 = 1e-6;
+const MINIMUM_EXCESS: f64 = 1e-6;
 
 /// A residual that grows by more than this part, away from the minimum, keeps growing.
 const GROWS: f64 = 1e-12;
@@ -39,7 +39,7 @@ const GROWS: f64 = 1e-12;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The most multiplications of a factorization to determine the end.
-const MOST: usize = 200_000_000;
+const MAX_END_MULTIPLICATIONS: usize = 200_000_000;
 
 /// Distance from the minimum.
 #[derive(Clone, Debug)]
@@ -71,7 +71,7 @@ impl End {
     ) -> Self {
         Self {
             conditions,
-            solvable: cost(setup, settings) <= MOST,
+            solvable: cost(setup, settings) <= MAX_END_MULTIPLICATIONS,
             sums_products: sums_products(setup, settings),
             unit: units.iter().copied().fold(f64::INFINITY, f64::min),
             last: None,
@@ -118,7 +118,7 @@ impl End {
             None if now < fall => now * now / (fall - now),
             None => f64::INFINITY,
         };
-        if above <= NEAR * value || self.is_rounding(equations, value) {
+        if above <= MINIMUM_EXCESS * value || self.is_rounding(equations, value) {
             self.outcome = Some(Outcome::Minimum);
         } else if decrease < -GROWS {
             self.outcome = Some(Outcome::Stalled(Reason::Diverging));

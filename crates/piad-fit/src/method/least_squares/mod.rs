@@ -44,13 +44,13 @@ mod steps;
 
 use std::sync::Arc;
 
+use super::algorithm::{Algorithm, Demand, Scope};
 use super::equations::Equations;
-use super::scheme::{Demand, Scheme, Scope};
 use super::update::Update;
-use crate::about::About;
 use crate::basis::direction::Direction;
 use crate::data::points::Points;
 use crate::invalid::{Axis, Invalid, Place, Setting};
+use crate::kind_info::KindInfo;
 use crate::matrix::forecast::Forecast;
 use crate::setup::Setup;
 use crate::warning::Warning;
@@ -61,7 +61,7 @@ use steps::Steps;
 pub use constraints::MOST_CONDITIONS;
 pub use constraints::{At, Constraint, Wanted};
 pub use settings::{
-    AS_MANY_AS_DATA, Automatic, BY_KNOTS, EndPoints, Fairness, LeastSquares, Variant,
+    AS_MANY_AS_DATA, BY_KNOTS, EndPoints, Fairness, KnotSelection, LeastSquares, Variant,
 };
 
 /// The most control points for each data point of a direction of a fair fit.
@@ -72,7 +72,7 @@ const FAIR: usize = 2;
 const MATRICES: usize = 4;
 
 /// The entry in the table of methods.
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: KindInfo = KindInfo {
     name: "least_squares",
     title: "Least-squares PIA (LSPIA)",
     summary: "Fewer control points than data points approach the least-squares approximation.",
@@ -162,9 +162,9 @@ impl LeastSquares {
     }
 }
 
-impl Scheme for LeastSquares {
-    fn about(&self) -> &'static About {
-        &ABOUT
+impl Algorithm for LeastSquares {
+    fn info(&self) -> &'static KindInfo {
+        &INFO
     }
 
     /// A given μ must be positive; one that is too large makes the residual grow.
@@ -217,7 +217,7 @@ impl Scheme for LeastSquares {
         }
         let direct = self.variant == Variant::Direct;
         let whole = solver::is_whole(setup, self.is_separable());
-        if direct && whole && solver::cost(setup, self) > solver::MOST {
+        if direct && whole && solver::cost(setup, self) > solver::MAX_SURFACE_MULTIPLICATIONS {
             return Err(Invalid::at(
                 Place::Method,
                 "direct has to factorize the normal equations of the whole surface here, and there are too many control points for that: use cg",

@@ -24,7 +24,7 @@ pub struct LeastSquares {
     /// The number of control points in the v direction of a surface.
     pub v: usize,
     /// Settings of a fit that chooses the number of control points, and the knots, itself.
-    pub automatic: Option<Automatic>,
+    pub automatic: Option<KnotSelection>,
     /// How the control points move.
     pub variant: Variant,
     /// The choice to interpolate the end points.
@@ -46,7 +46,7 @@ pub struct LeastSquares {
 /// Settings of a fit that chooses the number of its control points and its knots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Automatic {
+pub struct KnotSelection {
     /// True if parameters move to the foot points of their data.
     pub correct_parameters: bool,
 }
@@ -55,7 +55,7 @@ impl LeastSquares {
     /// With at most u × v control points, and as few of them as the tolerance needs.
     pub fn automatic(u: usize, v: usize) -> Self {
         Self {
-            automatic: Some(Automatic::default()),
+            automatic: Some(KnotSelection::default()),
             ..Self::new(u, v)
         }
     }

@@ -5,7 +5,7 @@
 //! among feasible points) are factorized by rotations, `A = Q R`, in O(m p²) for B-splines. The matrices of
 //! the two directions of a surface are factorized separately, `(A_u ⊗ A_v)⁺ = A_u⁺ ⊗ A_v⁺`, if no point is
 //! missing, all weights are equal and there is no `w H`; otherwise that of the whole surface is, if this takes at
-//! most [`MOST`] multiplications. A step is solved twice, the second time with the gradient that
+//! most [`MAX_SURFACE_MULTIPLICATIONS`] multiplications. A step is solved twice, the second time with the gradient that
 //! rounding has left (corrected seminormal equations, Björck 1987), so that it is as exact as by
 //! orthogonal transformations. If rotations would take more than [`MOST_ROTATIONS`] multiplications,
 //! N is computed and decomposed instead, with more refinements of the step; the same holds with
@@ -33,7 +33,7 @@ use crate::method::update::State;
 use crate::setup::Setup;
 
 /// The most multiplications that the factorization of a whole surface may take.
-pub(super) const MOST: usize = 4_000_000_000;
+pub(super) const MAX_SURFACE_MULTIPLICATIONS: usize = 4_000_000_000;
 
 /// The most multiplications of rotations; beyond them N is summed up.
 const MOST_ROTATIONS: usize = 20_000_000;

@@ -258,7 +258,7 @@ fn pieces_have_as_few_control_points_as_they_need() {
 
 /// Levels have a level of each piece, numbers of control points that do not exceed what is allowed, and errors of all data.
 #[test]
-fn levels_of_pieces_go_on_together() {
+fn levels_of_pieces_continue_together() {
     let wave = |x: f64| (x * 1.3).sin() + if x > 5.0 { 2.0 * (x - 5.0) } else { 0.0 };
     let points: Vec<[f64; 2]> = (0..=200)
         .map(|i| f64::from(i) * 0.05)

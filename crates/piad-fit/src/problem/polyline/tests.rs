@@ -116,7 +116,7 @@ fn corners_of_polylines_are_kept() {
 
 /// Every kind of validation error at its location.
 #[test]
-fn what_is_no_polyline_is_named() {
+fn invalid_polylines_are_named() {
     let place = |points: &[[f64; 2]]| Fit::curve(points).polyline().prepare().unwrap_err().place;
     assert_eq!(place(&[[0.0, 0.0], [1.0, 0.0]]), Place::Points);
     assert_eq!(
@@ -125,12 +125,12 @@ fn what_is_no_polyline_is_named() {
     );
     let bend = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
     let fit = || Fit::curve(&bend).polyline();
-    let mistakes = [
+    let invalid = [
         fit().control_points(3),
         fit().method(crate::method::Method::Global),
         fit().weights(vec![1.0; 3]),
     ];
-    for fit in mistakes {
+    for fit in invalid {
         assert_eq!(fit.prepare().unwrap_err().place, Place::Polyline);
     }
     let values = Fit::curve(&[[0.0], [1.0], [0.0]]).polyline();

@@ -197,7 +197,7 @@ fn scattered_points_are_fitted_without_outliers() {
 }
 
 #[test]
-fn what_is_not_robust_is_named() {
+fn fits_that_cannot_be_robust_are_named() {
     let place = |fit: Fit<Curve>| fit.prepare().unwrap_err().place;
     let robust = |points: &[[f64; 2]]| Fit::curve(points).control_points(4).robust();
     let setting = Place::Setting(Setting::Robust);

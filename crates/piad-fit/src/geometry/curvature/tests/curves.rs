@@ -151,7 +151,7 @@ fn lines_are_straight() {
 
 /// Corners, tangents and curvatures that agree or not.
 #[test]
-fn knots_show_what_is_there() {
+fn knots_show_the_measured_continuity() {
     // A polygon with a corner of 90 degrees, and a knot where it continues straight on with another
     // speed.
     let polygon = curve(

@@ -23,7 +23,7 @@ const CALM: f64 = 2.6 * PI;
 const LEAST_TURN: f64 = 50.0 * PI / 180.0;
 
 /// The most turns among which the corners are chosen.
-const MOST: usize = 12;
+const MAX_TURNS: usize = 12;
 
 /// The corners of a rectangle.
 pub(super) struct Corners {
@@ -64,7 +64,7 @@ fn sharpest(line: &Boundary, window: f64) -> Vec<(usize, f64)> {
     let mut kept: Vec<(usize, f64)> = Vec::new();
     for k in order {
         let is_apart = |&(other, _): &(usize, f64)| line.apart(k, other) >= 2.0 * window * whole;
-        if kept.len() < MOST && kept.iter().all(is_apart) {
+        if kept.len() < MAX_TURNS && kept.iter().all(is_apart) {
             kept.push((k, turns[k]));
         }
     }

@@ -10,7 +10,7 @@ use super::super::unfolding::unrolled;
 const NO_AREA: f64 = 1e-6;
 
 /// The largest weight of a triangle.
-const MOST: f64 = 100.0;
+const MAX_WEIGHT: f64 = 100.0;
 
 /// The result for triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +40,7 @@ impl Stretch {
             let mapped = mapped.map(|side| side * cloud.scaled(1.0));
             let after = mapped[0].cross(&mapped[1]).norm();
             all += area;
-            energy += area * stretch(&in_space, &mapped, after / area).min(MOST);
+            energy += area * stretch(&in_space, &mapped, after / area).min(MAX_WEIGHT);
             let has_area = after > NO_AREA * area;
             senses[0].count(!has_area || sense <= 0.0, t, area);
             senses[1].count(!has_area || sense >= 0.0, t, area);
@@ -106,7 +106,7 @@ fn stretch(before: &[Vector3<f64>; 2], after: &[Vector3<f64>; 2], factor: f64) -
     let ([e, f, g], [p, q, r]) = (gram(before), gram(after));
     let determinant = e * g - f * f;
     if determinant <= 0.0 || factor <= 0.0 {
-        return MOST;
+        return MAX_WEIGHT;
     }
     // The trace of G⁻¹ H.
     let trace = (g * p - 2.0 * f * q + e * r) / determinant;
@@ -114,6 +114,6 @@ fn stretch(before: &[Vector3<f64>; 2], after: &[Vector3<f64>; 2], factor: f64) -
     if stretch.is_finite() {
         stretch.max(0.0)
     } else {
-        MOST
+        MAX_WEIGHT
     }
 }

@@ -4,13 +4,13 @@ use super::polyline::Polyline;
 use crate::data::vectors::{dot, minus};
 
 /// The fewest and the most places at which two sections are compared.
-const FEWEST: usize = 16;
-const MOST: usize = 256;
+const MIN_SAMPLES: usize = 16;
+const MAX_SAMPLES: usize = 256;
 
 /// The number of places at which sections are compared.
 pub(super) fn places(sections: &[Polyline]) -> usize {
     let edges = sections.iter().map(Polyline::edges).max();
-    (2 * edges.unwrap_or(0)).clamp(FEWEST, MOST)
+    (2 * edges.unwrap_or(0)).clamp(MIN_SAMPLES, MAX_SAMPLES)
 }
 
 /// A section as the surface takes it.

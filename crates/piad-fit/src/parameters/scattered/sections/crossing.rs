@@ -7,7 +7,7 @@ use crate::data::vectors::{self, dot, length, minus, unit};
 const EDGES: usize = 64;
 
 /// Sections cross where the edges of one go through another's this much nearer than these are long.
-const NEAR: f64 = 1e-6;
+const RELATIVE_DISTANCE: f64 = 1e-6;
 
 /// Edges cross if the sine of the angle between them is greater than this; others touch.
 const ANGLE: f64 = 0.1;
@@ -55,7 +55,9 @@ fn go_through([a, b]: [[f64; 3]; 2], [c, d]: [[f64; 3]; 2]) -> bool {
     let t = dot(vectors::cross(between, one), normal) / square;
     let apart = dot(between, normal).abs() / square.sqrt();
     let range = 0.0..=1.0;
-    range.contains(&s) && range.contains(&t) && apart <= NEAR * length(one).min(length(other))
+    range.contains(&s)
+        && range.contains(&t)
+        && apart <= RELATIVE_DISTANCE * length(one).min(length(other))
 }
 
 /// Returns true if each of two curves that are in planes is on both sides of the other one's plane.

@@ -69,8 +69,8 @@ impl Sections {
     /// u between the sections, and v along them, closed also where requested.
     pub(super) fn parameters(&self, points: &Points, closed: [bool; 2]) -> Result<Pairs, Invalid> {
         let [u_is_closed, v_is_closed] = closed;
-        let asked = v_is_closed.then_some(true).or(self.closed);
-        let sections = self.polylines(points, asked)?;
+        let requested = v_is_closed.then_some(true).or(self.closed);
+        let sections = self.polylines(points, requested)?;
         let mean = sections.iter().map(Polyline::length).sum::<f64>() / sections.len() as f64;
         let count = alignment::places(&sections);
         let (mut all_u, mut all_v) = (Vec::new(), Vec::new());

@@ -75,7 +75,7 @@ fn open_sections_go_one_way() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_are_named() {
     let (points, sections) = ellipses(&[(12, 0.0, false), (9, 0.0, false)]);
     let refused = |counts: &[usize], points: &Points| {
         let sections = Scattered::Sections(Sections::new(counts));
