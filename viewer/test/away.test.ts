@@ -22,8 +22,8 @@ describe("a server that goes away", () => {
   after(async () => browser?.close());
 
   const latest = async (visit: Visit): Promise<number> => (await visit.iteration())[1];
-  const voices = (visit: Visit, pattern: RegExp, kind: "info" | "error") =>
-    says(visit.page.locator(`#voice[data-kind=${kind}]`), pattern);
+  const announces = (visit: Visit, pattern: RegExp, kind: "info" | "error") =>
+    says(visit.page.locator(`#announcer[data-kind=${kind}]`), pattern);
   /** What the browser itself writes when it does not get what it asks for. */
   const forgive = (visit: Visit) => {
     const others = visit.complaints.filter((line) => !/Failed to load resource|ERR_CONNECTION|ERR_INCOMPLETE/.test(line));
@@ -40,11 +40,11 @@ describe("a server that goes away", () => {
       await until(async () => (await latest(visit)) > 20, "the iterations come");
       await visit.whole();
       await server.stop();
-      await voices(visit, /cannot be reached/, "error");
+      await announces(visit, /cannot be reached/, "error");
       const before = await latest(visit);
       await says(visit.page.locator(".label"), /long/);
       await server.start();
-      await voices(visit, /there again/, "info");
+      await announces(visit, /there again/, "info");
       await until(async () => (await latest(visit)) > before, "the iterations go on");
       await until(async () => (await visit.drawn()).share > 0.002, "it is drawn");
       forgive(visit);
@@ -65,7 +65,7 @@ describe("a server that goes away", () => {
       await visit.whole();
       await server.stop();
       await server.start();
-      await voices(visit, /There is no job .*deleted/, "error");
+      await announces(visit, /There is no job .*deleted/, "error");
       await visit.page.getByRole("button", { name: "Rose" }).click();
       await visit.standing(/^converged/);
       await until(async () => (await visit.drawn()).share > 0.005, "another is drawn");

@@ -104,7 +104,7 @@ describe("jobs", () => {
     const { id } = await server.job(job("to take"));
     const visit = await Visit.to(browser, `${server.url}#job=${id}&k=2`);
     await visit.standing(/^converged/);
-    await visit.page.getByRole("tab", { name: "Take" }).click();
+    await visit.page.getByRole("tab", { name: "Export" }).click();
     await visit.page.getByText("Iteration 2 of to take").waitFor();
     const { formats } = await server.get<{ formats: { result: string[] } }>("v1/capabilities");
     const files = formats.result.filter((type) => type !== "application/x-protobuf");

@@ -36,7 +36,7 @@ describe("many data points", () => {
 
   test("are drawn in part, and the page says so", PATIENT, async () => {
     const visit = await open("");
-    await says(visit.page.locator("#voice"), /^20\u202f000 of 40\u202f000 data points are drawn\.$/);
+    await says(visit.page.locator("#announcer"), /^20\u202f000 of 40\u202f000 data points are drawn\.$/);
     const bare = await visit.drawn();
     await visit.page.locator("[data-layer=data]").click();
     await until(async () => (await visit.difference(bare)) > 0.001, "points are seen");

@@ -80,12 +80,12 @@ describe("an error", () => {
 
   test("of a job goes when another one is opened", PATIENT, async () => {
     const visit = await Visit.to(browser, `${server.url}#job=01a20965-d4dd-75e8-902b-45b708e30e33`);
-    const voice = visit.page.locator("#voice[data-said][data-kind=error]");
-    await says(voice, /^There is no job 01a20965/);
+    const announcer = visit.page.locator("#announcer[data-said][data-kind=error]");
+    await says(announcer, /^There is no job 01a20965/);
     await visit.page.getByRole("button", { name: "Rose" }).click();
     await visit.standing(/^converged/);
-    await becomes(() => voice.count(), 0);
-    assert.doesNotMatch((await visit.page.locator("#voice").textContent()) ?? "", /there again/);
+    await becomes(() => announcer.count(), 0);
+    assert.doesNotMatch((await visit.page.locator("#announcer").textContent()) ?? "", /there again/);
     await end(visit);
   });
 });

@@ -62,7 +62,7 @@ describe("a trimmed surface", () => {
   test("is found by the pointer where it is, and not in its holes", PATIENT, async () => {
     for (const [id, middle] of [[bowl, false], [whole, true]] as const) {
       const visit = await open(`job=${id}&show=`);
-      const { x, y, width, height } = (await visit.page.locator("#stage").boundingBox())!;
+      const { x, y, width, height } = (await visit.page.locator("#viewport").boundingBox())!;
       const tip = visit.page.locator("#tip");
       const seen: boolean[] = [];
       for (let step = 0; step <= 40; step++) {

@@ -19,7 +19,7 @@ export function browse(flags: readonly string[] = []): Promise<Browser> {
   return chromium.launch({ executablePath: CHROMIUM, args });
 }
 
-/** What is seen of the stage. */
+/** What is seen of the viewport. */
 export interface Drawn {
   readonly share: number;
   readonly colors: number;
@@ -114,9 +114,9 @@ export class Visit {
     return [Number(shown), Number(last)];
   }
 
-  /** How many pixels of the stage are not as paper, as a part of all, in how many colours; the page keeps the picture. */
+  /** How many pixels of the viewport are not as paper, as a part of all, in how many colours; the page keeps the picture. */
   async drawn(): Promise<Drawn> {
-    const shot = await this.page.locator("#stage").screenshot();
+    const shot = await this.page.locator("#viewport").screenshot();
     return this.page.evaluate(async (base64) => {
       const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], { type: "image/png" }));
       const context = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
@@ -151,8 +151,8 @@ export class Visit {
 
   /** The middle of the first data point from the left, below what is written, in pixels of the page; those of surfaces are paler. */
   async leftmost(pale = 14): Promise<[number, number]> {
-    const box = (await this.page.locator("#stage").boundingBox())!;
-    const shot = await this.page.locator("#stage").screenshot();
+    const box = (await this.page.locator("#viewport").boundingBox())!;
+    const shot = await this.page.locator("#viewport").screenshot();
     const [x, y] = await this.page.evaluate(async ([base64, pale]) => {
       const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], { type: "image/png" }));
       const context = new OffscreenCanvas(image.width, image.height).getContext("2d")!;

@@ -16,7 +16,7 @@ export function mode(app: App): void {
   const update = () => {
     const { editing } = view.value;
     button.setAttribute("aria-pressed", String(editing));
-    byId("stage").classList.toggle("edits", editing);
+    byId("viewport").classList.toggle("edits", editing);
   };
   view.subscribe(update);
   update();

@@ -6,7 +6,7 @@ import { ApiError, ConnectionLost, JobFailed } from "piad";
 import type { Axes } from "./axes.js";
 import { type Counts, countsOf } from "./controls.js";
 import { type Data, MOST_POINTS, dataOf, unseen } from "./data.js";
-import { Gallery } from "./gallery.js";
+import { GeometryCache } from "./geometry-cache.js";
 import { type Outline, outlineOf } from "./outline.js";
 
 /** What is known of an iteration without its geometry. */
@@ -37,7 +37,7 @@ export class Fit {
   problem: unknown = null;
   /** Where its data are; null until they are here. */
   axes: Axes | null = null;
-  readonly gallery = new Gallery(this);
+  readonly geometry = new GeometryCache(this);
   readonly #client: Client;
   readonly #changed: () => void;
   readonly #axes: () => readonly Axes[];

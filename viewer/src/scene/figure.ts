@@ -9,13 +9,13 @@ import type { Layers } from "../state.js";
 import { type Cuts, cutAt } from "./cut.js";
 import { Dots } from "./dots.js";
 import { FatLine } from "./fatline.js";
-import { Morph } from "./morph.js";
+import { Transition } from "./transition.js";
 import { Net } from "./net.js";
 import { type Palette, seriesColor } from "./palette.js";
 import { Surface } from "./surface.js";
 
 /** Everything that is drawn of an iteration. */
-export interface Picture {
+export interface Frame {
   readonly samples: Samples;
   /** Where a trimmed surface ends; null if all of it is drawn. */
   readonly outline: Outline | null;
@@ -33,7 +33,7 @@ export interface Picture {
 
 export class Figure {
   readonly scene = new Scene();
-  picture: Picture | null = null;
+  frame: Frame | null = null;
   /** What is drawn of the samples of a trimmed surface; null for all. */
   cut: Cuts | null = null;
   readonly #group = new Group();
@@ -49,8 +49,8 @@ export class Figure {
   readonly #teeth = new FatLine(1, 0);
   readonly #edge = new FatLine(1.25, 0);
   readonly #marker = new Dots(9e-5);
-  readonly #morph = new Morph();
-  readonly #controlMorph = new Morph();
+  readonly #transition = new Transition();
+  readonly #controlTransition = new Transition();
   #crowd = 0;
   #lined: readonly unknown[] = [];
   #source: Data | null = null;
@@ -107,30 +107,30 @@ export class Figure {
   }
 
   /** Shows an iteration, and takes so many milliseconds to get there from the one before. */
-  setPicture(picture: Picture, lasts: number, now: number): void {
-    this.picture = picture;
-    const { samples, control, outline } = picture;
+  setFrame(frame: Frame, lasts: number, now: number): void {
+    this.frame = frame;
+    const { samples, control, outline } = frame;
     this.cut = outline === null ? null : cutAt(outline, samples);
-    this.#morph.go(samples.positions, lasts, now);
-    if (control !== null) this.#controlMorph.go(control.positions, lasts, now);
-    if (picture.spikes !== null) this.#spikes.setSegments(picture.spikes);
-    if (picture.astray !== null) this.#astray.setSegments(picture.astray);
-    if (picture.comb !== null) {
-      this.#teeth.setSegments(picture.comb.teeth);
-      this.#edge.setPoints(picture.comb.edge);
+    this.#transition.go(samples.positions, lasts, now);
+    if (control !== null) this.#controlTransition.go(control.positions, lasts, now);
+    if (frame.spikes !== null) this.#spikes.setSegments(frame.spikes);
+    if (frame.astray !== null) this.#astray.setSegments(frame.astray);
+    if (frame.comb !== null) {
+      this.#teeth.setSegments(frame.comb.teeth);
+      this.#edge.setPoints(frame.comb.edge);
     }
     this.#place();
     if (samples.rows > 1) {
-      this.#surface.setHeat(picture.heat);
+      this.#surface.setHeat(frame.heat);
       this.#lines(samples);
     }
   }
 
-  /** Goes on to the newest picture; true while there is a way to go. */
+  /** Goes on to the newest frame; true while there is a way to go. */
   step(now: number): boolean {
-    if (!this.#morph.moves && !this.#controlMorph.moves) return false;
-    this.#morph.step(now);
-    this.#controlMorph.step(now);
+    if (!this.#transition.moves && !this.#controlTransition.moves) return false;
+    this.#transition.step(now);
+    this.#controlTransition.step(now);
     this.#place();
     return true;
   }
@@ -142,20 +142,20 @@ export class Figure {
   }
 
   setLayers(layers: Layers): void {
-    const { picture } = this;
-    const isSurface = (picture?.samples.rows ?? 1) > 1;
-    this.#curve.visible = picture !== null && !isSurface;
-    this.#astray.visible = picture?.astray != null;
-    this.#surface.visible = picture !== null && isSurface && !picture.isAway;
+    const { frame } = this;
+    const isSurface = (frame?.samples.rows ?? 1) > 1;
+    this.#curve.visible = frame !== null && !isSurface;
+    this.#astray.visible = frame?.astray != null;
+    this.#surface.visible = frame !== null && isSurface && !frame.isAway;
     this.#boundary.visible = this.#surface.visible && this.cut !== null;
     this.#surface.setZebra(layers.zebra);
     this.#data.visible = layers.data;
-    const controlled = layers.polygon && picture?.control != null;
+    const controlled = layers.polygon && frame?.control != null;
     this.#polygon.visible = controlled && !isSurface;
     this.#net.visible = controlled && isSurface;
     this.#control.visible = controlled;
-    this.#spikes.visible = layers.spikes && picture?.spikes != null;
-    this.#teeth.visible = this.#edge.visible = layers.comb && picture?.comb != null;
+    this.#spikes.visible = layers.spikes && frame?.spikes != null;
+    this.#teeth.visible = this.#edge.visible = layers.comb && frame?.comb != null;
   }
 
   setColors(palette: Palette, index: number, crowd: number): void {
@@ -210,15 +210,15 @@ export class Figure {
 
   /** Puts the shown numbers into the buffers. */
   #place(): void {
-    const { picture } = this;
-    if (picture === null) return;
-    const { samples, control } = picture;
+    const { frame } = this;
+    if (frame === null) return;
+    const { samples, control } = frame;
     if (samples.rows > 1) {
-      this.#surface.setSamples(this.#morph.shown, samples.rows, samples.columns, this.cut);
+      this.#surface.setSamples(this.#transition.shown, samples.rows, samples.columns, this.cut);
       if (this.cut !== null) this.#boundary.setSegments(this.#surface.boundary());
-    } else this.#curve.setPoints(this.#morph.shown);
+    } else this.#curve.setPoints(this.#transition.shown);
     if (control === null) return;
-    const { shown } = this.#controlMorph;
+    const { shown } = this.#controlTransition;
     this.#control.setPoints(shown);
     if (control.rows === 1) return this.#polygon.setPoints(shown);
     this.#net.setPoints(shown, control.rows, control.columns);

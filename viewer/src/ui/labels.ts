@@ -7,9 +7,9 @@ import type { Counts } from "../fit/controls.js";
 import { type Fit, isGone } from "../fit/fit.js";
 import type { Outline } from "../fit/outline.js";
 import { el } from "../html.js";
-import type { Exhibit } from "../scene/exhibit.js";
-import type { Hall } from "../scene/hall.js";
-import { range } from "../scene/picture.js";
+import type { FitView } from "../scene/fit-view.js";
+import type { SceneController } from "../scene/scene-controller.js";
+import { range } from "../scene/frame-data.js";
 import { icon } from "./icons.js";
 import { count, short } from "../text/numbers.js";
 
@@ -26,16 +26,16 @@ const STATES: Readonly<Record<api.JobState, string>> = {
 // In a figure that is not so wide the error is that of the iteration that is shown alone; in pixels.
 const NARROW = 300;
 
-export function labels(app: App, hall: Hall, root: HTMLElement): void {
+export function labels(app: App, scene: SceneController, root: HTMLElement): void {
   const layer = el("div", { class: "labels" });
   root.append(layer);
   const update = () => {
-    const cells = hall.stage.cells();
-    const many = hall.exhibits.length > 1;
+    const cells = scene.viewport.cells();
+    const many = scene.fitViews.length > 1;
     layer.replaceChildren(
-      ...hall.exhibits.map((exhibit, i) => {
+      ...scene.fitViews.map((fitView, i) => {
         const cell = cells[i];
-        const label = el("section", { class: "label", "data-series": many ? i + 1 : null, "aria-label": exhibit.fit.title }, ...about(app, exhibit, many, (cell?.width ?? 0) < NARROW));
+        const label = el("section", { class: "label", "data-series": many ? i + 1 : null, "aria-label": fitView.fit.title }, ...about(app, fitView, many, (cell?.width ?? 0) < NARROW));
         if (cell !== undefined) {
           label.style.left = `${cell.x}px`;
           label.style.top = `${cell.y}px`;
@@ -45,8 +45,8 @@ export function labels(app: App, hall: Hall, root: HTMLElement): void {
         return label;
       }),
     );
-    const seen = hall.exhibits.map((exhibit) => `${exhibit.fit.title} at iteration ${exhibit.shownOf(app.view.value)}`);
-    hall.stage.canvas.setAttribute("aria-label", seen.join(", ") || "Nothing yet");
+    const seen = scene.fitViews.map((fitView) => `${fitView.fit.title} at iteration ${fitView.shownOf(app.view.value)}`);
+    scene.viewport.canvas.setAttribute("aria-label", seen.join(", ") || "Nothing yet");
     document.title = `${app.fits.shown[0]?.title ?? "Fits"} – piad`;
   };
   let frame = 0;
@@ -58,22 +58,22 @@ export function labels(app: App, hall: Hall, root: HTMLElement): void {
   };
   app.fits.subscribe(later);
   app.view.subscribe(later);
-  hall.onPicture = later;
+  scene.onFrame = later;
   new ResizeObserver(later).observe(root);
   later();
 }
 
-function about(app: App, exhibit: Exhibit, many: boolean, isNarrow: boolean): Node[] {
-  const { fit } = exhibit;
+function about(app: App, fitView: FitView, many: boolean, isNarrow: boolean): Node[] {
+  const { fit } = fitView;
   const close = el("button", { type: "button", class: "icon", "aria-label": `Take ${fit.title} off the screen`, onclick: () => app.close(fit.id) }, icon("close"));
   const head = el("div", { class: "head" }, el("h2", {}, fit.title), many && close);
-  const k = exhibit.shownOf(app.view.value);
-  const level = exhibit.held ?? fit.levels[k];
+  const k = fitView.shownOf(app.view.value);
+  const level = fitView.held ?? fit.levels[k];
   const error = short(level?.error.max);
-  const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(exhibit) }, isNarrow ? standing(exhibit) : described(exhibit, k, error));
+  const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(fitView) }, isNarrow ? standing(fitView) : described(fitView, k, error));
   const advice = fit.latest < 0 && isGone(fit.problem) && el("p", {}, "It may have been deleted. Open an example, another job, or points of your own.");
   const warnings = many ? [] : (fit.job?.status.warnings ?? []).map(({ detail }) => el("p", { class: "warning" }, detail));
-  return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit, level?.controls ?? fit.head?.control_points ?? 0))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${error}`)] : []), ...scales(app, exhibit)];
+  return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit, level?.controls ?? fit.head?.control_points ?? 0))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${error}`)] : []), ...scales(app, fitView)];
 }
 
 /** "B-spline surface of degree 3 × 3, 24 × 18 control points, global"; the count is that of an iteration. */
@@ -87,12 +87,12 @@ function how({ head }: Fit, controls: Counts): string {
   return `${names[of(head.basis)]} ${head.kind} of degree ${degree}, ${control} control points, ${method}`;
 }
 
-function stateOf({ held, fit: { end, job } }: Exhibit): api.JobState {
+function stateOf({ held, fit: { end, job } }: FitView): api.JobState {
   return held === null ? (end?.state ?? job?.status.state ?? "queued") : "running";
 }
 
 /** How the job stands, or that it is not the job that is seen. */
-function standing({ held, fit }: Exhibit): string {
+function standing({ held, fit }: FitView): string {
   const { end, latest, problem } = fit;
   if (held !== null) return "preview of the edit";
   if (latest < 0) return problem === null ? "…" : isGone(problem) ? "not there" : "not reached";
@@ -101,12 +101,12 @@ function standing({ held, fit }: Exhibit): string {
 }
 
 /** How the job stands, with the error of what is seen, and which iteration that is if it is not the last. */
-function described(exhibit: Exhibit, k: number, error: string): string {
-  const { held, fit } = exhibit;
-  if (held !== null) return `${standing(exhibit)}, iteration ${count(held.number)}, error ${error}`;
-  if (fit.latest < 0) return standing(exhibit);
-  if (k >= fit.latest) return `${standing(exhibit)}, error ${error}${reason(fit)}`;
-  return `${standing(exhibit)}${reason(fit)}; shown: iteration ${count(k)}, error ${error}`;
+function described(fitView: FitView, k: number, error: string): string {
+  const { held, fit } = fitView;
+  if (held !== null) return `${standing(fitView)}, iteration ${count(held.number)}, error ${error}`;
+  if (fit.latest < 0) return standing(fitView);
+  if (k >= fit.latest) return `${standing(fitView)}, error ${error}${reason(fit)}`;
+  return `${standing(fitView)}${reason(fit)}; shown: iteration ${count(k)}, error ${error}`;
 }
 
 /** Why a job has ended that has not converged. */
@@ -116,7 +116,7 @@ function reason({ end }: Fit): string {
 }
 
 /** How much things are enlarged, and what colours mean. */
-function scales(app: App, { fit, shown, data }: Exhibit): Node[] {
+function scales(app: App, { fit, shown, data }: FitView): Node[] {
   const { layers } = app.view.value;
   const notes: Node[] = [];
   if (fit.outline !== null) notes.push(el("p", { class: "trimmed" }, trimmed(fit.outline, shown?.k === fit.latest)));

@@ -1,7 +1,7 @@
 /** Iterations that run by. */
 
 import type { App } from "../app.js";
-import type { Hall } from "../scene/hall.js";
+import type { SceneController } from "../scene/scene-controller.js";
 
 // The first steps change most and are shown longest; milliseconds.
 const FIRST = 620;
@@ -10,7 +10,7 @@ const LEAST = 45;
 const LONG = 120;
 
 /** Goes through the iterations while the view says that they are played. */
-export function player(app: App, hall: Hall): void {
+export function player(app: App, scene: SceneController): void {
   const { view, fits } = app;
   let timer = 0;
   const paceOf = (k: number) => Math.max(LEAST, FIRST / (1 + k / 2.5));
@@ -20,9 +20,9 @@ export function player(app: App, hall: Hall): void {
     if (!value.playing) return;
     const k = value.iteration === "latest" ? 0 : value.iteration;
     const latest = Math.max(-1, ...fits.shown.map((fit) => fit.latest));
-    const arrived = hall.exhibits.every((exhibit) => exhibit.isSettled(value));
+    const arrived = scene.fitViews.every((fitView) => fitView.isSettled(value));
     if (latest > k && arrived) {
-      hall.pace = paceOf(k + 1);
+      scene.pace = paceOf(k + 1);
       view.set({ iteration: k + Math.max(1, Math.floor((latest - k) / LONG)) });
     } else if (latest >= 0 && k >= latest && arrived && fits.shown.every((fit) => fit.end !== null || fit.problem !== null)) {
       view.set({ iteration: "latest", playing: false });
@@ -33,7 +33,7 @@ export function player(app: App, hall: Hall): void {
   const begin = () => {
     if (!view.value.playing || timer !== 0) return;
     if (view.value.iteration === "latest") view.set({ iteration: 0 });
-    timer = window.setTimeout(step, hall.exhibits.some(({ shown }) => shown !== null) ? 0 : LEAST);
+    timer = window.setTimeout(step, scene.fitViews.some(({ shown }) => shown !== null) ? 0 : LEAST);
   };
   view.subscribe(begin);
   begin();

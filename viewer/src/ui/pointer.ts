@@ -3,8 +3,8 @@
 import type { App } from "../app.js";
 import { placeOf } from "../fit/data.js";
 import { el } from "../html.js";
-import type { Exhibit } from "../scene/exhibit.js";
-import type { Hall } from "../scene/hall.js";
+import type { FitView } from "../scene/fit-view.js";
+import type { SceneController } from "../scene/scene-controller.js";
 import type { Place } from "../state.js";
 import { axisName, short } from "../text/numbers.js";
 
@@ -13,7 +13,7 @@ export const NEAR = 13;
 
 /** What is under the pointer. */
 export interface Found {
-  readonly exhibit: Exhibit;
+  readonly fitView: FitView;
   readonly what: "data" | "sample";
   /** The number of the point. */
   readonly index: number;
@@ -22,19 +22,19 @@ export interface Found {
 }
 
 /** The data point or the point of the fit that is seen nearest to a place on the canvas. */
-export function find(hall: Hall, x: number, y: number, only?: "data", reach = NEAR): Found | null {
-  const cells = hall.stage.cells();
+export function find(scene: SceneController, x: number, y: number, only?: "data", reach = NEAR): Found | null {
+  const cells = scene.viewport.cells();
   const at = cells.findIndex((cell) => x >= cell.x && x < cell.x + cell.width && y >= cell.y && y < cell.y + cell.height);
-  const exhibit = hall.exhibits[at];
+  const fitView = scene.fitViews[at];
   const cell = cells[at];
-  if (exhibit === undefined || cell === undefined || exhibit.data === null || exhibit.shown === null) return null;
-  const { figure, data, shown } = exhibit;
-  const look = (positions: Float32Array, pull: number, inside: Uint8Array | null) => nearest(hall, figure.group.matrixWorld.elements, positions, inside, x - cell.x, y - cell.y, cell, reach, pull);
+  if (fitView === undefined || cell === undefined || fitView.data === null || fitView.shown === null) return null;
+  const { figure, data, shown } = fitView;
+  const look = (positions: Float32Array, pull: number, inside: Uint8Array | null) => nearest(scene, figure.group.matrixWorld.elements, positions, inside, x - cell.x, y - cell.y, cell, reach, pull);
   const point = look(data.positions, 0.02, null);
   const sample = only === "data" ? null : look(shown.samples.positions, 0, figure.cut?.inside ?? null);
   // A data point that lies on the fit or before it is meant rather than the fit.
-  if (point !== null && (sample === null || point.depth <= sample.depth + 0.03)) return { exhibit, what: "data", ...point };
-  return sample === null ? null : { exhibit, what: "sample", ...sample };
+  if (point !== null && (sample === null || point.depth <= sample.depth + 0.03)) return { fitView, what: "data", ...point };
+  return sample === null ? null : { fitView, what: "sample", ...sample };
 }
 
 interface Near {
@@ -44,8 +44,8 @@ interface Near {
 }
 
 /** Of the points within reach those in front count most. Points that are not inside are not seen. */
-function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, inside: Uint8Array | null, x: number, y: number, cell: { width: number; height: number }, reach: number, pull: number): Near | null {
-  const { camera } = hall.stage.rig;
+function nearest(scene: SceneController, world: ArrayLike<number>, positions: Float32Array, inside: Uint8Array | null, x: number, y: number, cell: { width: number; height: number }, reach: number, pull: number): Near | null {
+  const { perspective: camera } = scene.viewport.camera;
   camera.updateMatrixWorld();
   const m = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse).elements;
   const s = world[0]!;
@@ -73,19 +73,19 @@ function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, 
 }
 
 /** Shows the numbers of what the pointer is over. */
-export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => boolean): void {
+export function pointer(app: App, scene: SceneController, root: HTMLElement, isBusy: () => boolean): void {
   const tip = el("div", { class: "tip", id: "tip", hidden: true });
   root.append(tip);
-  const { canvas } = hall.stage;
+  const { canvas } = scene.viewport;
   let last: PointerEvent | null = null;
   let frame = 0;
-  let marked: Exhibit | null = null;
+  let marked: FitView | null = null;
   const clear = () => {
     last = null;
     tip.hidden = true;
     if (isBusy()) return;
     marked?.figure.mark(null);
-    if (marked !== null) hall.stage.invalidate();
+    if (marked !== null) scene.viewport.invalidate();
     marked = null;
     canvas.classList.remove("grabs");
   };
@@ -93,12 +93,12 @@ export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => b
     frame = 0;
     if (last === null || isBusy()) return;
     const { offsetX: x, offsetY: y } = last;
-    const found = last.buttons === 0 ? find(hall, x, y) : null;
+    const found = last.buttons === 0 ? find(scene, x, y) : null;
     canvas.classList.toggle("grabs", found?.what === "data" && (app.view.value.editing || last.altKey));
-    if (marked !== null || found !== null) hall.stage.invalidate();
-    if (marked !== found?.exhibit) marked?.figure.mark(null);
-    marked = found?.exhibit ?? null;
-    found?.exhibit.figure.mark(found.position);
+    if (marked !== null || found !== null) scene.viewport.invalidate();
+    if (marked !== found?.fitView) marked?.figure.mark(null);
+    marked = found?.fitView ?? null;
+    found?.fitView.figure.mark(found.position);
     tip.hidden = found === null;
     if (found === null) return;
     tip.replaceChildren(...facts(found).map(([name, value]) => el("div", {}, el("span", {}, name), el("b", {}, value))));
@@ -115,8 +115,8 @@ export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => b
   canvas.addEventListener("pointerdown", clear);
 }
 
-function facts({ exhibit, what, index }: Found): [string, string][] {
-  const { data, shown, fit } = exhibit;
+function facts({ fitView, what, index }: Found): [string, string][] {
+  const { data, shown, fit } = fitView;
   if (data === null || shown === null) return [];
   const coordinates = (list: ArrayLike<number>, at: number, dimension: number) =>
     Array.from({ length: dimension }, (_, axis) => [axisName(axis, dimension), short(list[at * dimension + axis], 5)] as [string, string]);

@@ -2,7 +2,7 @@
 
 import type { App } from "../app.js";
 import { byId, el } from "../html.js";
-import type { Hall } from "../scene/hall.js";
+import type { SceneController } from "../scene/scene-controller.js";
 import type { Layer } from "../state.js";
 import { icon } from "./icons.js";
 
@@ -24,7 +24,7 @@ const TOOLS: readonly Tool[] = [
   { layer: "zebra", name: "Zebra", key: "z", help: "Reflected stripes, which show how smooth a surface is", of: "surface" },
 ];
 
-export function tools(app: App, hall: Hall): void {
+export function tools(app: App, scene: SceneController): void {
   const root = byId("tools");
   const { view, fits } = app;
   const toggle = (layer: Layer) => {
@@ -41,7 +41,7 @@ export function tools(app: App, hall: Hall): void {
   // There is no room for all of it on a phone.
   const what = el("span", {}, "net");
   buttons[1]!.replaceChildren(el("span", { class: "long" }, "Control "), what);
-  const whole = el("button", { type: "button", class: "icon", id: "whole", title: "See all of it (0)", "aria-label": "See all of it", onclick: () => hall.stage.rig.reset() }, icon("whole"));
+  const whole = el("button", { type: "button", class: "icon", id: "whole", title: "See all of it (0)", "aria-label": "See all of it", onclick: () => scene.viewport.camera.reset() }, icon("whole"));
   root.append(...buttons, whole);
 
   const update = () => {
@@ -55,22 +55,22 @@ export function tools(app: App, hall: Hall): void {
   view.subscribe(update);
   fits.subscribe(update);
   update();
-  addEventListener("keydown", (event) => keys(event, hall, toggle, buttons));
+  addEventListener("keydown", (event) => keys(event, scene, toggle, buttons));
 }
 
 /** A letter for each tool; the camera with shift and arrows, plus, minus and zero. */
-function keys(event: KeyboardEvent, hall: Hall, toggle: (layer: Layer) => void, buttons: readonly HTMLElement[]): void {
+function keys(event: KeyboardEvent, scene: SceneController, toggle: (layer: Layer) => void, buttons: readonly HTMLElement[]): void {
   const { target, key, altKey, ctrlKey, metaKey, shiftKey } = event;
   if (altKey || ctrlKey || metaKey || event.defaultPrevented) return;
   if (target instanceof Element && target.closest("input:not([type=range]), textarea, select, [contenteditable]")) return;
-  const { rig } = hall.stage;
+  const { camera } = scene.viewport;
   const at = TOOLS.findIndex((tool) => tool.key === key);
   const turn = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, 0.12], ArrowDown: [0, -0.12] }[key];
   if (at >= 0 && !buttons[at]!.hidden) toggle(TOOLS[at]!.layer);
-  else if (turn !== undefined && shiftKey) rig.move(turn[0]!, turn[1]!, 1);
-  else if (key === "+" || key === "=") rig.move(0, 0, 1.25);
-  else if (key === "-") rig.move(0, 0, 0.8);
-  else if (key === "0") rig.reset();
+  else if (turn !== undefined && shiftKey) camera.move(turn[0]!, turn[1]!, 1);
+  else if (key === "+" || key === "=") camera.move(0, 0, 1.25);
+  else if (key === "-") camera.move(0, 0, 0.8);
+  else if (key === "0") camera.reset();
   else return;
   event.preventDefault();
 }

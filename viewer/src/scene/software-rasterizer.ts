@@ -27,7 +27,7 @@ const EDGE = 1e-5;
 /** What is seen of a corner: x, y, depth, red, green and blue. */
 const PARTS = 6;
 
-export class Raster {
+export class SoftwareRasterizer {
   readonly #view: View;
   readonly #depth: Float32Array;
   readonly #pixels: Uint32Array;

@@ -1,4 +1,4 @@
-/** A fit on the stage: asks for what is to be seen, and shows it when it is there. */
+/** A fit on the viewport: asks for what is to be seen, and shows it when it is there. */
 
 import { ConnectionLost } from "piad";
 
@@ -6,7 +6,7 @@ import type { Data } from "../fit/data.js";
 import type { Fit, Level } from "../fit/fit.js";
 import type { Layers, View } from "../state.js";
 import { Figure } from "./figure.js";
-import { type Judged, type Look, mayApproximate, judged, pictureOf, samplesFor, samplesOf } from "./picture.js";
+import { type FrameData, type Look, mayApproximate, frameDataOf, loadFrame, samplesFor, samplesOf } from "./frame-data.js";
 import type { Samples } from "../fit/geometry.js";
 
 // How many iterations are asked for before they are shown, while they are played.
@@ -14,23 +14,23 @@ const AHEAD = 4;
 // How long an iteration is looked at until it is asked for exactly, in milliseconds.
 const EXACT_DELAY_MS = 250;
 
-/** What an exhibit tells. */
+/** What a fit tells. */
 export interface Listener {
   /** Something is to be drawn anew. */
-  drawn(exhibit: Exhibit): void;
+  drawn(fitView: FitView): void;
   /** The data are here. */
-  loaded(exhibit: Exhibit): void;
-  failed(exhibit: Exhibit, error: unknown): void;
+  loaded(fitView: FitView): void;
+  failed(fitView: FitView, error: unknown): void;
 }
 
 /** An iteration of an edit that is shown and not kept. */
 export type Held = Pick<Level, "error" | "controls"> & { readonly number: number };
 
-export class Exhibit {
+export class FitView {
   readonly fit: Fit;
   readonly figure = new Figure();
   data: Data | null = null;
-  shown: Judged | null = null;
+  shown: FrameData | null = null;
   /** While a point is dragged the samples are those of an edit: its last iteration. */
   held: Held | null = null;
   readonly #listener: Listener;
@@ -61,7 +61,7 @@ export class Exhibit {
     return iteration === "latest" ? this.fit.latest : Math.min(iteration, this.fit.latest);
   }
 
-  /** The number of the iteration that is on the screen; until there is a picture, that of the view. */
+  /** The number of the iteration that is on the screen; until there is a frame, that of the view. */
   shownOf(view: View): number {
     return this.shown?.k ?? this.wantedOf(view);
   }
@@ -94,7 +94,7 @@ export class Exhibit {
     if (data === null) return;
     this.held = held;
     const bare = { ...layers, spikes: false, heat: false };
-    this.#set(judged(this.fit, data, this.#k, samples, null, bare), layers, 0);
+    this.#set(frameDataOf(this.fit, data, this.#k, samples, null, bare), layers, 0);
   }
 
   /** Back to the iterations of the job. */
@@ -118,11 +118,11 @@ export class Exhibit {
         const key = this.#keyOf(data, k, look);
         if (key === this.#wanted) return;
         if (await this.#showKept(data, k, look, key)) continue;
-        const picture = await pictureOf(this.fit, data, k, look).catch((error: unknown) => this.#missing(error, k, key));
-        if (picture === null) continue;
+        const frame = await loadFrame(this.fit, data, k, look).catch((error: unknown) => this.#missing(error, k, key));
+        if (frame === null) continue;
         if (this.held !== null || this.fit.signal.aborted) return;
         this.#wanted = key;
-        this.#set(picture, layers, this.#pace);
+        this.#set(frame, layers, this.#pace);
       }
     } catch (error) {
       if (!this.fit.signal.aborted) this.#listener.failed(this, error);
@@ -143,9 +143,9 @@ export class Exhibit {
    */
   async #showKept(data: Data, k: number, look: Look, key: string): Promise<boolean> {
     const { layers, isPlaying } = look;
-    const samples = isPlaying || layers.polygon || !mayApproximate(layers) ? undefined : this.fit.gallery.keptSamples(k, samplesOf(data, look));
+    const samples = isPlaying || layers.polygon || !mayApproximate(layers) ? undefined : this.fit.geometry.keptSamples(k, samplesOf(data, look));
     if (samples === undefined) return false;
-    if (this.shown?.k !== k || this.shown.samples !== samples) this.#set(judged(this.fit, data, k, samples, null, layers), layers, this.#pace);
+    if (this.shown?.k !== k || this.shown.samples !== samples) this.#set(frameDataOf(this.fit, data, k, samples, null, layers), layers, this.#pace);
     const isOther = () => this.#look === null || this.#keyOf(data, this.#k, this.#look) !== key || this.held !== null;
     const end = performance.now() + EXACT_DELAY_MS;
     while (!isOther() && performance.now() < end) await this.#sleep(end - performance.now());
@@ -168,9 +168,9 @@ export class Exhibit {
     return null;
   }
 
-  #set(picture: Judged, layers: Layers, pace: number): void {
-    this.shown = picture;
-    this.figure.setPicture(picture, pace, performance.now());
+  #set(frame: FrameData, layers: Layers, pace: number): void {
+    this.shown = frame;
+    this.figure.setFrame(frame, pace, performance.now());
     this.figure.setLayers(layers);
     this.#listener.drawn(this);
   }

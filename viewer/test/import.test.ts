@@ -1,4 +1,4 @@
-/** Data that somebody brings, and how they are fitted. */
+/** Data that are imported, and how they are fitted. */
 
 import { strict as assert } from "node:assert";
 import { after, before, describe, test } from "node:test";
@@ -83,7 +83,7 @@ describe("data", () => {
   test("a file that is wrong is shown at its line", PATIENT, async () => {
     const visit = await visitArch();
     await choose(visit.page, "half.csv", "x,y\n1,0\n0.5,zwei\n0,0\n");
-    const at = visit.page.locator(".excerpt .line.at");
+    const at = visit.page.locator(".snippet .line.at");
     await at.waitFor();
     await says(at, /^30\.5,zwei/);
     await says(visit.page.locator(".wrong[role=alert]").first(), /half\.csv, line 3.*zwei/);
@@ -103,10 +103,10 @@ describe("data", () => {
   test("that are wrong are shown at their line", PATIENT, async () => {
     const visit = await visitArch();
     await paste(visit.page, "[[0, 0],\n [1, 1],\n [2 3],\n [4, 5]]");
-    const at = visit.page.locator(".excerpt .line.at");
+    const at = visit.page.locator(".snippet .line.at");
     await at.waitFor();
     await says(at, /^3 \[2 3\],/);
-    await becomes(() => visit.page.locator(".excerpt mark").textContent(), "3");
+    await becomes(() => visit.page.locator(".snippet mark").textContent(), "3");
     await says(visit.page.locator(".wrong[role=alert]").first(), /line 3/);
     await says(visit.page.locator(".data"), /5 points/);
     assert.deepEqual(await visit.axe(), []);
@@ -183,7 +183,7 @@ describe("data", () => {
       const { id } = await server.job(ARCH);
       const visit = await Visit.to(browser, `${server.url}#job=${id}`, { viewport: { width: 390, height: 844 }, colorScheme: scheme });
       await field(visit.page, "/method/kind").waitFor();
-      await visit.page.evaluate(() => document.querySelectorAll("#bring details").forEach((details) => details.setAttribute("open", "")));
+      await visit.page.evaluate(() => document.querySelectorAll("#import details").forEach((details) => details.setAttribute("open", "")));
       assert.deepEqual(await visit.axe(), []);
       assert.equal(await visit.page.evaluate(() => document.documentElement.scrollWidth), 390);
       await visit.end();
@@ -223,7 +223,7 @@ async function drop(page: Page, name: string, text: string): Promise<void> {
     ([title, content]) => {
       const data = new DataTransfer();
       data.items.add(new File([content!], title!));
-      for (const type of ["dragover", "drop"]) document.querySelector("#stage")!.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
+      for (const type of ["dragover", "drop"]) document.querySelector("#viewport")!.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
     },
     [name, text],
   );

@@ -2,12 +2,12 @@
 
 import type { Problem, api } from "piad";
 
-import { ask } from "../ask.js";
-import type { Brought } from "./drop.js";
+import { authorized } from "../http.js";
+import type { InputFile } from "./drop.js";
 import { type Fields, type Json, at, isFields } from "./pointer.js";
 
 /** What a file says. */
-export interface Reading {
+export interface ParsedInput {
   readonly request: Fields;
   /** What was found out about the file, in words. */
   readonly notices: readonly string[];
@@ -22,7 +22,7 @@ export interface Fault {
 }
 
 /** A file that could not be read, and why. */
-export class Unreadable extends Error {
+export class InputError extends Error {
   readonly faults: readonly Fault[];
   readonly text: string;
 
@@ -34,7 +34,7 @@ export class Unreadable extends Error {
 }
 
 /** Reads a file, or its text where there is no file. `name` is that of the file without its ending, for the job. */
-export async function read({ text, bytes }: Brought, name: string | null, signal: AbortSignal): Promise<Reading> {
+export async function parseInput({ text, bytes }: InputFile, name: string | null, signal: AbortSignal): Promise<ParsedInput> {
   const value = /^\s*[[{]/.test(text) ? parsed(text) : null;
   const { request, notices } = isFields(value) && !("type" in value) ? job(value, text) : await byServer(text, bytes, signal);
   // What a file calls itself goes before how the file is called.
@@ -45,15 +45,15 @@ function parsed(text: string): Json {
   try {
     return JSON.parse(text) as Json;
   } catch (error) {
-    throw new Unreadable(text, [{ detail: `This is not JSON: ${message(error)}.`, ...placeOf(text, message(error)) }]);
+    throw new InputError(text, [{ detail: `This is not JSON: ${message(error)}.`, ...placeOf(text, message(error)) }]);
   }
 }
 
 /** A whole job, or an object with points. */
-function job(value: Fields, text: string): Reading {
+function job(value: Fields, text: string): ParsedInput {
   const request = "points" in value && !("curve" in value) && !("surface" in value) ? geometry(value["points"]!) : value;
   if ("curve" in request || "surface" in request) return { request, notices: [] };
-  throw new Unreadable(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
+  throw new InputError(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
 }
 
 /** Rows of rows are a surface. */
@@ -75,11 +75,11 @@ function placeOf(text: string, words: string): { line: number | null; column: nu
   return { line: before.length, column: (before.at(-1)?.length ?? 0) + 1 };
 }
 
-async function byServer(text: string, bytes: Blob | undefined, signal: AbortSignal): Promise<Reading> {
+async function byServer(text: string, bytes: Blob | undefined, signal: AbortSignal): Promise<ParsedInput> {
   const headers = { "Content-Type": bytes === undefined ? "text/plain; charset=utf-8" : "application/octet-stream", Accept: "application/json, application/problem+json" };
   const sent = (await bytes?.arrayBuffer()) ?? text;
   const post = async (query: string): Promise<{ response: Response; body: Json }> => {
-    const response = await ask(new URL(`v1/points${query}`, document.baseURI), { method: "POST", headers, body: sent, signal });
+    const response = await authorized(new URL(`v1/points${query}`, document.baseURI), { method: "POST", headers, body: sent, signal });
     return { response, body: (await response.json().catch(() => null)) as Json };
   };
   const { response, body } = await post("");
@@ -88,18 +88,18 @@ async function byServer(text: string, bytes: Blob | undefined, signal: AbortSign
     return { request, notices: Array.isArray(notices) ? notices.map(sentence) : [] };
   }
   if (response.status === 404 || response.status === 405) {
-    throw new Unreadable(text, [{ detail: "This server reads points as JSON only.", line: null, column: null }]);
+    throw new InputError(text, [{ detail: "This server reads points as JSON only.", line: null, column: null }]);
   }
   // Points that are read, and of which no curve can be made.
   if (response.status === 422 && isFields(body) && body["errors"] === undefined) {
     const scan = scanOf((await post("?curve.order=given")).body);
     if (scan !== null) return scan;
   }
-  throw new Unreadable(text, faultsOf(body as Partial<Problem> | null, response.status));
+  throw new InputError(text, faultsOf(body as Partial<Problem> | null, response.status));
 }
 
 /** Points in space without an order along a curve, as those of a surface near them; null if they are something else. */
-function scanOf(body: Json): Reading | null {
+function scanOf(body: Json): ParsedInput | null {
   const points = at(body, "/curve/points");
   if (!isFields(body) || !Array.isArray(points) || !points.every((point) => Array.isArray(point) && point.length === 3)) return null;
   const { curve: _, notices: __, ...rest } = body;

@@ -1,4 +1,4 @@
-/** The fits of the view on one stage. */
+/** The fits of the view on one viewport. */
 
 import { ConnectionLost } from "piad";
 
@@ -6,11 +6,11 @@ import type { App } from "../app.js";
 import type { Axes } from "../fit/axes.js";
 import { drawnOf, shareOf } from "../fit/data.js";
 import type { Fit } from "../fit/fit.js";
-import { Exhibit, type Listener } from "./exhibit.js";
+import { FitView, type Listener } from "./fit-view.js";
 import { count } from "../text/numbers.js";
 import { sentence } from "../text/errors.js";
 import { onPalette, palette } from "./palette.js";
-import { Stage } from "./stage.js";
+import { Viewport } from "./viewport.js";
 
 // Milliseconds that the way from one iteration to the next takes, unless they follow each other faster.
 const GLIDE = 160;
@@ -19,16 +19,16 @@ const MOST_STREAMED_FITS = 2;
 // After a lost connection, in milliseconds.
 const AGAIN = 3000;
 
-/** Keeps what is on the stage as the view says. */
-export class Hall implements Listener {
-  readonly stage: Stage;
-  exhibits: readonly Exhibit[] = [];
+/** Keeps what is on the viewport as the view says. */
+export class SceneController implements Listener {
+  readonly viewport: Viewport;
+  fitViews: readonly FitView[] = [];
   /** How long each iteration is shown while they are played, in milliseconds. */
   pace = GLIDE;
   /** Called when the first picture has been drawn. */
   onFirst: () => void = () => {};
   /** Called when a picture has changed. */
-  onPicture: () => void = () => {};
+  onFrame: () => void = () => {};
   readonly #app: App;
   readonly #still = matchMedia("(prefers-reduced-motion: reduce)");
   #framed: Axes | null = null;
@@ -36,40 +36,40 @@ export class Hall implements Listener {
   #isSeen = false;
   #isLost = false;
   #hasFailed = false;
-  #leaving: readonly Exhibit[] = [];
+  #leaving: readonly FitView[] = [];
 
-  constructor(app: App, stage: Stage) {
+  constructor(app: App, viewport: Viewport) {
     this.#app = app;
-    this.stage = stage;
+    this.viewport = viewport;
     app.fits.subscribe(this.#update);
     app.view.subscribe(this.#update);
     let detail = 1;
-    stage.onDraw = () => {
+    viewport.onDraw = () => {
       const now = this.#detail();
       if (now !== detail) this.#update();
       detail = now;
     };
     onPalette(() => {
-      stage.palette = palette();
+      viewport.palette = palette();
       this.#update();
     });
     this.#update();
   }
 
-  of(fit: Fit): Exhibit | undefined {
-    return this.exhibits.find((exhibit) => exhibit.fit === fit);
+  of(fit: Fit): FitView | undefined {
+    return this.fitViews.find((fitView) => fitView.fit === fit);
   }
 
-  loaded(exhibit: Exhibit): void {
-    const { data } = exhibit;
+  loaded(fitView: FitView): void {
+    const { data } = fitView;
     // The first of the jobs says where the camera is; edits of it leave the camera where it is.
     if (data !== null && data.exact.length === 0) {
-      this.#app.say(`There are ${count(exhibit.fit.head?.points ?? 0)} data points, which are not drawn.`);
+      this.#app.say(`There are ${count(fitView.fit.head?.points ?? 0)} data points, which are not drawn.`);
     } else if (data !== null && shareOf(data) > 1) {
       this.#app.say(`${count(drawnOf(data).length / 3)} of ${count(data.positions.length / 3)} data points are drawn.`);
     }
-    if (data !== null && exhibit === this.exhibits[0]) {
-      if (data.axes !== this.#framed) this.stage.rig.look(data);
+    if (data !== null && fitView === this.fitViews[0]) {
+      if (data.axes !== this.#framed) this.viewport.camera.look(data);
       this.#framed = data.axes;
     }
     this.#update();
@@ -77,9 +77,9 @@ export class Hall implements Listener {
 
   drawn(): void {
     if (this.#leaving.length > 0) this.#hang();
-    this.stage.invalidate();
+    this.viewport.invalidate();
     if (!this.#isSeen) {
-      // After the stage, in the same frame.
+      // After the viewport, in the same frame.
       requestAnimationFrame(() => {
         performance.mark("first picture");
         // What is made next would be in its way to the screen.
@@ -91,16 +91,16 @@ export class Hall implements Listener {
     else if (this.#hasFailed) this.#app.forget();
     this.#isLost = this.#hasFailed = false;
     this.#glide();
-    this.onPicture();
+    this.onFrame();
   }
 
-  failed(exhibit: Exhibit, error: unknown): void {
+  failed(fitView: FitView, error: unknown): void {
     if (error instanceof ConnectionLost) {
       this.#isLost = true;
       setTimeout(this.#update, AGAIN);
     }
     // What befalls the job as a whole is said once, by who follows it.
-    if (exhibit.fit.problem !== null) return;
+    if (fitView.fit.problem !== null) return;
     this.#hasFailed = true;
     this.#app.say(sentence(error), "error");
   }
@@ -108,49 +108,49 @@ export class Hall implements Listener {
   readonly #update = (): void => {
     const { fits, view } = this.#app;
     const { value } = view;
-    if (fits.shown.length !== this.exhibits.length || fits.shown.some((fit, i) => this.exhibits[i]?.fit !== fit)) {
-      const old = this.exhibits;
-      this.exhibits = fits.shown.map((fit) => old.find((exhibit) => exhibit.fit === fit) ?? new Exhibit(fit, this));
-      this.#leaving = old.filter((exhibit) => !this.exhibits.includes(exhibit)).concat(this.#leaving);
+    if (fits.shown.length !== this.fitViews.length || fits.shown.some((fit, i) => this.fitViews[i]?.fit !== fit)) {
+      const old = this.fitViews;
+      this.fitViews = fits.shown.map((fit) => old.find((fitView) => fitView.fit === fit) ?? new FitView(fit, this));
+      this.#leaving = old.filter((fitView) => !this.fitViews.includes(fitView)).concat(this.#leaving);
       this.#hang();
     } else if (this.#leaving.length > 0) this.#hang();
     // Side by side, spikes are as long as those of the others.
-    const largest = Math.max(0, ...this.exhibits.map((exhibit) => exhibit.fit.levels[exhibit.wantedOf(value)]?.error.max ?? 0));
-    const look = { layers: value.layers, largest: this.exhibits.length > 1 && value.layers.spikes ? largest : 0, zoom: this.#detail(), cells: this.exhibits.length };
-    const plays = ({ fit }: Exhibit) => this.exhibits.length <= MOST_STREAMED_FITS && (value.playing || (value.iteration === "latest" && fit.end === null));
+    const largest = Math.max(0, ...this.fitViews.map((fitView) => fitView.fit.levels[fitView.wantedOf(value)]?.error.max ?? 0));
+    const look = { layers: value.layers, largest: this.fitViews.length > 1 && value.layers.spikes ? largest : 0, zoom: this.#detail(), cells: this.fitViews.length };
+    const plays = ({ fit }: FitView) => this.fitViews.length <= MOST_STREAMED_FITS && (value.playing || (value.iteration === "latest" && fit.end === null));
     const pace = this.#still.matches ? 0 : Math.min(GLIDE, value.playing ? this.pace : GLIDE);
-    this.exhibits.forEach((exhibit, i) => {
-      exhibit.figure.setColors(this.stage.palette, i, this.exhibits.length);
-      exhibit.figure.setLayers(value.layers);
-      const k = exhibit.wantedOf(value);
-      exhibit.show(k, { ...look, isPlaying: plays(exhibit) }, pace);
-      if (value.playing) exhibit.prepare(k);
+    this.fitViews.forEach((fitView, i) => {
+      fitView.figure.setColors(this.viewport.palette, i, this.fitViews.length);
+      fitView.figure.setLayers(value.layers);
+      const k = fitView.wantedOf(value);
+      fitView.show(k, { ...look, isPlaying: plays(fitView) }, pace);
+      if (value.playing) fitView.prepare(k);
     });
-    this.stage.invalidate();
+    this.viewport.invalidate();
   };
 
-  /** Until an exhibit has its picture, what it comes after stays: nothing flickers. */
+  /** Until a fit has its picture, what it comes after stays: nothing flickers. */
   #hang(): void {
-    const ready = this.exhibits.every(({ shown }) => shown !== null);
+    const ready = this.fitViews.every(({ shown }) => shown !== null);
     const instead = this.#leaving.filter(({ shown }) => shown !== null);
-    const lost = this.exhibits.map(({ fit }) => fit.problem !== null);
-    this.stage.show(this.exhibits.map(({ figure, shown }, i) => (shown === null && !lost[i] ? (instead[i]?.figure ?? figure) : figure)));
+    const lost = this.fitViews.map(({ fit }) => fit.problem !== null);
+    this.viewport.show(this.fitViews.map(({ figure, shown }, i) => (shown === null && !lost[i] ? (instead[i]?.figure ?? figure) : figure)));
     if (!ready) return;
-    for (const exhibit of this.#leaving) exhibit.close();
+    for (const fitView of this.#leaving) fitView.close();
     this.#leaving = [];
   }
 
   /** How fine samples are at this zoom, as powers of two. */
   #detail(): number {
-    return 2 ** Math.floor(Math.log2(Math.max(1, this.stage.rig.zoom / 1.3)));
+    return 2 ** Math.floor(Math.log2(Math.max(1, this.viewport.camera.zoom / 1.3)));
   }
 
   /** Draws until all figures have arrived. */
   #glide(): void {
     this.#frame ||= requestAnimationFrame((now) => {
       this.#frame = 0;
-      const moving = this.exhibits.map(({ figure }) => figure.step(now));
-      this.stage.invalidate();
+      const moving = this.fitViews.map(({ figure }) => figure.step(now));
+      this.viewport.invalidate();
       if (moving.includes(true)) this.#glide();
     });
   }

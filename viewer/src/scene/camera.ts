@@ -15,8 +15,8 @@ const ENOUGH = 1500;
 const FROM = new Vector3(-0.62, -1.0, 0.62).normalize();
 
 /** Everything is in units of the radius of the data, around its centre. */
-export class Rig {
-  readonly camera = new PerspectiveCamera(LENS, 1, 0.01, 100);
+export class Camera {
+  readonly perspective = new PerspectiveCamera(LENS, 1, 0.01, 100);
   readonly #controls: OrbitControls;
   readonly #changed: () => void;
   #half: readonly [number, number, number] = [1, 1, 1];
@@ -28,8 +28,8 @@ export class Rig {
 
   constructor(canvas: HTMLElement, changed: () => void) {
     this.#changed = changed;
-    this.camera.up.set(0, 0, 1);
-    this.#controls = new OrbitControls(this.camera, canvas);
+    this.perspective.up.set(0, 0, 1);
+    this.#controls = new OrbitControls(this.perspective, canvas);
     this.#controls.enableDamping = false;
     this.#controls.zoomToCursor = true;
     this.#controls.minDistance = 1e-3;
@@ -64,7 +64,7 @@ export class Rig {
   }
 
   reset(): void {
-    const { camera } = this;
+    const { perspective: camera } = this;
     const controls = this.#controls;
     controls.enableRotate = !this.#isFlat;
     controls.mouseButtons.LEFT = this.#isFlat ? MOUSE.PAN : MOUSE.ROTATE;
@@ -79,7 +79,7 @@ export class Rig {
 
   /** Turns or shifts by parts of the screen, and comes nearer by a factor: for keys. */
   move(right: number, up: number, nearer: number): void {
-    const { camera } = this;
+    const { perspective: camera } = this;
     const { target } = this.#controls;
     const arm = camera.position.clone().sub(target);
     if (this.#isFlat) {
@@ -103,12 +103,12 @@ export class Rig {
     this.#shape = key;
     const aspect = width / height;
     this.#room = Math.max(0.4, 1 - above / height);
-    this.camera.aspect = aspect;
-    this.camera.setViewOffset(width, height, 0, -above / 2, width, height);
+    this.perspective.aspect = aspect;
+    this.perspective.setViewOffset(width, height, 0, -above / 2, width, height);
     const old = this.#whole;
     this.#whole = this.#distance();
     const { target } = this.#controls;
-    this.camera.position.sub(target).multiplyScalar(this.#whole / old).add(target);
+    this.perspective.position.sub(target).multiplyScalar(this.#whole / old).add(target);
     this.#controls.update();
   }
 
@@ -116,13 +116,13 @@ export class Rig {
   #distance(): number {
     const slope = Math.tan((LENS * Math.PI) / 360);
     const [x, y, z] = this.#half;
-    if (this.#isFlat) return (Math.max(y / this.#room, x / this.camera.aspect, 1e-3) / slope) * MARGIN * 1.09;
+    if (this.#isFlat) return (Math.max(y / this.#room, x / this.perspective.aspect, 1e-3) / slope) * MARGIN * 1.09;
     // Each point is to be seen, or each corner of the box.
     const side = new Vector3().crossVectors(new Vector3(0, 0, 1), FROM).normalize();
     const up = new Vector3().crossVectors(FROM, side);
     const corners = [-1, 1].flatMap((i) => [-1, 1].flatMap((j) => [-1, 1].map((k) => new Vector3(i * x, j * y, k * z))));
     const seen = this.#seen.length > 0 ? this.#seen : corners;
-    const needed = seen.map((corner) => Math.max(Math.abs(corner.dot(up)) / this.#room, Math.abs(corner.dot(side)) / this.camera.aspect) / slope + corner.dot(FROM));
+    const needed = seen.map((corner) => Math.max(Math.abs(corner.dot(up)) / this.#room, Math.abs(corner.dot(side)) / this.perspective.aspect) / slope + corner.dot(FROM));
     return Math.max(...needed) * MARGIN;
   }
 }

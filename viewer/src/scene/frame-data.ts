@@ -4,9 +4,9 @@ import { curvature, round125 } from "../fit/comb.js";
 import { type Data, chosen } from "../fit/data.js";
 import type { Fit } from "../fit/fit.js";
 import { type Points, type Samples, sampling } from "../fit/geometry.js";
-import { type Distances, distances, excessAt, heatAt } from "../fit/judge.js";
+import { type Distances, distances, excessAt, heatAt } from "../fit/distances.js";
 import type { Layers } from "../state.js";
-import type { Picture } from "./figure.js";
+import type { Frame } from "./figure.js";
 
 /** How an iteration is looked at. */
 export interface Look {
@@ -20,7 +20,7 @@ export interface Look {
 }
 
 /** A picture, and the numbers behind it. */
-export interface Judged extends Picture {
+export interface FrameData extends Frame {
   readonly k: number;
   readonly distances: Distances | null;
   /** How much longer spikes are than the distances; 0 without. */
@@ -42,18 +42,18 @@ const MOST_SPIKES = 20_000;
 const TEETH = 1500;
 
 /** Asks for what is drawn of an iteration. */
-export async function pictureOf(fit: Fit, data: Data, k: number, look: Look): Promise<Judged> {
+export async function loadFrame(fit: Fit, data: Data, k: number, look: Look): Promise<FrameData> {
   const { layers } = look;
   const [samples, control, excesses] = await Promise.all([
     samplesFor(fit, data, k, look),
     layers.polygon && data.dimension > 1 ? controlFor(fit, data, k, look) : null,
     fit.excesses(k),
   ]);
-  return judged(fit, data, k, samples, control, layers, look.largest, excesses);
+  return frameDataOf(fit, data, k, samples, control, layers, look.largest, excesses);
 }
 
 /** What is drawn of samples that are here. */
-export function judged(fit: Fit, data: Data, k: number, samples: Samples, control: Points | null, layers: Layers, largest = 0, excesses: readonly number[] = []): Judged {
+export function frameDataOf(fit: Fit, data: Data, k: number, samples: Samples, control: Points | null, layers: Layers, largest = 0, excesses: readonly number[] = []): FrameData {
   const level = fit.levels[k];
   const needed = (layers.spikes || layers.heat) && data.exact.length > 0;
   const far = needed && level !== undefined ? distances(data, samples, level.error.max ?? Infinity) : null;
@@ -85,13 +85,13 @@ export function samplesFor(fit: Fit, data: Data, k: number, look: Look): Promise
   const samples = samplesOf(data, look);
   const { layers } = look;
   return look.isPlaying && mayApproximate(layers)
-    ? fit.gallery.approximate(k, samples, data.axes)
-    : fit.gallery.samples(k, samples, precise(data, layers), data.axes);
+    ? fit.geometry.approximate(k, samples, data.axes)
+    : fit.geometry.samples(k, samples, precise(data, layers), data.axes);
 }
 
 /** The control points of an iteration. Of several fits no streams of them are open: browsers have six connections to a server. */
 function controlFor(fit: Fit, data: Data, k: number, { isPlaying, cells }: Look): Promise<Points> {
-  return isPlaying && cells === 1 ? fit.gallery.approximateControl(k, data.axes) : fit.gallery.control(k, data.axes);
+  return isPlaying && cells === 1 ? fit.geometry.approximateControl(k, data.axes) : fit.geometry.control(k, data.axes);
 }
 
 /** True if nothing is drawn that tells a hundredth of the error. */

@@ -10,18 +10,18 @@ import { sentence } from "../text/errors.js";
 import { Complaints } from "./complaints.js";
 import { Description } from "./description.js";
 import { dataOf, editable, words } from "./draft.js";
-import { type Brought, listen, open } from "./drop.js";
-import { excerpt } from "./excerpt.js";
+import { type InputFile, listen, open } from "./drop.js";
+import { snippet } from "./snippet.js";
 import { type Draft, Form } from "./form.js";
 import { type Fields, at } from "./pointer.js";
-import { Unreadable, read } from "./reading.js";
+import { InputError, parseInput } from "./parse-input.js";
 import { RequestText } from "./request.js";
-import { STARTERS } from "./starters.js";
+import { METHOD_EXAMPLES } from "./method-examples.js";
 
 // Stands where the help of a field is shown.
 const HINT = "Choose a field to read what it means.";
 
-export const bring: Panel = (root, app) => {
+export const importPanel: Panel = (root, app) => {
   const draft = new Store<Draft>({ request: {}, touched: false });
   const data = el("div", { class: "data", "aria-live": "polite" });
   const wrong = el("div", {});
@@ -74,14 +74,14 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
     data.replaceChildren(...(dataOf(request) === null ? [] : [el("p", {}, el("b", {}, words(request)))]), ...notices.map((notice) => el("p", { class: "hint" }, notice)));
   };
 
-  async function take(brought: Brought): Promise<void> {
-    const { name, text } = brought;
-    byId("tab-bring").click();
+  async function importFile(input: InputFile): Promise<void> {
+    const { name, text } = input;
+    byId("tab-import").click();
     reading.abort();
     const { signal } = (reading = new AbortController());
     wrong.replaceChildren();
     try {
-      const result = await read(brought, name?.replace(/\.[^.]*$/, "") ?? null, signal);
+      const result = await parseInput(input, name?.replace(/\.[^.]*$/, "") ?? null, signal);
       notices = result.notices;
       draft.set({ request: editable(result.request as api.JobRequest), touched: true });
       show();
@@ -89,8 +89,8 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
       app.say(`${name ?? "The text"} is read: ${words(draft.value.request)}.`);
     } catch (error) {
       if (signal.aborted) return;
-      const faults = error instanceof Unreadable ? error.faults : [{ detail: error instanceof Error ? error.message : String(error), line: null, column: null }];
-      wrong.replaceChildren(excerpt(name ?? "The text", text, faults));
+      const faults = error instanceof InputError ? error.faults : [{ detail: error instanceof Error ? error.message : String(error), line: null, column: null }];
+      wrong.replaceChildren(snippet(name ?? "The text", text, faults));
       wrong.scrollIntoView({ block: "nearest" });
     }
   }
@@ -99,7 +99,7 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
   input.addEventListener("change", () => {
     const [file] = input.files ?? [];
     input.value = "";
-    if (file !== undefined) open(file).then(take, (error: Error) => app.say(error.message, "error"));
+    if (file !== undefined) open(file).then(importFile, (error: Error) => app.say(error.message, "error"));
   });
   const area = el("textarea", { id: "typed", rows: 6, spellcheck: "false", placeholder: "0, 0\n1, 2\n3, 3" });
   const typed = el(
@@ -108,18 +108,18 @@ function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLEl
     el("summary", {}, "Type or paste points"),
     el("label", { for: "typed", class: "aside" }, "Points, one a line"),
     area,
-    el("button", { type: "button", class: "plain", onclick: () => void take({ name: null, text: area.value }) }, "Read"),
+    el("button", { type: "button", class: "plain", onclick: () => void importFile({ name: null, text: area.value }) }, "Read"),
   );
-  const ready = el("details", { class: "ready" }, el("summary", {}, "Take a job that is ready"), el("ul", {}, ...STARTERS.map((starter) => {
+  const ready = el("details", { class: "ready" }, el("summary", {}, "Take a job that is ready"), el("ul", {}, ...METHOD_EXAMPLES.map((example) => {
     const start = () => {
       notices = [];
       wrong.replaceChildren();
-      draft.set({ request: editable(starter.request()), touched: false });
-      app.fit(starter.request()).catch((error: Error) => app.say(error.message, "error"));
+      draft.set({ request: editable(example.request()), touched: false });
+      app.fit(example.request()).catch((error: Error) => app.say(error.message, "error"));
     };
-    return el("li", {}, el("button", { type: "button", onclick: start }, el("b", {}, starter.name), el("span", {}, starter.about)));
+    return el("li", {}, el("button", { type: "button", onclick: start }, el("b", {}, example.name), el("span", {}, example.about)));
   })));
-  listen((brought) => void take(brought), (sentence) => app.say(sentence, "error"));
+  listen((input) => void importFile(input), (sentence) => app.say(sentence, "error"));
   const element = el(
     "div",
     { class: "sources" },

@@ -3,7 +3,7 @@
 import { ApiError } from "piad";
 
 import type { App, Panel } from "../app.js";
-import { ask } from "../ask.js";
+import { authorized } from "../http.js";
 import type { Fit } from "../fit/fit.js";
 import { el } from "../html.js";
 import { linkTo } from "../state.js";
@@ -21,7 +21,7 @@ const OF_CURVES: ReadonlySet<string> = new Set(["geojson", "gpx"]);
 /** Names that are not written in capitals. */
 const TITLES: Readonly<Record<string, string>> = { gltf: "glTF", geojson: "GeoJSON" };
 
-export const take: Panel = (root, app) => {
+export const exportPanel: Panel = (root, app) => {
   const which = el("select", { id: "take-job" });
   const job = el("p", { class: "field", hidden: true }, el("label", { class: "name", for: "take-job" }, "Of"), which);
   const what = el("p", { class: "lead" });
@@ -133,7 +133,7 @@ function title(name: string): string {
 
 /** A file of the server, with its name; what it refuses is thrown. */
 async function fileAt(path: string): Promise<{ file: Blob; name: string | undefined }> {
-  const response = await ask(new URL(path, document.baseURI), { headers: { Accept: "*/*" } });
+  const response = await authorized(new URL(path, document.baseURI), { headers: { Accept: "*/*" } });
   if (!response.ok) {
     const problem = (await response.json().catch(() => null)) as ConstructorParameters<typeof ApiError>[0] | null;
     throw new ApiError(problem ?? { type: "about:blank", title: response.statusText, status: response.status, detail: `The server answered ${response.status}.`, request_id: "" });

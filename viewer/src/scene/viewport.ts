@@ -4,9 +4,9 @@ import { ColorManagement } from "three";
 
 import type { Cell } from "./cell.js";
 import type { Figure } from "./figure.js";
-import { Plain } from "./plain.js";
+import { Canvas2d } from "./canvas2d.js";
 import { type Palette, palette } from "./palette.js";
-import { Rig } from "./rig.js";
+import { Camera } from "./camera.js";
 import type { WebGL } from "./webgl.js";
 
 // Finer screens are not worth their pixels.
@@ -21,14 +21,14 @@ ColorManagement.enabled = false;
  * Draws plainly at first, and with WebGL as soon as that is ready. Where WebGL is slow, because the processor does
  * its work, moving surfaces are still drawn plainly, and so are curves, which look the same.
  */
-export class Stage {
+export class Viewport {
   readonly canvas = document.createElement("canvas");
-  readonly rig: Rig;
+  readonly camera: Camera;
   /** The colours of the moment. */
   palette: Palette = palette();
   /** Called after each drawing. */
   onDraw: () => void = () => {};
-  readonly #plain = new Plain();
+  readonly #canvas2d = new Canvas2d();
   readonly #root: HTMLElement;
   #webgl: WebGL | null = null;
   #figures: readonly Figure[] = [];
@@ -42,8 +42,8 @@ export class Stage {
   constructor(root: HTMLElement) {
     this.#root = root;
     this.canvas.setAttribute("role", "img");
-    root.prepend(this.canvas, this.#plain.canvas);
-    this.rig = new Rig(this.canvas, this.invalidate);
+    root.prepend(this.canvas, this.#canvas2d.canvas);
+    this.camera = new Camera(this.canvas, this.invalidate);
     this.canvas.addEventListener("webglcontextrestored", this.invalidate);
     new ResizeObserver(() => this.#resize()).observe(root);
     this.#resize();
@@ -55,7 +55,7 @@ export class Stage {
    */
   async begin(Drawer: typeof WebGL): Promise<void> {
     const webgl = new Drawer(this.canvas);
-    await webgl.prepare(this.#figures, this.rig.camera);
+    await webgl.prepare(this.#figures, this.camera.perspective);
     webgl.setSize(this.#width, this.#height, this.#ratio);
     this.#webgl = webgl;
     this.#drawn = -Infinity;
@@ -106,7 +106,7 @@ export class Stage {
 
   #reshape(): void {
     const [cell] = this.cells();
-    if (cell !== undefined) this.rig.setShape(cell.width, cell.height, Math.min(cell.height * 0.3, this.#figures.length > 1 ? 60 : 44));
+    if (cell !== undefined) this.camera.setShape(cell.width, cell.height, Math.min(cell.height * 0.3, this.#figures.length > 1 ? 60 : 44));
   }
 
   #draw(): void {
@@ -116,7 +116,7 @@ export class Stage {
     if (webgl === null || isPlain) this.#sketch(isMoving);
     else this.#render(webgl, isMoving);
     // Both canvases change with the same frame.
-    this.#plain.canvas.style.opacity = isPlain ? "1" : "0";
+    this.#canvas2d.canvas.style.opacity = isPlain ? "1" : "0";
     this.canvas.style.opacity = isPlain ? "0" : "1";
     this.#drawn = performance.now();
     if (isPlain && isMoving) this.#wait();
@@ -135,14 +135,14 @@ export class Stage {
   #sketch(isMoving: boolean): void {
     // Each pixel of a surface costs time; lines are fine where the screen is.
     const ratio = this.#figures.some(({ isSurface }) => isSurface) ? 1 : this.#ratio;
-    this.#plain.clear(this.#width, this.#height, ratio);
-    this.#each(1, (figure, cell) => this.#plain.draw(figure, this.rig.camera, cell, isMoving));
+    this.#canvas2d.clear(this.#width, this.#height, ratio);
+    this.#each(1, (figure, cell) => this.#canvas2d.draw(figure, this.camera.perspective, cell, isMoving));
   }
 
   #render(webgl: WebGL, isMoving: boolean): void {
     const begin = performance.now();
     webgl.clear(this.#width, this.#height);
-    this.#each(this.#ratio, (figure, cell) => webgl.draw(figure, this.rig.camera, cell));
+    this.#each(this.#ratio, (figure, cell) => webgl.draw(figure, this.camera.perspective, cell));
     if (!isMoving || webgl.isUndecided) webgl.time(begin);
   }
 
