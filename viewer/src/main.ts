@@ -27,6 +27,7 @@ const app: App = {
   fits,
   open,
   ...createAnnouncer(byId("announcer")),
+  preview: (title, request) => scene.preview(title, request),
   close(id) {
     view.set({ jobs: view.value.jobs.filter((job) => job !== id), selection: null });
   },
@@ -66,7 +67,7 @@ async function whole(): Promise<void> {
   isWhole = true;
   try {
     const { sidebar } = await import("./sidebar.js");
-    await sidebar(app);
+    await sidebar(app, scene);
   } catch (error) {
     app.say("A part of the page could not be loaded. Load the page again.", "error");
     console.error(error);

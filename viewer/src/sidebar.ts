@@ -5,11 +5,16 @@ import { byId } from "./html.js";
 import { importPanel } from "./panels/import-panel.js";
 import { jobs } from "./panels/jobs.js";
 import { exportPanel } from "./panels/export-panel.js";
+import type { SceneController } from "./scene/scene-controller.js";
 import { chart } from "./ui/chart.js";
+import { help } from "./ui/help.js";
+import { overlay } from "./ui/overlay.js";
 
 /** Makes it piece by piece, so that nobody waits for it. */
-export async function sidebar(app: App): Promise<void> {
+export async function sidebar(app: App, scene: SceneController): Promise<void> {
   chart(app);
+  overlay(app, scene);
+  help();
   await rest();
   importPanel(byId("import"), app);
   jobs(byId("jobs"), app);

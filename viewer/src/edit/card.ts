@@ -5,7 +5,7 @@ import { indexOf } from "../fit/data.js";
 import { el } from "../html.js";
 import type { SceneController } from "../scene/scene-controller.js";
 import { icon } from "../ui/icons.js";
-import { axisName, short } from "../text/numbers.js";
+import { axisName, placeName, short } from "../text/numbers.js";
 import type { Drag } from "./drag.js";
 import type { Preview } from "./preview.js";
 
@@ -39,7 +39,7 @@ export function card(app: App, scene: SceneController, drag: Drag, root: HTMLEle
     });
     const close = el("button", { type: "button", class: "icon", "aria-label": "Close", onclick: () => app.view.set({ selection: null }) }, icon("close"));
     box.replaceChildren(
-      el("div", { class: "head" }, el("h2", {}, `Point ${typeof selection === "number" ? selection : selection.join(", ")}`), close),
+      el("div", { class: "head" }, el("h2", {}, typeof selection === "number" ? `Point ${placeName(selection)}` : `Point in ${placeName(selection)}`), close),
       el("div", { class: "numbers" }, ...inputs.map((input, axis) => el("label", {}, el("span", {}, axisName(axis, data.dimension)), input))),
       ...weight(),
     );

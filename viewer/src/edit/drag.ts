@@ -87,7 +87,7 @@ export class Drag {
     if (found === null || found.fitView.data === null || found.fitView.fit.latest < 0) return;
     const { fitView, index } = found;
     this.#press = { fitView, place: placeOf(found.fitView.data, index), start: [event.offsetX, event.offsetY] };
-    if (this.#app.view.value.editing || event.altKey) this.#grab(event, this.#press, found);
+    if (!this.#app.view.value.measuring && (this.#app.view.value.editing || event.altKey)) this.#grab(event, this.#press, found);
   }
 
   #grab(event: PointerEvent, press: Press, { index, position }: Found): void {
@@ -134,7 +134,7 @@ export class Drag {
       this.#letGo(grip);
     }
     if (grip !== null && grip.moved !== null) void this.keep(grip.fitView, grip.moved);
-    else if (press !== null && isStill(press, event)) this.#app.view.set({ selection: this.#app.fits.shown[0] === press.fitView.fit ? press.place : null });
+    else if (press !== null && isStill(press, event) && !this.#app.view.value.measuring) this.#app.view.set({ selection: this.#app.fits.shown[0] === press.fitView.fit ? press.place : null });
   }
 
   #giveUp(): void {

@@ -3,7 +3,7 @@
 import { MOUSE, PerspectiveCamera, TOUCH, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import type { Axes } from "../fit/axes.js";
+import type { Box } from "../fit/axes.js";
 import type { Data } from "../fit/data.js";
 
 // Degrees; a long lens keeps shapes as they are.
@@ -19,7 +19,7 @@ export class Camera {
   readonly perspective = new PerspectiveCamera(LENS, 1, 0.01, 100);
   readonly #controls: OrbitControls;
   readonly #changed: () => void;
-  #half: readonly [number, number, number] = [1, 1, 1];
+  #half: Box["half"] = [1, 1, 1];
   #seen: Vector3[] = [];
   #shape = "";
   #room = 1;
@@ -40,6 +40,16 @@ export class Camera {
     canvas.addEventListener("pointercancel", () => this.#controls.reset());
   }
 
+  /** How long a pixel is at the point that is looked at, in radii of the data, on a viewport of this height. */
+  pixel(height: number): number {
+    return (2 * Math.tan((LENS * Math.PI) / 360) * this.#controls.getDistance()) / height;
+  }
+
+  /** True if everything lies in a plane, which is looked at from the front. */
+  get isFlat(): boolean {
+    return this.#isFlat;
+  }
+
   /** How much nearer than at the beginning; 1 is the whole. */
   get zoom(): number {
     return this.#whole / this.#controls.getDistance();
@@ -50,16 +60,17 @@ export class Camera {
   }
 
   /** Looks at all of the data. */
-  look({ axes, positions }: Data): void {
-    const { half, radius, isFlat, centre, origin } = axes;
-    this.#half = half.map((length) => length / radius) as unknown as Axes["half"];
-    const every = Math.max(1, Math.floor(positions.length / 3 / ENOUGH)) * 3;
+  look(all: readonly Data[], { half, radius, centre }: Box): void {
+    this.#half = half.map((length) => length / radius) as unknown as Box["half"];
     this.#seen = [];
-    for (let i = 0; i < positions.length; i += every) {
-      const place = [0, 1, 2].map((axis) => (positions[i + axis]! + origin[axis]! - centre[axis]!) / radius) as [number, number, number];
-      if (place.every(Number.isFinite)) this.#seen.push(new Vector3(...place));
+    for (const { positions, axes: { origin } } of all) {
+      const every = Math.max(1, Math.floor((positions.length / 3 / ENOUGH) * all.length)) * 3;
+      for (let i = 0; i < positions.length; i += every) {
+        const place = [0, 1, 2].map((axis) => (positions[i + axis]! + origin[axis]! - centre[axis]!) / radius) as [number, number, number];
+        if (place.every(Number.isFinite)) this.#seen.push(new Vector3(...place));
+      }
     }
-    this.#isFlat = isFlat;
+    this.#isFlat = half[2] === 0;
     this.reset();
   }
 

@@ -41,28 +41,34 @@ export class Canvas2d {
     this.#context?.clearRect(0, 0, width, height);
   }
 
-  draw({ scene, group }: Figure, camera: PerspectiveCamera, cell: Cell, isMoving: boolean): void {
+  /** Draws figures into a part of the canvas; surfaces hide what is behind them. */
+  draw(figures: readonly Figure[], camera: PerspectiveCamera, cell: Cell, isMoving: boolean): void {
     const context = this.#context;
     const [width, height] = [Math.round(cell.width), Math.round(cell.height)];
     if (context === null || width < 1 || height < 1) return;
-    scene.updateMatrixWorld();
     camera.updateMatrixWorld();
-    const eye = new Matrix4().multiplyMatrices(camera.matrixWorldInverse, group.matrixWorld);
-    const clip = new Matrix4().multiplyMatrices(camera.projectionMatrix, eye);
-    const view: View = { eye: eye.elements, clip: clip.elements, width, height };
-    const parts = group.children.filter(({ visible }) => visible);
-    const surface = parts.find((part) => part instanceof Surface);
-    const rasterizer = surface === undefined ? null : new SoftwareRasterizer(view);
-    if (surface !== undefined) context.putImageData(rasterizer!.draw(surface), Math.round(cell.x), Math.round(cell.y));
+    const all = figures.map(({ scene, group }) => {
+      scene.updateMatrixWorld();
+      const eye = new Matrix4().multiplyMatrices(camera.matrixWorldInverse, group.matrixWorld);
+      const clip = new Matrix4().multiplyMatrices(camera.projectionMatrix, eye);
+      const view: View = { eye: eye.elements, clip: clip.elements, width, height };
+      return { view, parts: group.children.filter(({ visible }) => visible) };
+    });
+    const surfaces = all.flatMap(({ view, parts }) => parts.flatMap((part) => (part instanceof Surface ? { surface: part, view } : [])));
+    const rasterizer = surfaces.length === 0 ? null : new SoftwareRasterizer(width, height);
+    for (const { surface, view } of surfaces) rasterizer!.draw(surface, view);
+    if (rasterizer !== null) context.putImageData(rasterizer.image, Math.round(cell.x), Math.round(cell.y));
     context.save();
     context.beginPath();
     context.rect(cell.x, cell.y, cell.width, cell.height);
     context.clip();
     context.translate(cell.x, cell.y);
-    for (const part of parts) {
-      if (part instanceof FatLine) lines(context, part, view, rasterizer);
-      else if (part instanceof Net) net(context, part, view, rasterizer);
-      else if (part instanceof Dots) dots(context, part, view, rasterizer, isMoving);
+    for (const { view, parts } of all) {
+      for (const part of parts) {
+        if (part instanceof FatLine) lines(context, part, view, rasterizer);
+        else if (part instanceof Net) net(context, part, view, rasterizer);
+        else if (part instanceof Dots) dots(context, part, view, rasterizer, isMoving);
+      }
     }
     context.restore();
   }

@@ -11,7 +11,7 @@ import { Dots } from "./dots.js";
 import { FatLine } from "./fatline.js";
 import { Transition } from "./transition.js";
 import { Net } from "./net.js";
-import { type Palette, seriesColor } from "./palette.js";
+import { HEAT, type Palette, seriesColor } from "./palette.js";
 import { Surface } from "./surface.js";
 
 /** Everything that is drawn of an iteration. */
@@ -28,7 +28,10 @@ export interface Frame {
   readonly astray: Float32Array | null;
   /** Pairs of points, from the curve outwards, and the line through their ends. */
   readonly comb: { readonly teeth: Float32Array; readonly edge: Float32Array } | null;
+  /** Colours of the samples, from 0 to 1. */
   readonly heat: Float32Array | null;
+  /** Where the fit is at the points that a grid has not. */
+  readonly gaps: Float32Array | null;
 }
 
 export class Figure {
@@ -38,10 +41,13 @@ export class Figure {
   cut: Cuts | null = null;
   readonly #group = new Group();
   readonly #curve = new FatLine(3, 2e-5);
+  readonly #heat = Array.from({ length: HEAT }, () => new FatLine(4, 2.2e-5));
   readonly #astray = new FatLine(5, 2.5e-5);
   readonly #surface = new Surface();
   readonly #boundary = new FatLine(1.5, 2e-5);
   readonly #data = new Dots(6e-5);
+  readonly #gaps = new Dots(6e-5);
+  readonly #outliers = new Dots(7e-5);
   readonly #polygon = new FatLine(1.25, 1e-5);
   readonly #net = new Net();
   readonly #control = new Dots(4e-5);
@@ -58,7 +64,7 @@ export class Figure {
 
   constructor() {
     // What comes later lies over what came before, where both are at the same depth.
-    const order: Object3D[] = [this.#surface, this.#boundary, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#astray, this.#control, this.#data, this.#marker];
+    const order: Object3D[] = [this.#surface, this.#boundary, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, ...this.#heat, this.#astray, this.#control, this.#gaps, this.#data, this.#outliers, this.#marker];
     order.forEach((object, i) => {
       object.renderOrder = i;
       object.visible = false;
@@ -85,14 +91,21 @@ export class Figure {
 
   setData(data: Data): void {
     const { axes } = data;
-    this.#group.scale.setScalar(1 / axes.radius);
-    const [x, y, z] = axes.centre.map((c, i) => -(c - (axes.origin[i] ?? 0)) / axes.radius) as [number, number, number];
-    this.#group.position.set(x, y, z);
+    this.#source = data;
+    this.setPlace(axes);
     this.#crowd = data.positions.length / 3;
+    this.#outliers.setPoints(Float32Array.from(data.outliers.flatMap((i) => Array.from(data.positions.subarray(i * 3, i * 3 + 3)))));
     this.#ownData = drawnOf(data);
     this.#data.setPoints(this.#ownData);
     this.#lined = [];
-    this.#source = data;
+  }
+
+  /** Makes the box around some data the one of radius one: its own, or that around all data in the scene. */
+  setPlace({ centre, radius }: Pick<Data["axes"], "centre" | "radius">): void {
+    const origin = this.#source?.axes.origin ?? [0, 0, 0];
+    this.#group.scale.setScalar(1 / radius);
+    const [x, y, z] = centre.map((c, i) => -(c - (origin[i] ?? 0)) / radius) as [number, number, number];
+    this.#group.position.set(x, y, z);
   }
 
   /** Shows a data point elsewhere, as long as the data are not set again. */
@@ -119,11 +132,30 @@ export class Figure {
       this.#teeth.setSegments(frame.comb.teeth);
       this.#edge.setPoints(frame.comb.edge);
     }
+    if (frame.gaps !== null) this.#gaps.setPoints(frame.gaps);
+    if (samples.rows === 1) this.setHeat(frame.heat);
     this.#place();
     if (samples.rows > 1) {
       this.#surface.setHeat(frame.heat);
       this.#lines(samples);
     }
+  }
+
+  /** Colours the samples, from 0 (near) to 1; null for none. */
+  setHeat(heat: Float32Array | null): void {
+    const { frame } = this;
+    if (frame === null) return;
+    this.frame = { ...frame, heat };
+    if (frame.samples.rows > 1) return this.#surface.setHeat(heat);
+    if (heat === null) return;
+    const { positions } = frame.samples;
+    const parts = this.#heat.map(() => [] as number[]);
+    for (let i = 0; i + 1 < heat.length; i++) parts[Math.min(HEAT - 1, Math.round(((heat[i]! + heat[i + 1]!) / 2) * (HEAT - 1)))]!.push(i);
+    this.#heat.forEach((line, level) => {
+      const segments = new Float32Array(parts[level]!.length * 6);
+      parts[level]!.forEach((i, at) => segments.set(positions.subarray(i * 3, i * 3 + 6), at * 6));
+      line.setSegments(segments);
+    });
   }
 
   /** Goes on to the newest frame; true while there is a way to go. */
@@ -144,7 +176,10 @@ export class Figure {
   setLayers(layers: Layers): void {
     const { frame } = this;
     const isSurface = (frame?.samples.rows ?? 1) > 1;
-    this.#curve.visible = frame !== null && !isSurface;
+    this.#curve.visible = frame !== null && !isSurface && frame.heat === null;
+    for (const line of this.#heat) line.visible = frame !== null && !isSurface && frame.heat !== null;
+    this.#outliers.visible = layers.data && (this.#source?.outliers.length ?? 0) > 0;
+    this.#gaps.visible = layers.data && frame?.gaps != null;
     this.#astray.visible = frame?.astray != null;
     this.#surface.visible = frame !== null && isSurface && !frame.isAway;
     this.#boundary.visible = this.#surface.visible && this.cut !== null;
@@ -168,6 +203,7 @@ export class Figure {
     this.#net.setColor(color.net, 0.65);
     this.#spikes.setColor(palette.heat[3] ?? color.accent);
     this.#astray.setColor(palette.heat[4] ?? color.accent);
+    this.#heat.forEach((line, i) => line.setColor(palette.heat[i] ?? color.accent));
     this.#teeth.setColor(own, 0.28);
     this.#edge.setColor(own, 0.55);
   }
@@ -176,6 +212,7 @@ export class Figure {
     const slim = Math.min(width, height) < 420 ? 0.85 : 1;
     this.#curve.setSize(width, height, ratio, 3.25 * slim);
     this.#astray.setSize(width, height, ratio, 4.5 * slim);
+    for (const line of this.#heat) line.setSize(width, height, ratio, 4 * slim);
     this.#polygon.setSize(width, height, ratio, 1.25);
     this.#boundary.setSize(width, height, ratio, 1.5);
     this.#spikes.setSize(width, height, ratio, 1.75);
@@ -184,6 +221,8 @@ export class Figure {
     const { color } = palette;
     const dot = (this.#crowd > 20_000 ? 1.5 : this.#crowd > 2000 ? 2.5 : this.#crowd > 500 ? 4 : 6.5) * slim;
     this.#data.setLook(color.ink, color.paper, dot * ratio, dot > 4 ? 1.1 * ratio : 0, dot < 4 ? 0.7 : 1);
+    this.#gaps.setLook(color.paper, color.soft, 4.5 * ratio, 1 * ratio);
+    this.#outliers.setLook(color.paper, palette.heat[4] ?? color.accent, 10 * ratio, 2.5 * ratio);
     this.#control.setLook(color.paper, color.net, 5.5 * ratio, 1.25 * ratio);
     this.#marker.setLook(color.paper, color.accent, 15 * ratio, 4 * ratio);
   }

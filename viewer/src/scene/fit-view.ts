@@ -2,7 +2,9 @@
 
 import { ConnectionLost } from "piad";
 
+import { type Curvatures, curvatureOf } from "../fit/curvature.js";
 import type { Data } from "../fit/data.js";
+import { type Distances, distances } from "../fit/distances.js";
 import type { Fit, Level } from "../fit/fit.js";
 import type { Layers, View } from "../state.js";
 import { Figure } from "./figure.js";
@@ -34,6 +36,8 @@ export class FitView {
   /** While a point is dragged the samples are those of an edit: its last iteration. */
   held: Held | null = null;
   readonly #listener: Listener;
+  #distances: { readonly of: FrameData; readonly distances: Distances } | null = null;
+  #curvature: { readonly of: FrameData; readonly curvature: Curvatures | null } | null = null;
   #wanted = "";
   #isBusy = false;
   #look: Look | null = null;
@@ -72,6 +76,29 @@ export class FitView {
     return this.shown?.k === k || this.#failed === k;
   }
 
+  /** The distances of the data from what is on the screen; null without data. */
+  distances(): Distances | null {
+    const { data, shown, fit } = this;
+    if (data === null || shown === null || data.exact.length === 0 || this.held !== null) return null;
+    if (this.#distances?.of !== shown) this.#distances = { of: shown, distances: shown.distances ?? distances(data, shown.samples, fit.levels[shown.k]?.error.max ?? Infinity) };
+    return this.#distances.distances;
+  }
+
+  /** The curvature of what is on the screen; null until it has been asked for, which `isWanted` does. */
+  curvature(isWanted: boolean, whenKnown: () => void): Curvatures | null {
+    const { data, shown } = this;
+    if (shown === null || shown.curvature !== null) return shown?.curvature ?? null;
+    if (this.#curvature?.of === shown) return this.#curvature.curvature;
+    if (!isWanted || data === null || this.held !== null) return null;
+    this.#curvature = { of: shown, curvature: null };
+    void curvatureOf(this.fit, data, shown.k, shown.samples).then((curvature) => {
+      if (this.#curvature?.of !== shown) return;
+      this.#curvature = { of: shown, curvature };
+      whenKnown();
+    });
+    return null;
+  }
+
   /** Shows an iteration; `pace` is how many milliseconds it may take to get there. */
   show(k: number, look: Look, pace: number): void {
     [this.#k, this.#look, this.#pace] = [k, look, pace];
@@ -93,7 +120,7 @@ export class FitView {
     const { data } = this;
     if (data === null) return;
     this.held = held;
-    const bare = { ...layers, spikes: false, heat: false };
+    const bare = { ...layers, spikes: false, heat: false, between: false };
     this.#set(frameDataOf(this.fit, data, this.#k, samples, null, bare), layers, 0);
   }
 
@@ -134,7 +161,7 @@ export class FitView {
   #keyOf(data: Data, k: number, look: Look): string {
     const { layers, largest, isPlaying } = look;
     const { fit } = this;
-    return JSON.stringify([k, samplesOf(data, look), layers, largest, isPlaying, layers.heat ? fit.latest : 0, fit.end?.reason, fit.outline !== null]);
+    return JSON.stringify([k, samplesOf(data, look), layers, largest, isPlaying, layers.heat || layers.between ? fit.latest : 0, fit.end?.reason, fit.outline !== null]);
   }
 
   /**

@@ -26,8 +26,9 @@ export class Viewport {
   readonly camera: Camera;
   /** The colours of the moment. */
   palette: Palette = palette();
-  /** Called after each drawing. */
-  onDraw: () => void = () => {};
+  /** True if all figures are drawn in one scene. */
+  isOverlaid = false;
+  readonly #listeners: (() => void)[] = [];
   readonly #canvas2d = new Canvas2d();
   readonly #root: HTMLElement;
   #webgl: WebGL | null = null;
@@ -81,14 +82,19 @@ export class Viewport {
     });
   };
 
+  /** Calls after each drawing. */
+  onDraw(listener: () => void): void {
+    this.#listeners.push(listener);
+  }
+
   /** Where the figures are. */
   cells(): Cell[] {
-    const count = this.#figures.length;
+    const count = this.isOverlaid ? 1 : this.#figures.length;
     const upright = this.#height > this.#width;
-    const columns = count <= 1 ? 1 : count === 2 && upright ? 1 : 2;
+    const columns = count === 2 && upright ? 1 : Math.max(1, Math.ceil(Math.sqrt(count)));
     const rows = Math.max(1, Math.ceil(count / columns));
     const [width, height] = [this.#width / columns, this.#height / rows];
-    return this.#figures.map((_, i) => ({ x: (i % columns) * width, y: Math.floor(i / columns) * height, width, height }));
+    return this.#figures.map((_, i) => (this.isOverlaid ? { x: 0, y: 0, width, height } : { x: (i % columns) * width, y: Math.floor(i / columns) * height, width, height }));
   }
 
   #resize(): void {
@@ -120,7 +126,7 @@ export class Viewport {
     this.canvas.style.opacity = isPlain ? "0" : "1";
     this.#drawn = performance.now();
     if (isPlain && isMoving) this.#wait();
-    this.onDraw();
+    for (const listener of this.#listeners) listener();
   }
 
   /** Draws once more, with care, when nothing moves. */
@@ -136,7 +142,10 @@ export class Viewport {
     // Each pixel of a surface costs time; lines are fine where the screen is.
     const ratio = this.#figures.some(({ isSurface }) => isSurface) ? 1 : this.#ratio;
     this.#canvas2d.clear(this.#width, this.#height, ratio);
-    this.#each(1, (figure, cell) => this.#canvas2d.draw(figure, this.camera.perspective, cell, isMoving));
+    const { perspective } = this.camera;
+    this.#each(1, (figure, cell) => this.isOverlaid || this.#canvas2d.draw([figure], perspective, cell, isMoving));
+    const [cell] = this.cells();
+    if (this.isOverlaid && cell !== undefined) this.#canvas2d.draw(this.#figures, perspective, cell, isMoving);
   }
 
   #render(webgl: WebGL, isMoving: boolean): void {

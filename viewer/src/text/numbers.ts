@@ -18,6 +18,11 @@ export function axisName(axis: number, dimension: number): string {
   return (dimension > 3 ? undefined : "xyz"[axis]) ?? `x${axis + 1}`;
 }
 
+/** The name of a data point, counted from 1: "7", or "row 2, column 3" of a surface. */
+export function placeName(place: number | readonly number[]): string {
+  return typeof place === "number" ? String(place + 1) : `row ${place[0]! + 1}, column ${place[1]! + 1}`;
+}
+
 /** A count, with thin spaces between thousands. */
 export function count(value: number): string {
   return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

@@ -8,8 +8,8 @@ import { type Fit, isGone } from "../fit/fit.js";
 import type { Outline } from "../fit/outline.js";
 import { el } from "../html.js";
 import type { FitView } from "../scene/fit-view.js";
-import type { SceneController } from "../scene/scene-controller.js";
-import { range } from "../scene/frame-data.js";
+import type { Preview, SceneController } from "../scene/scene-controller.js";
+import { fromOne } from "../text/errors.js";
 import { icon } from "./icons.js";
 import { count, short } from "../text/numbers.js";
 
@@ -32,10 +32,11 @@ export function labels(app: App, scene: SceneController, root: HTMLElement): voi
   const update = () => {
     const cells = scene.viewport.cells();
     const many = scene.fitViews.length > 1;
+    layer.classList.toggle("stacked", scene.viewport.isOverlaid);
     layer.replaceChildren(
       ...scene.fitViews.map((fitView, i) => {
         const cell = cells[i];
-        const label = el("section", { class: "label", "data-series": many ? i + 1 : null, "aria-label": fitView.fit.title }, ...about(app, fitView, many, (cell?.width ?? 0) < NARROW));
+        const label = el("section", { class: "label", "data-series": many ? i + 1 : null, "aria-label": fitView.fit.title }, ...about(app, fitView, many, (cell?.width ?? 0) < NARROW, scene.difference));
         if (cell !== undefined) {
           label.style.left = `${cell.x}px`;
           label.style.top = `${cell.y}px`;
@@ -44,9 +45,11 @@ export function labels(app: App, scene: SceneController, root: HTMLElement): voi
         }
         return label;
       }),
+      ...(scene.fitViews.length > 0 ? [] : scene.points !== null ? [unfitted(scene.points)] : [nothing()]),
     );
     const seen = scene.fitViews.map((fitView) => `${fitView.fit.title} at iteration ${fitView.shownOf(app.view.value)}`);
-    scene.viewport.canvas.setAttribute("aria-label", seen.join(", ") || "Nothing yet");
+    const alone = scene.points === null ? "Nothing yet" : `Points of ${scene.points.title}, not fitted yet`;
+    scene.viewport.canvas.setAttribute("aria-label", seen.join(", ") || alone);
     document.title = `${app.fits.shown[0]?.title ?? "Fits"} – piad`;
   };
   let frame = 0;
@@ -63,7 +66,17 @@ export function labels(app: App, scene: SceneController, root: HTMLElement): voi
   later();
 }
 
-function about(app: App, fitView: FitView, many: boolean, isNarrow: boolean): Node[] {
+/** The heading of points that are not fitted yet. */
+function unfitted({ title, count: points }: Preview): HTMLElement {
+  return el("section", { class: "label whole" }, el("div", { class: "head" }, el("h2", {}, title)), el("p", { class: "state" }, `${count(points)} points, not fitted yet`));
+}
+
+/** What there is to do where there is nothing; it is seen after a moment. */
+function nothing(): HTMLElement {
+  return el("section", { class: "label whole empty" }, el("div", { class: "head" }, el("h2", {}, "Nothing here yet")), el("p", {}, "Drop a file of points anywhere on the page, choose one under Data, or open an example."));
+}
+
+function about(app: App, fitView: FitView, many: boolean, isNarrow: boolean, difference: number | null): Node[] {
   const { fit } = fitView;
   const close = el("button", { type: "button", class: "icon", "aria-label": `Take ${fit.title} off the screen`, onclick: () => app.close(fit.id) }, icon("close"));
   const head = el("div", { class: "head" }, el("h2", {}, fit.title), many && close);
@@ -72,8 +85,8 @@ function about(app: App, fitView: FitView, many: boolean, isNarrow: boolean): No
   const error = short(level?.error.max);
   const state = el("p", { class: "state", "data-state": fit.latest < 0 && fit.problem !== null ? "failed" : stateOf(fitView) }, isNarrow ? standing(fitView) : described(fitView, k, error));
   const advice = fit.latest < 0 && isGone(fit.problem) && el("p", {}, "It may have been deleted. Open an example, another job, or points of your own.");
-  const warnings = many ? [] : (fit.job?.status.warnings ?? []).map(({ detail }) => el("p", { class: "warning" }, detail));
-  return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit, level?.controls ?? fit.head?.control_points ?? 0))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${error}`)] : []), ...scales(app, fitView)];
+  const warnings = many ? [] : (fit.job?.status.warnings ?? []).map(({ detail }) => el("p", { class: "warning" }, fromOne(detail)));
+  return [head, ...(many ? [] : [el("p", { class: "how" }, how(fit, level?.controls ?? fit.head?.control_points ?? 0))]), state, ...(advice ? [advice] : []), ...warnings, ...(isNarrow && fit.latest >= 0 ? [el("p", {}, `error ${error}`)] : []), ...scales(app, fitView, difference)];
 }
 
 /** "B-spline surface of degree 3 × 3, 24 × 18 control points, global"; the count is that of an iteration. */
@@ -116,18 +129,22 @@ function reason({ end }: Fit): string {
 }
 
 /** How much things are enlarged, and what colours mean. */
-function scales(app: App, { fit, shown, data }: FitView): Node[] {
+function scales(app: App, { fit, shown, data }: FitView, difference: number | null): Node[] {
   const { layers } = app.view.value;
   const notes: Node[] = [];
   if (fit.outline !== null) notes.push(el("p", { class: "trimmed" }, trimmed(fit.outline, shown?.k === fit.latest)));
   if (shown?.isAway) notes.push(el("p", {}, `It is too far from the data to be ${data?.isSurface ? "drawn" : "seen as a whole"}.`));
-  if (layers.spikes && shown !== null && shown.spikeScale > 0) notes.push(el("p", { class: "scale" }, `spikes × ${big(shown.spikeScale)}`));
-  if (layers.comb && shown !== null && shown.combScale > 0) notes.push(el("p", { class: "scale" }, `curvature 1 is drawn ${short(shown.combScale)} long`));
-  if (layers.heat && data?.isSurface && app.fits.shown[0] === fit) {
-    const [near, far] = range(fit);
-    const middle = Math.sqrt(near * far);
-    const ticks = [near, middle, far].map((value) => el("span", {}, short(value, 2)));
-    notes.push(el("div", { class: "legend", role: "img", "aria-label": `Distance from the data, from ${short(near)} to ${short(far)}` }, el("div", { class: "ramp" }), el("div", { class: "ticks" }, ...ticks)));
+  if (layers.spikes && shown !== null && shown.spikeScale > 0) notes.push(el("p", { class: "scale" }, `error vectors × ${big(shown.spikeScale)}`));
+  if (layers.comb && shown !== null && shown.combScale > 0) notes.push(el("p", { class: "scale" }, `curvature${between(shown.curvature?.range)}: 1 is drawn ${short(shown.combScale)} long`));
+  const outliers = data?.outliers.length ?? 0;
+  if (outliers > 0) notes.push(el("p", {}, `${count(outliers)} ${outliers === 1 ? "outlier is" : "outliers are"} left out`));
+  const isFirst = app.fits.shown[0] === fit;
+  const legend = difference === null ? shown?.legend : { title: `Distance from ${app.fits.shown[0]?.title}`, values: [difference / 1000, difference / Math.sqrt(1000), difference] };
+  if (legend != null && isFirst) {
+    const [low, , high] = legend.values;
+    const ticks = legend.values.map((value) => el("span", {}, short(value, 2)));
+    const name = `${legend.title}, from ${short(low)} to ${short(high)}`;
+    notes.push(el("div", { class: "legend", role: "img", "aria-label": name }, el("div", { class: "title", "aria-hidden": "true" }, legend.title), el("div", { class: "ramp" }), el("div", { class: "ticks" }, ...ticks)));
   }
   return notes;
 }
@@ -137,6 +154,11 @@ function trimmed({ loops, pieces, holes, area }: Outline, isLast: boolean): stri
   const counted = (number: number, one: string) => `${count(number)} ${one}${number === 1 ? "" : "s"}`;
   const left = loops.length === 0 ? "nothing is cut off" : [counted(pieces, "piece"), ...(holes > 0 ? [counted(holes, "hole")] : [])].join(", ");
   return `trimmed to the data: ${left}${isLast && area !== null ? `, area ${short(area, 4)}` : ""}`;
+}
+
+/** " from −2 to 3.1"; nothing where the server has not said it. */
+function between(range: readonly [number | null, number | null] | undefined): string {
+  return range === undefined || range[0] === null ? "" : ` from ${short(range[0])} to ${short(range[1])}`;
 }
 
 function big(value: number): string {
