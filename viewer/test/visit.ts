@@ -3,11 +3,14 @@
 import { strict as assert } from "node:assert";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { join } from "node:path";
 import { isDeepStrictEqual } from "node:util";
 
-import { type Browser, type BrowserContextOptions, type Locator, type Page, chromium } from "playwright-core";
+import { type Browser, type BrowserContext, type BrowserContextOptions, type Locator, type Page, chromium } from "playwright-core";
 
 const CHROMIUM = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
+/** With it the page is the one in this directory, not that of the program. */
+const VIEWER = process.env["PIAD_VIEWER"];
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 
 /** For each test: busy machines take their time. */
@@ -51,6 +54,7 @@ export class Visit {
 
   static async to(browser: Browser, url: string, options: BrowserContextOptions = {}): Promise<Visit> {
     const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
+    if (VIEWER !== undefined) await serve(context, VIEWER);
     const visit = new Visit(await context.newPage());
     await visit.page.addInitScript(() => {
       const numbers: string[] = ((globalThis as { numbers?: string[] }).numbers = []);
@@ -180,6 +184,20 @@ export class Visit {
       return violations.map(({ id, nodes }) => `${id}: ${nodes[0]?.html}`);
     });
   }
+}
+
+/** Serves the page from a directory, with the headers of the server. */
+async function serve(context: BrowserContext, directory: string): Promise<void> {
+  await context.route(/\/viewer\/[\w.-]+$/, async (route) => {
+    const name = route.request().url().split("/").at(-1)!;
+    const contentType = name.endsWith(".css") ? "text/css" : "text/javascript";
+    await route.fulfill({ contentType, body: await readFile(join(directory, name)) });
+  });
+  await context.route(({ pathname }) => pathname.endsWith("/"), async (route) => {
+    if (route.request().resourceType() !== "document") return route.fallback();
+    const response = await route.fetch();
+    await route.fulfill({ response, body: await readFile(join(directory, "index.html")) });
+  });
 }
 
 /** Waits until an element says it; some say what they have to say in the frame after. */

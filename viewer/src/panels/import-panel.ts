@@ -1,209 +1,183 @@
-/** Data points, and how they are fitted. */
+/** Data points, what was understood of them, and how they are fitted. */
 
-import { ApiError, type api } from "piad";
+import type { api } from "piad";
 
 import type { App, How, Panel } from "../app.js";
 import { byId, el } from "../html.js";
 import { Store } from "../store.js";
-import { whenReleased } from "../ui/press.js";
 import { sentence } from "../text/errors.js";
-import { Complaints } from "./complaints.js";
+import { whenReleased } from "../ui/press.js";
 import { Description } from "./description.js";
 import { dataOf, editable, words } from "./draft.js";
-import { type InputFile, listen, open } from "./drop.js";
+import type { InputFile } from "./drop.js";
+import { Editor } from "./editor.js";
+import type { Draft } from "./form.js";
+import { InputError, type ParsedInput, type Reading, parseInput } from "./parse-input.js";
+import type { Fields } from "./pointer.js";
+import { presetOf, suggested, suits, withPreset } from "./presets.js";
 import { snippet } from "./snippet.js";
-import { type Draft, Form } from "./form.js";
-import { type Fields, at } from "./pointer.js";
-import { InputError, parseInput } from "./parse-input.js";
-import { RequestText } from "./request.js";
-import { METHOD_EXAMPLES } from "./method-examples.js";
+import { sources } from "./sources.js";
+import { ALL, type Source, understood } from "./understood.js";
 
-// Stands where the help of a field is shown.
-const HINT = "Choose a field to read what it means.";
+export const importPanel: Panel = (root, app) => void new Import(root, app);
 
-export const importPanel: Panel = (root, app) => {
-  const draft = new Store<Draft>({ request: {}, touched: false });
-  const data = el("div", { class: "data", "aria-live": "polite" });
-  const wrong = el("div", {});
-  const source = sources(app, draft, data, wrong);
-  const settings = el("div", {}, el("p", { class: "hint" }, "Asking the server what it can do …"));
-  const forget = () => wrong.replaceChildren();
-  app.view.subscribe((now, before) => now.jobs !== before.jobs && forget());
-  root.replaceChildren(source, settings);
-  draft.subscribe(({ request }, before) => {
-    if (dataOf(request)?.count !== dataOf(before.request)?.count || words(request) !== words(before.request)) source.dispatchEvent(new Event("points"));
-  });
+class Import {
+  readonly #app: App;
+  readonly #draft = new Store<Draft>({ request: {}, touched: false });
+  readonly #data = el("div", { class: "data", "aria-live": "polite" });
+  readonly #wrong = el("div", {});
+  readonly #settings = el("div", {}, el("p", { class: "hint" }, "Asking the server what it can do …"));
+  #editor: Editor | null = null;
+  #reading = new AbortController();
+  #source: Source | null = null;
+  /** The jobs that have been made of the source. */
+  readonly #made = new Set<string>();
+  /** The newest job whose request was asked for. */
+  #followed = "";
 
-  const begin = (): void => {
-    Description.of(app.client).then(
-      (description) => settings.replaceWith(editor(app, draft, description, forget)),
+  constructor(root: HTMLElement, app: App) {
+    this.#app = app;
+    const element = sources(app, (input) => void this.#read(input, {}), ({ request }) => {
+      this.#forget();
+      this.#draft.set({ request: editable(request()), touched: false });
+      void this.#send("replace");
+    });
+    element.append(this.#wrong, this.#data);
+    root.replaceChildren(element, this.#settings);
+    app.view.subscribe((now, before) => now.jobs !== before.jobs && this.#wrong.replaceChildren());
+    this.#draft.subscribe((now, before) => now.request !== before.request && whenReleased(() => this.#show()));
+    app.fits.subscribe(() => this.#follow());
+    this.#begin();
+    this.#follow();
+  }
+
+  /** Makes the form when the server has said what it can do. */
+  #begin(): void {
+    Description.of(this.#app.client).then(
+      (description) => {
+        this.#editor = new Editor(this.#app, this.#draft, description, (how) => void this.#send(how));
+        this.#settings.replaceWith(this.#editor.element);
+      },
       (error: Error) => {
-        const again = el("button", { type: "button", class: "plain", onclick: begin }, "Try again");
-        settings.replaceChildren(el("p", { class: "hint" }, `The server does not say what it can do. ${error.message}`), again);
+        const again = el("button", { type: "button", class: "plain", onclick: () => this.#begin() }, "Try again");
+        this.#settings.replaceChildren(el("p", { class: "hint" }, `The server does not say what it can do. ${error.message}`), again);
       },
     );
-  };
-  begin();
-  follow(app, draft);
-};
+  }
 
-/** While nobody has changed anything, the request is that of the newest job on the screen. */
-function follow(app: App, draft: Store<Draft>): void {
-  let followed = "";
-  const update = () => {
-    const fit = app.fits.shown.at(-1);
-    if (fit === undefined || fit.id === followed || draft.value.touched) return;
-    followed = fit.id;
+  /** While nothing has been changed, the request is that of the newest job on the screen. */
+  #follow(): void {
+    const fit = this.#app.fits.shown.at(-1);
+    if (fit === undefined || fit.id === this.#followed || this.#draft.value.touched) return;
+    this.#followed = fit.id;
+    if (this.#made.has(fit.id)) return;
     fit.input().then(
       (request) => {
-        if (!draft.value.touched && followed === fit.id) draft.set({ request: editable(request) });
+        if (this.#draft.value.touched || this.#followed !== fit.id) return;
+        this.#forget();
+        this.#draft.set({ request: editable(request) });
       },
       () => {},
     );
-  };
-  app.fits.subscribe(update);
-  update();
-}
+  }
 
-/** Where points come from: files, the clipboard, a text, or jobs that are ready. */
-function sources(app: App, draft: Store<Draft>, data: HTMLElement, wrong: HTMLElement): HTMLElement {
-  let reading = new AbortController();
-  let notices: readonly string[] = [];
-  const show = () => {
-    const { request } = draft.value;
-    data.replaceChildren(...(dataOf(request) === null ? [] : [el("p", {}, el("b", {}, words(request)))]), ...notices.map((notice) => el("p", { class: "hint" }, notice)));
-  };
+  #forget(): void {
+    this.#source = null;
+    this.#made.clear();
+    this.#wrong.replaceChildren();
+  }
 
-  async function importFile(input: InputFile): Promise<void> {
-    const { name, text } = input;
+  #show(): void {
+    const { request } = this.#draft.value;
+    const again = (next: Fields) => this.#fit(next, presetOf(request));
+    const focused = this.#data.querySelector(":focus")?.closest(".field")?.querySelector(".name")?.textContent;
+    this.#data.replaceChildren(...understood(this.#app, request, this.#source, { request: again, reading: (reading) => void this.#read(this.#source!.input, reading) }));
+    const fields = [...this.#data.querySelectorAll(".field")];
+    fields.find((field) => field.querySelector(".name")?.textContent === focused)?.querySelector<HTMLElement>("input, select")?.focus();
+  }
+
+  /** Reads a file, draws its points, and fits them. */
+  async #read(input: InputFile, reading: Reading): Promise<void> {
+    if (reading.part === ALL) return this.#all(input, reading);
     byId("tab-import").click();
-    reading.abort();
-    const { signal } = (reading = new AbortController());
-    wrong.replaceChildren();
+    this.#reading.abort();
+    const { signal } = (this.#reading = new AbortController());
+    this.#wrong.replaceChildren();
+    const title = input.name ?? "The text";
     try {
-      const result = await parseInput(input, name?.replace(/\.[^.]*$/, "") ?? null, signal);
-      notices = result.notices;
-      draft.set({ request: editable(result.request as api.JobRequest), touched: true });
-      show();
-      typed.open = false;
-      app.say(`${name ?? "The text"} is read: ${words(draft.value.request)}.`);
+      const result = await this.#parsed(input, reading, signal);
+      const isSame = this.#source?.input === input;
+      const preset = isSame ? presetOf(this.#draft.value.request) : null;
+      this.#forget();
+      this.#source = { input, reading, notices: result.notices, parts: result.parts };
+      this.#fit(result.request, preset);
+      this.#app.say(`${title} is read: ${words(this.#draft.value.request)}.`);
     } catch (error) {
       if (signal.aborted) return;
       const faults = error instanceof InputError ? error.faults : [{ detail: error instanceof Error ? error.message : String(error), line: null, column: null }];
-      wrong.replaceChildren(snippet(name ?? "The text", text, faults));
-      wrong.scrollIntoView({ block: "nearest" });
+      this.#wrong.replaceChildren(snippet(title, input.text, faults));
+      this.#wrong.scrollIntoView({ block: "nearest" });
     }
   }
 
-  const input = el("input", { type: "file", id: "file", class: "aside", tabindex: -1, "aria-label": "A file of points", accept: ".csv,.dat,.txt,.xyz,.json,.tsv,.gpx,.kml,.geojson,.dxf,.svg,.nc,.gcode,.asc,.pts,.pcd,.las,.ply,.stl,.obj,.off,text/*,application/json" });
-  input.addEventListener("change", () => {
-    const [file] = input.files ?? [];
-    input.value = "";
-    if (file !== undefined) open(file).then(importFile, (error: Error) => app.say(error.message, "error"));
-  });
-  const area = el("textarea", { id: "typed", rows: 6, spellcheck: "false", placeholder: "0, 0\n1, 2\n3, 3" });
-  const typed = el(
-    "details",
-    { class: "typed" },
-    el("summary", {}, "Type or paste points"),
-    el("label", { for: "typed", class: "aside" }, "Points, one a line"),
-    area,
-    el("button", { type: "button", class: "plain", onclick: () => void importFile({ name: null, text: area.value }) }, "Read"),
-  );
-  const ready = el("details", { class: "ready" }, el("summary", {}, "Take a job that is ready"), el("ul", {}, ...METHOD_EXAMPLES.map((example) => {
-    const start = () => {
-      notices = [];
-      wrong.replaceChildren();
-      draft.set({ request: editable(example.request()), touched: false });
-      app.fit(example.request()).catch((error: Error) => app.say(error.message, "error"));
-    };
-    return el("li", {}, el("button", { type: "button", onclick: start }, el("b", {}, example.name), el("span", {}, example.about)));
-  })));
-  listen((input) => void importFile(input), (sentence) => app.say(sentence, "error"));
-  const element = el(
-    "div",
-    { class: "sources" },
-    el("div", { class: "row" }, el("button", { type: "button", class: "plain", onclick: () => input.click() }, "Choose a file"), el("p", { class: "hint" }, "or drop or paste it anywhere: CSV, .dat, XYZ, JSON, GPX, DXF, SVG, meshes and others"), input),
-    typed,
-    ready,
-    wrong,
-    data,
-  );
-  element.addEventListener("points", () => {
-    if (!draft.value.touched) notices = [];
-    show();
-  });
-  return element;
-}
-
-/** The fields, the request, and the buttons that send it. `onSend` is called when a request is sent. */
-function editor(app: App, draft: Store<Draft>, description: Description, onSend: () => void): HTMLElement {
-  const form = new Form(description, draft);
-  const text = new RequestText(app, draft);
-  const complaints = new Complaints();
-  const help = el("p", { class: "help", "aria-hidden": "true" }, HINT);
-  const fit = el("button", { type: "submit", class: "primary" }, "Fit");
-  const beside = el("button", { type: "button", class: "plain", title: "Fit, and compare with what is on the screen", onclick: () => void send("compare") }, "Fit beside");
-  const element = el("form", { novalidate: true, autocomplete: "off" }, form.element, text.element, el("div", { role: "alert" }, complaints.element), el("footer", {}, help, el("div", { class: "row" }, fit, beside)));
-
-  element.addEventListener("submit", (event) => {
-    event.preventDefault();
-    void send("replace");
-  });
-  element.addEventListener("focusin", ({ target }) => {
-    const field = target instanceof Element ? target.closest(".field") : null;
-    help.textContent = field?.querySelector("[id$=-help]")?.textContent || HINT;
-  });
-  let points = pointsOf(draft.value.request);
-  draft.subscribe(() => whenReleased(update));
-  update();
-
-  function update(): void {
-    // Other data may mend anything.
-    if (points !== pointsOf(draft.value.request)) clear();
-    points = pointsOf(draft.value.request);
-    form.refresh();
-    text.refresh();
-    complaints.refresh(draft.value.request);
-    const none = dataOf(draft.value.request) === null && Object.keys(draft.value.request).length === 0;
-    fit.disabled = beside.disabled = none;
+  async #parsed(input: InputFile, reading: Reading, signal: AbortSignal): Promise<ParsedInput> {
+    const result = await parseInput(input, input.name?.replace(/\.[^.]*$/, "") ?? null, reading, signal);
+    const parts = result.parts ?? (reading.part === undefined ? null : (this.#source?.parts ?? null));
+    return { ...result, parts, request: editable(result.request as unknown as api.JobRequest) };
   }
 
-  function clear(): void {
-    form.clear();
-    complaints.clear();
-  }
-
-  async function send(how: How): Promise<void> {
-    const { request } = draft.value;
-    clear();
-    onSend();
-    element.setAttribute("aria-busy", "true");
+  /** Shows points, and fits them with a preset: the one before if it suits them. A request with settings keeps these. */
+  #fit(request: Fields, before: ReturnType<typeof presetOf>): void {
+    const isSet = request["method"] !== undefined || request["stop"] !== undefined;
+    const preset = before !== null && suits(request, before) ? before : suggested(request);
+    const next = isSet && before === null ? request : withPreset(request, preset);
+    this.#draft.set({ request: next, touched: true });
+    this.#show();
+    if (dataOf(next) === null) return;
     try {
-      await app.fit(request as unknown as api.JobRequest, how);
-      if (draft.value.request === request) draft.set({ touched: false });
+      this.#app.preview(typeof next["name"] === "string" ? next["name"] : "Points", next as unknown as api.JobRequest);
+    } catch {
+      // The server says what is wrong with points that cannot be drawn.
+    }
+    void this.#send("replace");
+  }
+
+  /** Fits all parts of a file, in one scene. */
+  async #all(input: InputFile, reading: Reading): Promise<void> {
+    const { parts } = this.#source ?? {};
+    const preset = presetOf(this.#draft.value.request);
+    const { signal } = this.#reading;
+    try {
+      const jobs = await Promise.all(
+        Array.from({ length: parts?.count ?? 0 }, async (_, i) => {
+          const { request } = await this.#parsed(input, { ...reading, part: String(i + 1) }, signal);
+          return this.#app.client.create(withPreset(request, preset !== null && suits(request, preset) ? preset : suggested(request)) as unknown as api.JobRequest);
+        }),
+      );
+      for (const { id } of jobs) this.#made.add(id);
+      if (this.#source !== null) this.#source = { ...this.#source, reading };
+      this.#show();
+      this.#app.view.set({ jobs: jobs.map(({ id }) => id), overlaid: true, iteration: "latest", playing: false, selection: null });
     } catch (error) {
-      whenReleased(() => refused(error, request));
-    } finally {
-      element.removeAttribute("aria-busy");
+      this.#app.say(sentence(error), "error");
     }
   }
 
-  /** Each thing that is wrong at its field; what has none above the buttons. */
-  function refused(error: unknown, request: Fields): void {
-    const errors = error instanceof ApiError && error.errors.length > 0 ? error.errors : [{ detail: sentence(error) }];
-    const homeless = errors.filter(({ pointer, detail }) => pointer === undefined || !form.tell(pointer, detail));
-    complaints.tell(homeless, request);
-    const first = element.querySelector<HTMLElement>("[aria-invalid=true]");
-    first?.closest("details")?.setAttribute("open", "");
-    if (first !== null) first.focus();
-    else complaints.element.scrollIntoView({ block: "nearest" });
+  async #send(how: How): Promise<void> {
+    const { request } = this.#draft.value;
+    this.#editor?.clear();
+    this.#wrong.replaceChildren();
+    this.#editor?.element.setAttribute("aria-busy", "true");
+    try {
+      const id = await this.#app.fit(request as unknown as api.JobRequest, how);
+      this.#made.add(id);
+      if (this.#draft.value.request === request) this.#draft.set({ touched: false });
+    } catch (error) {
+      const editor = this.#editor;
+      if (editor === null) this.#app.say(sentence(error), "error");
+      else whenReleased(() => editor.refused(error, request));
+    } finally {
+      this.#editor?.element.removeAttribute("aria-busy");
+    }
   }
-
-  return element;
-}
-
-/** The data points of a request. */
-function pointsOf(request: Fields): unknown {
-  return at(request, dataOf(request)?.pointer ?? "/-");
 }
