@@ -126,7 +126,7 @@ describe("each panel", () => {
         const visit = await Visit.to(browser, `${server.url}#job=${id}`, { viewport: { width, height }, colorScheme });
         await visit.standing(/^converged/);
         await says(visit.page.locator(".label .warning").first(), /degree/);
-        for (const name of ["Data", "Jobs", "Take"]) {
+        for (const name of ["Data", "Jobs", "Export"]) {
           await visit.page.getByRole("tab", { name }).click();
           if (name === "Jobs") {
             await visit.page.getByRole("button", { name: "Delete short" }).first().click();

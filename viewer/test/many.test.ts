@@ -56,7 +56,7 @@ describe("many data points", () => {
       await mouse.move(x, y);
       return tip.isVisible();
     }, "the point is found");
-    await says(tip, new RegExp(`^point${COUNT - 1}x−3y0`));
+    await says(tip, new RegExp(`^point${COUNT}x−3y0`));
     const before = await visit.drawn();
     await mouse.down();
     await mouse.move(x + 5, y - 20, { steps: 3 });

@@ -29,6 +29,7 @@ describe("an error", () => {
     const visit = await Visit.to(browser, `${server.url}#job=${id}`);
     await visit.standing(/^converged/);
     await until(async () => (await field(visit.page, "/name").inputValue()) === "arch", "the request is in the form");
+    await visit.advanced();
     return visit;
   };
   /** Ends a visit to which requests were refused. */
@@ -55,11 +56,11 @@ describe("an error", () => {
     const visit = await open();
     await field(visit.page, "/method/kind").selectOption("least_squares");
     await fit(visit);
-    const said = visit.page.locator("form .wrong");
-    await says(said, /control_points/);
+    const said = visit.page.locator("[data-field='/method/control_points'] .said");
+    await says(said, /needs Control points/);
     await field(visit.page, "/name").fill("other");
     await field(visit.page, "/name").press("Tab");
-    await says(said, /control_points/);
+    await says(said, /needs Control points/);
     await field(visit.page, "/method/control_points").fill("4");
     await field(visit.page, "/method/control_points").press("Tab");
     await becomes(() => said.isVisible(), false);

@@ -106,6 +106,16 @@ export class Visit {
     return this.still();
   }
 
+  /** Opens all fields of the form. */
+  async advanced(): Promise<void> {
+    await this.page.locator("details.advanced").evaluate((details: HTMLDetailsElement) => void (details.open = true));
+  }
+
+  /** How many jobs were asked for. */
+  posted(): number {
+    return this.sent.filter(({ method, path }) => method === "POST" && path.endsWith("/v1/jobs")).length;
+  }
+
   /** The numbers of the iterations that were shown, since the page was opened. */
   numbers(): Promise<string[]> {
     return this.page.evaluate(() => (globalThis as { numbers?: string[] }).numbers ?? []);

@@ -76,7 +76,9 @@ export class Fit {
   }
 
   get title(): string {
-    return this.head?.name ?? this.job?.status.name ?? this.id.slice(0, 8);
+    const about = this.head ?? this.job?.status;
+    const named = about?.name ?? this.job?.status.name;
+    return named ?? (about === undefined ? "…" : `${about.kind === "curve" ? "Curve" : "Surface"} of ${about.points} points`);
   }
 
   /** The job as it was asked for, asked once. */

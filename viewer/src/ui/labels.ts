@@ -13,7 +13,8 @@ import { fromOne } from "../text/errors.js";
 import { icon } from "./icons.js";
 import { count, short } from "../text/numbers.js";
 
-const STATES: Readonly<Record<api.JobState, string>> = {
+/** How jobs stand, in words. */
+export const STATES: Readonly<Record<api.JobState, string>> = {
   queued: "waits",
   running: "running",
   converged: "converged",
