@@ -58,7 +58,7 @@ describe("data", () => {
   test("that are nested are a surface, with both directions in the form", PATIENT, async () => {
     const visit = await visitArch();
     const rows = [0, 1, 2, 3, 4].map((i) => [0, 1, 2, 3].map((j) => [i, j, i * j]));
-    await drop(visit.page, "saddle.json", JSON.stringify(rows));
+    await visit.drop("saddle.json", JSON.stringify(rows));
     await until(async () => /^Surface, 5 × 4 points in space/.test(await words(visit.page)), "the grid is recognised");
     await visit.page.getByLabel("Degree, u").fill("2");
     await visit.page.getByLabel("Degree, v").fill("3");
@@ -221,17 +221,6 @@ async function paste(page: Page, text: string): Promise<void> {
     data.setData("text/plain", content);
     document.body.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
   }, text);
-}
-
-async function drop(page: Page, name: string, text: string): Promise<void> {
-  await page.evaluate(
-    ([title, content]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([content!], title!));
-      for (const type of ["dragover", "drop"]) document.querySelector("#viewport")!.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
-    },
-    [name, text],
-  );
 }
 
 async function choose(page: Page, name: string, text: string): Promise<void> {

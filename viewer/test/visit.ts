@@ -106,6 +106,41 @@ export class Visit {
     return this.still();
   }
 
+  /** Presses an element for a tenth of a second, as hands do: with the mouse, or with a finger. */
+  async press(element: Locator, isTouch = false): Promise<void> {
+    await element.scrollIntoViewIfNeeded();
+    const { x, y, width, height } = (await element.boundingBox())!;
+    await this.pressAt(x + width / 2, y + height / 2, isTouch);
+  }
+
+  /** The same at a place of the page. */
+  async pressAt(x: number, y: number, isTouch = false): Promise<void> {
+    const { page } = this;
+    if (!isTouch) {
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.waitForTimeout(100);
+      return page.mouse.up();
+    }
+    const session = await page.context().newCDPSession(page);
+    await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
+    await page.waitForTimeout(100);
+    await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    await session.detach();
+  }
+
+  /** Drops a file on the scene. */
+  async drop(name: string, text: string): Promise<void> {
+    await this.page.evaluate(
+      ([title, content]) => {
+        const data = new DataTransfer();
+        data.items.add(new File([content!], title!));
+        for (const type of ["dragover", "drop"]) document.querySelector("#viewport")!.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
+      },
+      [name, text],
+    );
+  }
+
   /** Opens all fields of the form. */
   async advanced(): Promise<void> {
     await this.page.locator("details.advanced").evaluate((details: HTMLDetailsElement) => void (details.open = true));

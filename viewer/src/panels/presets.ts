@@ -20,6 +20,9 @@ type PresetKind = Preset["kind"];
 
 // What a fit may be away from its points by default, as a part of the size of the data.
 const NEAR = 1e-3;
+// Scans are noisier, and where they end or have gaps a little stiffness keeps the surface near.
+const NEAR_SCAN = 4e-3;
+const STIFF = 1e-9;
 // Interpolation through more points than these is seldom what somebody wants.
 const FEW = 400;
 // What second differences of neighbours have in common: two thirds less of noise, and about as much of a smooth line.
@@ -48,8 +51,9 @@ export function presetOf(request: Fields): PresetKind | null {
   if (kind === undefined) return suits(request, "through") ? "through" : "within";
   if (kind !== "least_squares") return kind === "global" ? "through" : null;
   if (fairness === "auto") return "smooth";
-  if (controls !== "auto" || fairness !== undefined) return null;
-  return at(request, "/surface/trim") === undefined ? "within" : "scan";
+  if (controls !== "auto") return null;
+  if (at(request, "/surface/trim") !== undefined) return "scan";
+  return fairness === undefined ? "within" : null;
 }
 
 /** A request with the settings of a preset instead of its own. */
@@ -69,7 +73,7 @@ export function withPreset(request: Fields, kind: PresetKind): Fields {
     case "smooth":
       return { ...end(others), method: { kind: "least_squares", control_points: manyOf(request), fairness: "auto" } };
     case "scan":
-      return put({ ...end({ relative_tolerance: NEAR, ...others }), method: { kind: "least_squares", control_points: "auto" } }, "/surface/trim", true);
+      return put({ ...end({ relative_tolerance: NEAR_SCAN, ...others }), method: { kind: "least_squares", control_points: "auto", fairness: STIFF } }, "/surface/trim", true);
   }
 }
 

@@ -28,7 +28,7 @@ export class Canvas2d {
   readonly #context = this.canvas.getContext("2d");
 
   constructor() {
-    this.canvas.className = "plain";
+    this.canvas.className = "canvas2d";
     this.canvas.setAttribute("aria-hidden", "true");
   }
 
