@@ -133,8 +133,14 @@ export class Drag {
       this.#drag(event);
       this.#letGo(grip);
     }
+    const { overlaid, jobs, measuring } = this.#app.view.value;
+    const isClick = press !== null && isStill(press, event) && !measuring;
     if (grip !== null && grip.moved !== null) void this.keep(grip.fitView, grip.moved);
-    else if (press !== null && isStill(press, event) && !this.#app.view.value.measuring) this.#app.view.set({ selection: this.#app.fits.shown[0] === press.fitView.fit ? press.place : null });
+    else if (isClick && overlaid) {
+      // Of several fits in one scene the chosen one comes first: what is beside the scene is about it.
+      const { id } = press.fitView.fit;
+      this.#app.view.set({ jobs: [id, ...jobs.filter((job) => job !== id)], selection: press.place });
+    } else if (isClick) this.#app.view.set({ selection: this.#app.fits.shown[0] === press.fitView.fit ? press.place : null });
   }
 
   #giveUp(): void {

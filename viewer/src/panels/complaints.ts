@@ -1,7 +1,6 @@
 /** What the server refuses in a request and no field of the form shows, as long as the request has it. */
 
 import { el } from "../html.js";
-import { fromOne } from "../text/errors.js";
 import { sentence, spoken } from "./description.js";
 import { dataOf } from "./draft.js";
 import { type Fields, type Json, at, namesOf } from "./pointer.js";
@@ -33,7 +32,7 @@ export class Complaints {
   }
 
   #show(request: Fields): void {
-    this.element.replaceChildren(...this.#told.map(({ complaint: { pointer, detail } }) => el("li", {}, placed(pointer, detail, request), sentence(fromOne(detail)))));
+    this.element.replaceChildren(...this.#told.map(({ complaint: { pointer, detail } }) => el("li", {}, placed(pointer, detail, request), sentence(detail))));
     this.element.hidden = this.#told.length === 0;
   }
 }

@@ -8,7 +8,7 @@ import { Store } from "../store.js";
 import { sentence } from "../text/errors.js";
 import { whenReleased } from "../ui/press.js";
 import { Description } from "./description.js";
-import { dataOf, editable, words } from "./draft.js";
+import { dataOf, editable, shapeOf, words } from "./draft.js";
 import type { InputFile } from "./drop.js";
 import { Editor } from "./editor.js";
 import type { Draft } from "./form.js";
@@ -129,8 +129,9 @@ class Import {
   /** Shows points, and fits them with a preset: the one before if it suits them. A request with settings keeps these. */
   #fit(request: Fields, before: ReturnType<typeof presetOf>): void {
     const isSet = request["method"] !== undefined || request["stop"] !== undefined;
-    const preset = before !== null && suits(request, before) ? before : suggested(request);
-    const next = isSet && before === null ? request : withPreset(request, preset);
+    // The preset of scans would make a curve a surface again.
+    const isKept = before !== null && suits(request, before) && !(before === "scan" && shapeOf(request) === "curve");
+    const next = isSet && before === null ? request : withPreset(request, isKept ? before : suggested(request));
     this.#draft.set({ request: next, touched: true });
     this.#show();
     if (dataOf(next) === null) return;
