@@ -13,7 +13,7 @@ export function mode(app: App): void {
   const title = "Move data points by dragging them (e); with Alt pressed, for one drag";
   const button = el("button", { type: "button", class: "chip", id: "edit", title, onclick: toggle }, "Edit");
   byId("tools").append(button);
-  const hint = el("p", { class: "movable" }, "Data points can be moved: Edit, or the key E");
+  const hint = el("p", { class: "movable" }, "Edit (E) moves data points");
   byId("viewport").append(hint);
   const update = () => {
     const { editing } = view.value;
