@@ -34,7 +34,7 @@ export function overlay(app: App, scene: SceneController): void {
   let drawn = "";
 
   const draw = () => {
-    const parts = [...axes(scene), ...bar(scene), ...line(scene, ends)];
+    const parts = [...axes(scene), ...bar(scene, app.view.value.unit), ...line(scene, ends)];
     const now = JSON.stringify(parts);
     if (now === drawn) return;
     drawn = now;
@@ -42,7 +42,7 @@ export function overlay(app: App, scene: SceneController): void {
   };
   const show = (now: readonly End[]) => {
     ends = now;
-    const text = measured(ends);
+    const text = measured(ends, app.view.value.unit);
     said.hidden = text === "";
     said.textContent = text;
     draw();
@@ -61,6 +61,7 @@ export function overlay(app: App, scene: SceneController): void {
   });
   app.view.subscribe((now, before) => {
     if (now.jobs !== before.jobs || now.measuring !== before.measuring) show([]);
+    if (now.unit !== before.unit) show(ends);
     root.classList.toggle("measures", now.measuring);
     if (now.measuring && !before.measuring) app.say("Click two points, of the data or of the fit.");
   });
@@ -70,13 +71,13 @@ export function overlay(app: App, scene: SceneController): void {
 }
 
 /** The distance between two ends, and its parts. */
-function measured([a, b]: readonly End[]): string {
+function measured([a, b]: readonly End[], unit: string): string {
   if (a === undefined) return "";
   const dimension = a.exact.length;
   if (b === undefined) return `From ${a.exact.map((value, axis) => `${axisName(axis, dimension)} ${short(value, 5)}`).join(", ")}: click the other end`;
   const parts = a.exact.map((value, axis) => (b.exact[axis] ?? NaN) - value);
   const each = parts.map((value, axis) => `Δ${axisName(axis, dimension)} ${short(value, 4)}`).join(", ");
-  return `Distance ${short(Math.hypot(...parts), 5)} (${each})`;
+  return `Distance ${`${short(Math.hypot(...parts), 5)} ${unit}`.trim()} (${each})`;
 }
 
 /** The directions of the axes, in the lower right corner. */
@@ -98,7 +99,7 @@ function axes({ viewport, box, fitViews }: SceneController): Child[] {
 }
 
 /** How long a round number is, at the point that is looked at. */
-function bar({ viewport, box, fitViews }: SceneController): Child[] {
+function bar({ viewport, box, fitViews }: SceneController, unit: string): Child[] {
   const cell = viewport.cells()[0];
   if (box === null || cell === undefined || (fitViews[0]?.data?.dimension ?? 2) === 1) return [];
   const pixel = viewport.camera.pixel(cell.height) * box.radius;
@@ -109,7 +110,7 @@ function bar({ viewport, box, fitViews }: SceneController): Child[] {
   const [right, y] = [width - 16, height - 14];
   return [
     ["path", { d: `M${round(right - pixels)} ${y - 4}v4H${right}v-4`, class: "bar" }],
-    ["text", { x: round(right - pixels - 6), y, "text-anchor": "end" }, short(length)],
+    ["text", { x: round(right - pixels - 6), y, "text-anchor": "end" }, `${short(length)} ${unit}`.trim()],
   ];
 }
 
