@@ -218,14 +218,14 @@ describe("the page", () => {
     const held: Route[] = [];
     const later = /\/(sidebar|webgl)\.js$/;
     let isHeld = true;
-    await visit.page.route(later, (route) => (isHeld ? void held.push(route) : route.continue()));
+    await visit.page.route(later, (route) => (isHeld ? void held.push(route) : route.fallback()));
     await visit.page.goto(`${server.url}#job=${id}`, { waitUntil: "commit" });
     await until(async () => (await visit.page.evaluate(() => performance.getEntriesByName("first picture").length)) > 0, "there is a picture");
     assert.ok((await visit.drawn()).share > 0.005, "it is drawn");
     await until(async () => held.length > 0, "the rest is asked for");
     assert.equal(await visit.page.locator(".field").count(), 0);
     isHeld = false;
-    for (const route of held) await route.continue();
+    for (const route of held) await route.fallback();
     await visit.page.locator(".field").first().waitFor();
     await visit.end();
   });
