@@ -19,6 +19,8 @@ export interface App {
   open(job: string | Job, how?: How): void;
   /** Takes a job off the screen. */
   close(id: string): void;
+  /** Shows the points of a request alone, until another job is shown. */
+  preview(title: string, request: api.JobRequest): void;
   /** Makes a job and shows it; gives its id. What the server refuses is thrown. */
   fit(request: api.JobRequest, how?: How): Promise<string>;
   /** Says a sentence, on the screen and to screen readers. */

@@ -4,7 +4,7 @@
  */
 
 import type { Fit } from "./fit/fit.js";
-import { precise, samplesOf } from "./scene/picture.js";
+import { precise, samplesOf } from "./scene/frame-data.js";
 import { fits, view } from "./session.js";
 import { begin } from "./ui/examples.js";
 
@@ -22,6 +22,6 @@ function ask(fit: Fit): void {
   if (iteration === "latest") return void fit.data().catch(() => {});
   fit
     .data()
-    .then((data) => fit.gallery.samples(iteration, samplesOf(data, { zoom: 1, cells: fits.shown.length }), precise(data, layers), data.axes))
+    .then((data) => fit.geometry.samples(iteration, samplesOf(data, { zoom: 1, cells: fits.shown.length }), precise(data, layers), data.axes))
     .catch(() => {});
 }

@@ -3,12 +3,12 @@
 import { Client, type Job } from "piad";
 
 import type { How } from "./app.js";
-import { ask } from "./ask.js";
+import { authorized } from "./http.js";
 import { OpenFits } from "./fit/fits.js";
 import { MOST_JOBS, createView } from "./state.js";
 
 /** The server that the page came from. */
-export const client = new Client(new URL(".", document.baseURI), { attempts: 4, fetch: ask });
+export const client = new Client(new URL(".", document.baseURI), { attempts: 4, fetch: authorized });
 
 export const view = createView();
 

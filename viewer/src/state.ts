@@ -8,14 +8,16 @@ export interface Layers {
   readonly data: boolean;
   /** The control polygon, or the net of a surface. */
   readonly polygon: boolean;
-  /** From data points to where the fit is at their parameters, enlarged. */
+  /** Error vectors: from data points to where the fit is at their parameters, enlarged. */
   readonly spikes: boolean;
-  /** The curvature of a curve. */
+  /** The curvature: of a curve as a comb, of a surface as colours. */
   readonly comb: boolean;
   /** The distance from the data as colours. */
   readonly heat: boolean;
   /** Reflected stripes on a surface. */
   readonly zebra: boolean;
+  /** Where the fit leaves its data between neighbours. */
+  readonly between: boolean;
 }
 
 export type Layer = keyof Layers;
@@ -29,19 +31,32 @@ export interface View {
   /** "latest" goes along with a fit that runs, and is its last iteration after that. */
   readonly iteration: number | "latest";
   readonly playing: boolean;
+  /** How fast iterations are played: 1 is about four seconds for all of them. */
+  readonly speed: number;
+  /** True if they begin again after the last one. */
+  readonly looping: boolean;
   /** In it drags move data points; without it they turn the scene. */
   readonly editing: boolean;
+  /** The unit of the data, such as "mm"; "" where it is not known. */
+  readonly unit: string;
+  /** True while clicks choose the two ends of a measured distance. */
+  readonly measuring: boolean;
+  /** True if several jobs are drawn in one scene, not side by side. */
+  readonly overlaid: boolean;
   readonly layers: Layers;
   /** The data point that is looked at, of the first job. */
   readonly selection: Place | null;
 }
 
-/** How many jobs stand side by side at most. */
-export const MOST_JOBS = 4;
+/** The most jobs on the screen. */
+export const MOST_JOBS = 12;
 
-const LAYERS: Layers = { data: true, polygon: false, spikes: false, comb: false, heat: false, zebra: false };
+/** The units that files can have. */
+export const UNITS = ["mm", "m", "in"] as const;
 
-const BEGINNING: View = { jobs: [], iteration: "latest", playing: false, editing: false, layers: LAYERS, selection: null };
+const LAYERS: Layers = { data: true, polygon: false, spikes: false, comb: false, heat: false, zebra: false, between: false };
+
+const BEGINNING: View = { jobs: [], iteration: "latest", playing: false, speed: 1, looping: false, editing: false, unit: "", measuring: false, overlaid: false, layers: LAYERS, selection: null };
 
 /** The view that a link names; what it does not say is as at the beginning. */
 export function viewOf(hash: string): View {
@@ -56,12 +71,14 @@ export function viewOf(hash: string): View {
     ...BEGINNING,
     jobs: [...new Set(jobs)].slice(0, MOST_JOBS),
     iteration: /^\d{1,9}$/.test(k) ? Number(k) : "latest",
+    overlaid: parts.has("overlaid"),
+    unit: UNITS.find((unit) => unit === parts.get("unit")) ?? "",
     layers,
   };
 }
 
 /** The link to a view, from "#" on. */
-export function linkTo({ jobs, iteration, layers }: View): string {
+export function linkTo({ jobs, iteration, layers, overlaid, unit }: View): string {
   if (jobs.length === 0) return "";
   const parts = [`job=${jobs.join(",")}`];
   if (iteration !== "latest") parts.push(`k=${iteration}`);
@@ -69,6 +86,8 @@ export function linkTo({ jobs, iteration, layers }: View): string {
   if (names.some((name) => layers[name] !== LAYERS[name])) {
     parts.push(`show=${names.filter((name) => layers[name]).join(",")}`);
   }
+  if (overlaid && jobs.length > 1) parts.push("overlaid");
+  if (unit !== "") parts.push(`unit=${unit}`);
   return `#${parts.join("&")}`;
 }
 

@@ -22,8 +22,8 @@ describe("a server that goes away", () => {
   after(async () => browser?.close());
 
   const latest = async (visit: Visit): Promise<number> => (await visit.iteration())[1];
-  const voices = (visit: Visit, pattern: RegExp, kind: "info" | "error") =>
-    says(visit.page.locator(`#voice[data-kind=${kind}]`), pattern);
+  const announces = (visit: Visit, pattern: RegExp, kind: "info" | "error") =>
+    says(visit.page.locator(`#announcer[data-kind=${kind}]`), pattern);
   /** What the browser itself writes when it does not get what it asks for. */
   const forgive = (visit: Visit) => {
     const others = visit.complaints.filter((line) => !/Failed to load resource|ERR_CONNECTION|ERR_INCOMPLETE/.test(line));
@@ -40,11 +40,11 @@ describe("a server that goes away", () => {
       await until(async () => (await latest(visit)) > 20, "the iterations come");
       await visit.whole();
       await server.stop();
-      await voices(visit, /cannot be reached/, "error");
+      await announces(visit, /cannot be reached/, "error");
       const before = await latest(visit);
       await says(visit.page.locator(".label"), /long/);
       await server.start();
-      await voices(visit, /there again/, "info");
+      await announces(visit, /there again/, "info");
       await until(async () => (await latest(visit)) > before, "the iterations go on");
       await until(async () => (await visit.drawn()).share > 0.002, "it is drawn");
       forgive(visit);
@@ -65,7 +65,7 @@ describe("a server that goes away", () => {
       await visit.whole();
       await server.stop();
       await server.start();
-      await voices(visit, /There is no job .*deleted/, "error");
+      await announces(visit, /There is no job .*deleted/, "error");
       await visit.page.getByRole("button", { name: "Rose" }).click();
       await visit.standing(/^converged/);
       await until(async () => (await visit.drawn()).share > 0.005, "another is drawn");
@@ -126,7 +126,7 @@ describe("each panel", () => {
         const visit = await Visit.to(browser, `${server.url}#job=${id}`, { viewport: { width, height }, colorScheme });
         await visit.standing(/^converged/);
         await says(visit.page.locator(".label .warning").first(), /degree/);
-        for (const name of ["Data", "Jobs", "Take"]) {
+        for (const name of ["Data", "Jobs", "Export"]) {
           await visit.page.getByRole("tab", { name }).click();
           if (name === "Jobs") {
             await visit.page.getByRole("button", { name: "Delete short" }).first().click();

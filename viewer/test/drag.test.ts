@@ -107,7 +107,7 @@ describe("a data point", () => {
     await visit.page.mouse.click(x, y);
     const card = visit.page.locator(".card");
     await card.waitFor();
-    await says(card, /Point 0/);
+    await says(card, /Point 1/);
     assert.deepEqual(await visit.axe(), []);
     await card.getByLabel("y", { exact: true }).fill("0.5");
     await visit.page.keyboard.press("Enter");

@@ -52,6 +52,20 @@ describe("jobs", () => {
     await visit.end();
   });
 
+  test("say how old they are, and are found by their names", PATIENT, async () => {
+    await server.job({ curve: { points: POINTS } });
+    const visit = await visitJobs("needle");
+    await says(row(visit.page, "needle").locator("time"), /^\d+ s ago$/);
+    // One without a name is called what it is.
+    await row(visit.page, "Curve of 5 points").first().waitFor();
+    await visit.page.getByLabel("Search the jobs").fill("need");
+    await becomes(() => visit.page.locator(".joblist li").count(), 1);
+    await visit.page.getByLabel("Search the jobs").fill("nothing like it");
+    await visit.page.getByText("No job has “nothing like it”").waitFor();
+    assert.deepEqual(await visit.axe(), []);
+    await visit.end();
+  });
+
   test("are deleted after a second thought", PATIENT, async () => {
     const visit = await visitJobs("doomed");
     await row(visit.page, "doomed").getByRole("button", { name: "Delete doomed" }).click();
@@ -104,7 +118,7 @@ describe("jobs", () => {
     const { id } = await server.job(job("to take"));
     const visit = await Visit.to(browser, `${server.url}#job=${id}&k=2`);
     await visit.standing(/^converged/);
-    await visit.page.getByRole("tab", { name: "Take" }).click();
+    await visit.page.getByRole("tab", { name: "Export" }).click();
     await visit.page.getByText("Iteration 2 of to take").waitFor();
     const { formats } = await server.get<{ formats: { result: string[] } }>("v1/capabilities");
     const files = formats.result.filter((type) => type !== "application/x-protobuf");
@@ -120,6 +134,14 @@ describe("jobs", () => {
     assert.ok(visit.sent.some(({ path }) => path === `/v1/jobs/${id}/iterations/2/step`));
     assert.match(await taken(visit.page, "svg"), /<svg/);
     assert.equal(JSON.parse(await taken(visit.page, "json")).iteration, 2);
+    assert.deepEqual(await visit.axe(), []);
+
+    for (const [name, content] of [["STEP", /ISO-10303-21/], ["CSV", /\d/], ["glTF", /vertices/]] as const) {
+      await visit.press(visit.page.getByRole("button", { name: `Preview ${name}` }));
+      await says(visit.page.locator(".preview"), content);
+    }
+    await visit.press(visit.page.getByRole("button", { name: "Preview SVG" }));
+    await visit.page.getByRole("img", { name: "The drawing in the file" }).waitFor();
     assert.deepEqual(await visit.axe(), []);
 
     await visit.page.getByText("Options").click();

@@ -36,7 +36,7 @@ describe("many data points", () => {
 
   test("are drawn in part, and the page says so", PATIENT, async () => {
     const visit = await open("");
-    await says(visit.page.locator("#voice"), /^20\u202f000 of 40\u202f000 data points are drawn\.$/);
+    await says(visit.page.locator("#announcer"), /^20\u202f000 of 40\u202f000 data points are drawn\.$/);
     const bare = await visit.drawn();
     await visit.page.locator("[data-layer=data]").click();
     await until(async () => (await visit.difference(bare)) > 0.001, "points are seen");
@@ -56,7 +56,7 @@ describe("many data points", () => {
       await mouse.move(x, y);
       return tip.isVisible();
     }, "the point is found");
-    await says(tip, new RegExp(`^point${COUNT - 1}x−3y0`));
+    await says(tip, new RegExp(`^point${COUNT}x−3y0`));
     const before = await visit.drawn();
     await mouse.down();
     await mouse.move(x + 5, y - 20, { steps: 3 });

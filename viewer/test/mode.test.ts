@@ -42,7 +42,7 @@ describe("without the Edit mode", () => {
   };
   /** A swipe of a finger over the scene, upwards. It rests before it is lifted: the page does not glide on. */
   const swipe = async ({ page }: Visit, by = 220) => {
-    const { x, y, width, height } = (await page.locator("#stage").boundingBox())!;
+    const { x, y, width, height } = (await page.locator("#viewport").boundingBox())!;
     const session = await page.context().newCDPSession(page);
     const touch = (type: "touchStart" | "touchMove" | "touchEnd", up = 0) =>
       session.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x: x + width / 2, y: y + height * 0.75 - up }] });
@@ -59,7 +59,7 @@ describe("without the Edit mode", () => {
     const visit = await open(WAVE);
     const url = visit.page.url();
     const before = await visit.drawn();
-    const { x, y, width, height } = (await visit.page.locator("#stage").boundingBox())!;
+    const { x, y, width, height } = (await visit.page.locator("#viewport").boundingBox())!;
     for (let i = 0; i < 10; i++) await drag(visit, x + width * (0.4 + 0.02 * i), y + height * 0.55);
     assert.ok((await visit.difference(before)) > 0.02, "it is turned");
     await visit.page.waitForTimeout(500);

@@ -16,7 +16,7 @@ const ROSE = { name: "rose", curve: { points: steps.map((t) => [petals(t) * Math
 const CHANGES: Readonly<Record<string, (page: Page) => Promise<unknown>>> = {
   "a text": (page) => field(page, "/name").fill("other"),
   "a number": (page) => field(page, "/curve/basis/degree").fill("5"),
-  "a number with long help": (page) => field(page, "/stop/relative_tolerance").fill("1e-5"),
+  "a number with a unit": (page) => field(page, "/stop/tolerance").fill("1e-5"),
   "a number that is left as it is": (page) => field(page, "/stop/max_iterations").focus(),
   "a list": (page) => field(page, "/method/kind").selectOption("weighted"),
   "a setting of a method": (page) => field(page, "/method/omega").fill("1.1"),
@@ -52,6 +52,7 @@ describe("a press of a tenth of a second", () => {
       const visit = await Visit.to(browser, `${server.url}#job=${id}`, { viewport: { width, height }, hasTouch: width < 500 });
       await visit.standing(/^converged/);
       await until(async () => (await field(visit.page, "/name").inputValue()) === "rose", "the request is in the form");
+      await visit.advanced();
       return [visit, visit.page.getByRole("button", { name: "Fit", exact: true })];
     };
 

@@ -148,9 +148,9 @@ describe("the page", () => {
 
   test("says when there is no such job", PATIENT, async () => {
     const visit = await Visit.to(browser, `${server.url}#job=01a20965-d4dd-75e8-902b-45b708e30e33`);
-    const voice = visit.page.locator("#voice[data-said]");
-    await voice.waitFor();
-    await says(voice, /^There is no job 01a20965/);
+    const announcer = visit.page.locator("#announcer[data-said]");
+    await announcer.waitFor();
+    await says(announcer, /^There is no job 01a20965/);
     // The browser itself writes there what was not found.
     assert.ok(visit.complaints.every((line) => /404/.test(line)));
     visit.complaints.length = 0;
@@ -164,9 +164,9 @@ describe("the page", () => {
     await visit.still();
     await visit.page.context().setOffline(true);
     await visit.page.evaluate((hash) => (location.hash = hash), `#job=${other.id}`);
-    const voice = visit.page.locator("#voice[data-kind=error]");
-    await voice.waitFor();
-    await says(voice, /cannot be reached/);
+    const announcer = visit.page.locator("#announcer[data-kind=error]");
+    await announcer.waitFor();
+    await says(announcer, /cannot be reached/);
     await visit.page.context().setOffline(false);
     await visit.standing(/^converged/);
     await becomes(() => visit.page.locator(".label h2").textContent(), "other");
@@ -216,16 +216,16 @@ describe("the page", () => {
     const { id } = await server.job(CURVE);
     const visit = await Visit.to(browser, "about:blank");
     const held: Route[] = [];
-    const later = /\/(beside|webgl)\.js$/;
+    const later = /\/(sidebar|webgl)\.js$/;
     let isHeld = true;
-    await visit.page.route(later, (route) => (isHeld ? void held.push(route) : route.continue()));
+    await visit.page.route(later, (route) => (isHeld ? void held.push(route) : route.fallback()));
     await visit.page.goto(`${server.url}#job=${id}`, { waitUntil: "commit" });
     await until(async () => (await visit.page.evaluate(() => performance.getEntriesByName("first picture").length)) > 0, "there is a picture");
     assert.ok((await visit.drawn()).share > 0.005, "it is drawn");
     await until(async () => held.length > 0, "the rest is asked for");
     assert.equal(await visit.page.locator(".field").count(), 0);
     isHeld = false;
-    for (const route of held) await route.continue();
+    for (const route of held) await route.fallback();
     await visit.page.locator(".field").first().waitFor();
     await visit.end();
   });
@@ -244,7 +244,7 @@ test("without WebGL the page says so, and the rest of it works", PATIENT, async 
     await visit.standing(/^converged/);
     await until(async () => (await visit.numbers()).at(-1) === String((await visit.iteration())[1]), "the last is shown");
     const before = await visit.drawn();
-    const { x, y, height } = (await visit.page.locator("#stage").boundingBox())!;
+    const { x, y, height } = (await visit.page.locator("#viewport").boundingBox())!;
     await visit.page.mouse.move(x + 20, y + height / 2);
     await visit.page.mouse.down();
     await visit.page.mouse.move(x + 120, y + height / 2 + 40, { steps: 5 });

@@ -29,6 +29,7 @@ describe("an error", () => {
     const visit = await Visit.to(browser, `${server.url}#job=${id}`);
     await visit.standing(/^converged/);
     await until(async () => (await field(visit.page, "/name").inputValue()) === "arch", "the request is in the form");
+    await visit.advanced();
     return visit;
   };
   /** Ends a visit to which requests were refused. */
@@ -55,11 +56,11 @@ describe("an error", () => {
     const visit = await open();
     await field(visit.page, "/method/kind").selectOption("least_squares");
     await fit(visit);
-    const said = visit.page.locator("form .wrong");
-    await says(said, /control_points/);
+    const said = visit.page.locator("[data-field='/method/control_points'] .said");
+    await says(said, /needs Control points/);
     await field(visit.page, "/name").fill("other");
     await field(visit.page, "/name").press("Tab");
-    await says(said, /control_points/);
+    await says(said, /needs Control points/);
     await field(visit.page, "/method/control_points").fill("4");
     await field(visit.page, "/method/control_points").press("Tab");
     await becomes(() => said.isVisible(), false);
@@ -80,12 +81,12 @@ describe("an error", () => {
 
   test("of a job goes when another one is opened", PATIENT, async () => {
     const visit = await Visit.to(browser, `${server.url}#job=01a20965-d4dd-75e8-902b-45b708e30e33`);
-    const voice = visit.page.locator("#voice[data-said][data-kind=error]");
-    await says(voice, /^There is no job 01a20965/);
+    const announcer = visit.page.locator("#announcer[data-said][data-kind=error]");
+    await says(announcer, /^There is no job 01a20965/);
     await visit.page.getByRole("button", { name: "Rose" }).click();
     await visit.standing(/^converged/);
-    await becomes(() => voice.count(), 0);
-    assert.doesNotMatch((await visit.page.locator("#voice").textContent()) ?? "", /there again/);
+    await becomes(() => announcer.count(), 0);
+    assert.doesNotMatch((await visit.page.locator("#announcer").textContent()) ?? "", /there again/);
     await end(visit);
   });
 });

@@ -62,7 +62,7 @@ describe("a trimmed surface", () => {
   test("is found by the pointer where it is, and not in its holes", PATIENT, async () => {
     for (const [id, middle] of [[bowl, false], [whole, true]] as const) {
       const visit = await open(`job=${id}&show=`);
-      const { x, y, width, height } = (await visit.page.locator("#stage").boundingBox())!;
+      const { x, y, width, height } = (await visit.page.locator("#viewport").boundingBox())!;
       const tip = visit.page.locator("#tip");
       const seen: boolean[] = [];
       for (let step = 0; step <= 40; step++) {
@@ -119,7 +119,7 @@ describe("a trimmed surface", () => {
   test("is asked for by a switch: a scan is read as a surface", PATIENT, async () => {
     const visit = await open(`job=${whole}`);
     const { page } = visit;
-    await page.locator(".field").first().waitFor();
+    await visit.advanced();
     const text = SCAN.map((point) => point.join(" ")).join("\n");
     await page.locator("#file").setInputFiles({ name: "scan.xyz", mimeType: "text/plain", buffer: Buffer.from(text) });
     await says(page.locator(".data"), new RegExp(`^Surface, ${SCAN.length} scattered points in space`));
@@ -127,6 +127,7 @@ describe("a trimmed surface", () => {
     // The server refuses them as a curve at first.
     visit.complaints.splice(0).forEach((line) => assert.match(line, /422/));
     await page.getByLabel("Trim to the data").check();
+    await page.getByLabel("Unit of the tolerance").selectOption("data units");
     await page.locator("[data-field='/stop/tolerance'] input").fill("0.01");
     const distance = page.getByLabel("Distance");
     await distance.fill("1e-7");
@@ -150,7 +151,7 @@ describe("a trimmed surface", () => {
   test("may be one through a grid with gaps, and not through a whole one", PATIENT, async () => {
     const visit = await open(`job=${whole}`);
     const { page } = visit;
-    await page.locator(".field").first().waitFor();
+    await visit.advanced();
     const control = page.getByLabel("Trim to the data");
     await paste(page, JSON.stringify({ surface: { points: GRID }, method: { kind: "least_squares", control_points: 8, fairness: 1e-9 } }));
     await control.check();

@@ -3,11 +3,14 @@
 import { strict as assert } from "node:assert";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { join } from "node:path";
 import { isDeepStrictEqual } from "node:util";
 
-import { type Browser, type BrowserContextOptions, type Locator, type Page, chromium } from "playwright-core";
+import { type Browser, type BrowserContext, type BrowserContextOptions, type Locator, type Page, chromium } from "playwright-core";
 
 const CHROMIUM = process.env["CHROMIUM"] ?? "/usr/bin/chromium";
+/** With it the page is the one in this directory, not that of the program. */
+const VIEWER = process.env["PIAD_VIEWER"];
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
 
 /** For each test: busy machines take their time. */
@@ -19,7 +22,7 @@ export function browse(flags: readonly string[] = []): Promise<Browser> {
   return chromium.launch({ executablePath: CHROMIUM, args });
 }
 
-/** What is seen of the stage. */
+/** What is seen of the viewport. */
 export interface Drawn {
   readonly share: number;
   readonly colors: number;
@@ -51,6 +54,7 @@ export class Visit {
 
   static async to(browser: Browser, url: string, options: BrowserContextOptions = {}): Promise<Visit> {
     const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
+    if (VIEWER !== undefined) await serve(context, VIEWER);
     const visit = new Visit(await context.newPage());
     await visit.page.addInitScript(() => {
       const numbers: string[] = ((globalThis as { numbers?: string[] }).numbers = []);
@@ -102,6 +106,51 @@ export class Visit {
     return this.still();
   }
 
+  /** Presses an element for a tenth of a second, as hands do: with the mouse, or with a finger. */
+  async press(element: Locator, isTouch = false): Promise<void> {
+    await element.scrollIntoViewIfNeeded();
+    const { x, y, width, height } = (await element.boundingBox())!;
+    await this.pressAt(x + width / 2, y + height / 2, isTouch);
+  }
+
+  /** The same at a place of the page. */
+  async pressAt(x: number, y: number, isTouch = false): Promise<void> {
+    const { page } = this;
+    if (!isTouch) {
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.waitForTimeout(100);
+      return page.mouse.up();
+    }
+    const session = await page.context().newCDPSession(page);
+    await session.send("Input.dispatchTouchEvent", { type: "touchStart", touchPoints: [{ x, y }] });
+    await page.waitForTimeout(100);
+    await session.send("Input.dispatchTouchEvent", { type: "touchEnd", touchPoints: [] });
+    await session.detach();
+  }
+
+  /** Drops a file on the scene. */
+  async drop(name: string, text: string): Promise<void> {
+    await this.page.evaluate(
+      ([title, content]) => {
+        const data = new DataTransfer();
+        data.items.add(new File([content!], title!));
+        for (const type of ["dragover", "drop"]) document.querySelector("#viewport")!.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
+      },
+      [name, text],
+    );
+  }
+
+  /** Opens all fields of the form. */
+  async advanced(): Promise<void> {
+    await this.page.locator("details.advanced").evaluate((details: HTMLDetailsElement) => void (details.open = true));
+  }
+
+  /** How many jobs were asked for. */
+  posted(): number {
+    return this.sent.filter(({ method, path }) => method === "POST" && path.endsWith("/v1/jobs")).length;
+  }
+
   /** The numbers of the iterations that were shown, since the page was opened. */
   numbers(): Promise<string[]> {
     return this.page.evaluate(() => (globalThis as { numbers?: string[] }).numbers ?? []);
@@ -114,9 +163,9 @@ export class Visit {
     return [Number(shown), Number(last)];
   }
 
-  /** How many pixels of the stage are not as paper, as a part of all, in how many colours; the page keeps the picture. */
+  /** How many pixels of the viewport are not as paper, as a part of all, in how many colours; the page keeps the picture. */
   async drawn(): Promise<Drawn> {
-    const shot = await this.page.locator("#stage").screenshot();
+    const shot = await this.page.locator("#viewport").screenshot();
     return this.page.evaluate(async (base64) => {
       const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], { type: "image/png" }));
       const context = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
@@ -151,8 +200,8 @@ export class Visit {
 
   /** The middle of the first data point from the left, below what is written, in pixels of the page; those of surfaces are paler. */
   async leftmost(pale = 14): Promise<[number, number]> {
-    const box = (await this.page.locator("#stage").boundingBox())!;
-    const shot = await this.page.locator("#stage").screenshot();
+    const box = (await this.page.locator("#viewport").boundingBox())!;
+    const shot = await this.page.locator("#viewport").screenshot();
     const [x, y] = await this.page.evaluate(async ([base64, pale]) => {
       const image = await createImageBitmap(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))], { type: "image/png" }));
       const context = new OffscreenCanvas(image.width, image.height).getContext("2d")!;
@@ -180,6 +229,20 @@ export class Visit {
       return violations.map(({ id, nodes }) => `${id}: ${nodes[0]?.html}`);
     });
   }
+}
+
+/** Serves the page from a directory, with the headers of the server. */
+async function serve(context: BrowserContext, directory: string): Promise<void> {
+  await context.route(/\/viewer\/[\w.-]+$/, async (route) => {
+    const name = route.request().url().split("/").at(-1)!;
+    const contentType = name.endsWith(".css") ? "text/css" : "text/javascript";
+    await route.fulfill({ contentType, body: await readFile(join(directory, name)) });
+  });
+  await context.route(({ pathname }) => pathname.endsWith("/"), async (route) => {
+    if (route.request().resourceType() !== "document") return route.fallback();
+    const response = await route.fetch();
+    await route.fulfill({ response, body: await readFile(join(directory, "index.html")) });
+  });
 }
 
 /** Waits until an element says it; some say what they have to say in the frame after. */

@@ -13,10 +13,14 @@ export function mode(app: App): void {
   const title = "Move data points by dragging them (e); with Alt pressed, for one drag";
   const button = el("button", { type: "button", class: "chip", id: "edit", title, onclick: toggle }, "Edit");
   byId("tools").append(button);
+  const hint = el("p", { class: "movable" }, "Edit (E) moves data points");
+  byId("viewport").append(hint);
   const update = () => {
     const { editing } = view.value;
+    // Who has used it once knows it.
+    if (editing) hint.hidden = true;
     button.setAttribute("aria-pressed", String(editing));
-    byId("stage").classList.toggle("edits", editing);
+    byId("viewport").classList.toggle("edits", editing);
   };
   view.subscribe(update);
   update();

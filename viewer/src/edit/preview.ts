@@ -7,7 +7,7 @@ import type { Data } from "../fit/data.js";
 import { indexOf } from "../fit/data.js";
 import type { Fit } from "../fit/fit.js";
 import { type Samples, pointsOf } from "../fit/geometry.js";
-import type { Held } from "../scene/exhibit.js";
+import type { Held } from "../scene/fit-view.js";
 import type { Place } from "../state.js";
 
 /** A data point that goes elsewhere, gets another weight, or both. */

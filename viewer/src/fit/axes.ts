@@ -10,6 +10,24 @@ interface Grid {
   readonly dimension: number;
 }
 
+/** A box of data: its centre, half of its sides, and half of its diagonal. */
+export interface Box {
+  readonly centre: readonly [number, number, number];
+  readonly half: readonly [number, number, number];
+  readonly radius: number;
+}
+
+/** The box around others. */
+export function around(boxes: readonly Box[]): Box {
+  const sides = ([0, 1, 2] as const).map((axis) => {
+    const low = Math.min(...boxes.map(({ centre, half }) => centre[axis] - half[axis]));
+    const high = Math.max(...boxes.map(({ centre, half }) => centre[axis] + half[axis]));
+    return [(low + high) / 2, (high - low) / 2] as const;
+  });
+  const [centre, half] = [0, 1].map((part) => sides.map((side) => side[part]!)) as unknown as [Box["centre"], Box["half"]];
+  return { centre, half, radius: Math.hypot(...half) || 1 };
+}
+
 // Data further away from zero than so many of their extents lose too much in 32 bits.
 const FAR = 64;
 
@@ -22,7 +40,7 @@ const REACH = 1e37;
 const HAND = 4;
 
 /** Where data points are, and how they become three coordinates: of more than three the first ones. */
-export class Axes {
+export class Axes implements Box {
   readonly centre: readonly [number, number, number];
   /** Half of the diagonal of the box around the data. */
   readonly radius: number;

@@ -28,6 +28,8 @@ export interface Data {
   readonly axes: Axes;
   /** How many control points there are in each direction; 1 row of a curve. */
   readonly controls: readonly [number, number];
+  /** The numbers of points that a robust fit leaves out. */
+  readonly outliers: readonly number[];
 }
 
 /** Reads the data points of a job. It has the axes of data that are much like it. */
@@ -51,7 +53,15 @@ export function dataOf(request: api.JobRequest, head: api.JobEvent, like: readon
   const positions = used.positions(exact, grid, parameters as never);
   const weights = weightsOf(request);
   const both = typeof head.closed === "boolean" ? [head.closed, head.closed] as const : [head.closed.u, head.closed.v] as const;
-  return { exact, positions, ...grid, isSurface, isScattered, closed: both, weights, parameters, axes: used, controls: controlsOf(head) };
+  return { exact, positions, ...grid, isSurface, isScattered, closed: both, weights, parameters, axes: used, controls: controlsOf(head), outliers: head.outliers?.indices ?? [] };
+}
+
+/** The data points of a request that is no job yet. */
+export function dataBefore(request: api.JobRequest): Data {
+  const { rows } = listsOf(request);
+  const point = rows.map((row) => row.find((point) => point !== null)).find((point) => point !== undefined);
+  const head = { kind: request.curve ? "curve" : "surface", dimension: Array.isArray(point) ? point.length : 1, parameters: [], closed: false, control_points: 0 };
+  return dataOf(request, head as unknown as api.JobEvent);
 }
 
 /** What stands for data that are too many: where they are, by a curve or surface that is near to them. */
@@ -72,6 +82,7 @@ export function unseen(near: Float64Array | Float32Array, head: api.JobEvent, li
     parameters: [],
     axes: like.find((axes) => axes.isLike(own)) ?? own,
     controls: controlsOf(head),
+    outliers: [],
   };
 }
 
@@ -141,9 +152,13 @@ type Row = readonly (readonly number[] | number | null)[];
 
 function listsOf(request: api.JobRequest): { rows: readonly Row[]; isScattered: boolean } {
   if (request.curve) return { rows: [request.curve.points as unknown as Row], isScattered: false };
-  const surface = request.surface as { points?: readonly Row[] | null; scattered?: Row | null } | null | undefined;
-  if (surface?.scattered) return { rows: [surface.scattered], isScattered: true };
-  return { rows: surface?.points ?? [], isScattered: false };
+  const surface = request.surface as { points?: readonly Row[] | null; scattered?: Row | null; sections?: readonly Row[] | null; spacing?: readonly [number, number] | null; origin?: readonly [number, number] | null } | null | undefined;
+  const scattered = surface?.scattered ?? surface?.sections?.flat();
+  if (scattered) return { rows: [scattered], isScattered: true };
+  const [rows, spacing] = [surface?.points ?? [], surface?.spacing];
+  const [x, y] = surface?.origin ?? [0, 0];
+  if (!spacing) return { rows, isScattered: false };
+  return { rows: rows.map((row, i) => row.map((height, j) => (height === null ? null : [x + j * spacing[0], y + i * spacing[1], ...[height].flat()]))), isScattered: false };
 }
 
 function parametersOf({ parameters }: api.JobEvent): Float64Array[] {

@@ -6,7 +6,7 @@ import { ApiError, ConnectionLost, JobFailed } from "piad";
 import type { Axes } from "./axes.js";
 import { type Counts, countsOf } from "./controls.js";
 import { type Data, MOST_POINTS, dataOf, unseen } from "./data.js";
-import { Gallery } from "./gallery.js";
+import { GeometryCache } from "./geometry-cache.js";
 import { type Outline, outlineOf } from "./outline.js";
 
 /** What is known of an iteration without its geometry. */
@@ -37,7 +37,7 @@ export class Fit {
   problem: unknown = null;
   /** Where its data are; null until they are here. */
   axes: Axes | null = null;
-  readonly gallery = new Gallery(this);
+  readonly geometry = new GeometryCache(this);
   readonly #client: Client;
   readonly #changed: () => void;
   readonly #axes: () => readonly Axes[];
@@ -48,7 +48,8 @@ export class Fit {
   #job: Promise<Job> | null = null;
   #input: Promise<api.JobRequest> | null = null;
   #data: Promise<Data> | null = null;
-  #excesses: Promise<readonly number[]> | null = null;
+  readonly #excesses = new Map<number, Promise<readonly number[]>>();
+  #shape: { readonly key: string; readonly shape: Promise<api.Shape> } | null = null;
 
   /** `axes` are those of the jobs on the screen. */
   constructor(client: Client, job: Job | string, changed: () => void, axes: () => readonly Axes[]) {
@@ -75,7 +76,9 @@ export class Fit {
   }
 
   get title(): string {
-    return this.head?.name ?? this.job?.status.name ?? this.id.slice(0, 8);
+    const about = this.head ?? this.job?.status;
+    const named = about?.name ?? this.job?.status.name;
+    return named ?? (about === undefined ? "…" : `${about.kind === "curve" ? "Curve" : "Surface"} of ${about.points} points`);
   }
 
   /** The job as it was asked for, asked once. */
@@ -99,17 +102,31 @@ export class Fit {
   }
 
   /**
-   * By how much an iteration leaves its data in each gap between neighbours, or cell of a grid: asked once, of the last
-   * one of a fit that has ended for it; else there are none.
+   * By how much an iteration leaves its data in each gap between neighbours, or cell of a grid: asked once, if it is
+   * wanted, and of the last one of a fit that has ended for it; else there are none.
    */
-  excesses(k: number): Promise<readonly number[]> {
-    if (this.end?.reason !== "between" || k !== this.latest) return Promise.resolve([]);
-    this.#excesses ??= this.known()
+  excesses(k: number, isWanted: boolean): Promise<readonly number[]> {
+    if (!isWanted && (this.end?.reason !== "between" || k !== this.latest)) return Promise.resolve([]);
+    const kept = this.#excesses.get(k);
+    if (kept !== undefined) return kept;
+    const asked = this.known()
       .then((job) => job.deviation({ iteration: k, list: true, signal: this.signal }))
       .then(({ between = [] }) => (between as (number | readonly number[])[]).flat())
       // Some have no nearest points.
       .catch(() => []);
-    return this.#excesses;
+    this.#excesses.clear();
+    this.#excesses.set(k, asked);
+    return asked;
+  }
+
+  /** The curvature of an iteration at samples, asked once while it is looked at. */
+  shape(k: number, samples: api.Samples): Promise<api.Shape> {
+    const key = `${k} ${samples}`;
+    if (this.#shape?.key === key) return this.#shape.shape;
+    const shape = this.known().then((job) => job.curvature({ iteration: k as never, samples, signal: this.signal }));
+    shape.catch(() => {});
+    this.#shape = { key, shape };
+    return shape;
   }
 
   /** Forgets the job; the server goes on. */

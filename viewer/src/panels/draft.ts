@@ -48,15 +48,31 @@ function without(value: Json, depth: number): Json {
 export function dataOf(request: Fields): { pointer: string; count: number; rows: number | null; coordinates: number } | null {
   const shape = shapeOf(request);
   if (shape === null) return null;
-  for (const pointer of [`/${shape}/points`, `/${shape}/scattered`]) {
+  for (const pointer of [`/${shape}/points`, `/${shape}/scattered`, `/${shape}/sections`]) {
     const points = at(request, pointer);
     if (!Array.isArray(points)) continue;
-    const grid = pointer === "/surface/points";
+    const grid = pointer === "/surface/points" || pointer === "/surface/sections";
     const first: unknown = grid ? (points as Json[][]).flat().find((point) => point !== null) : points[0];
     const count = grid ? (points as Json[][]).reduce((sum, row) => sum + (Array.isArray(row) ? row.length : 0), 0) : points.length;
     return { pointer, count, rows: grid ? points.length : null, coordinates: Array.isArray(first) ? first.length : 0 };
   }
   return null;
+}
+
+/** The diagonal of the box around the data points of a request. */
+export function sizeOf(request: Fields): number {
+  const data = dataOf(request);
+  const points = data === null ? [] : (at(request, data.pointer) as readonly Json[]);
+  const low: number[] = [];
+  const high: number[] = [];
+  for (const point of data?.rows == null ? points : (points as readonly (readonly Json[])[]).flat()) {
+    (Array.isArray(point) ? (point as number[]) : [point]).forEach((value, axis) => {
+      if (typeof value !== "number") return;
+      low[axis] = Math.min(low[axis] ?? value, value);
+      high[axis] = Math.max(high[axis] ?? value, value);
+    });
+  }
+  return Math.hypot(...high.map((value, axis) => value - low[axis]!));
 }
 
 /** What stands for points that are too many to be shown. */
@@ -100,10 +116,18 @@ export function words(request: Fields): string {
   const data = dataOf(request);
   if (data === null) return "No points";
   const { count, rows, coordinates } = data;
-  const many = rows === null ? `${count}` : `${rows} × ${Math.round(count / Math.max(rows, 1))}`;
+  const sections = data.pointer === "/surface/sections" ? rows : lengthOf(at(request, "/surface/parameters/sections"));
+  const many = rows === null || sections !== null ? `${count}` : `${rows} × ${Math.round(count / Math.max(rows, 1))}`;
   const place = ["", "on a line", "in the plane", "in space"][coordinates] ?? "";
+  if (sections !== null) return `Surface through ${sections} sections, ${count} points ${place}`;
+  const mesh = lengthOf(at(request, "/surface/parameters/triangles"));
+  if (mesh !== null) return `Surface to a mesh of ${count} points and ${mesh} triangles`;
   const scattered = data.pointer === "/surface/scattered" ? "scattered " : "";
   return `${shapeOf(request) === "surface" ? "Surface" : "Curve"}, ${many} ${scattered}points ${place}`.trim();
+}
+
+function lengthOf(value: Json | undefined): number | null {
+  return Array.isArray(value) ? value.length : null;
 }
 
 /** True if a surface may have an outline of its own: near scattered points, or through a grid with gaps; or if it is to have one. */

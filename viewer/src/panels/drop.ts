@@ -2,8 +2,8 @@
 
 import { el } from "../html.js";
 
-/** What somebody brought. */
-export interface Brought {
+/** A file, or a text that was pasted or typed. */
+export interface InputFile {
   /** The name of the file; null for what was pasted. */
   readonly name: string | null;
   readonly text: string;
@@ -14,8 +14,8 @@ export interface Brought {
 // A file larger than this is no file of points.
 const LARGEST = 300_000_000;
 
-/** Calls with each text that is brought, and with why one is not. */
-export function listen(onText: (brought: Brought) => void, onTrouble: (sentence: string) => void): void {
+/** Calls with each text that is dropped or pasted, and with an error if one cannot be read. */
+export function listen(onText: (input: InputFile) => void, onError: (sentence: string) => void): void {
   const veil = el("div", { class: "veil", hidden: true }, el("p", {}, "Drop to read the points"));
   document.body.append(veil);
   const show = (on: boolean) => void (veil.hidden = !on);
@@ -36,26 +36,26 @@ export function listen(onText: (brought: Brought) => void, onTrouble: (sentence:
     show(false);
     if (!comes(event)) return;
     event.preventDefault();
-    bring(event.dataTransfer);
+    receive(event.dataTransfer);
   });
   addEventListener("paste", (event) => {
     const files = (event.clipboardData?.files.length ?? 0) > 0;
     if (!files && isField(event.target)) return;
     event.preventDefault();
-    bring(event.clipboardData);
+    receive(event.clipboardData);
   });
 
-  function bring(data: DataTransfer | null): void {
+  function receive(data: DataTransfer | null): void {
     const [file] = data?.files ?? [];
     const text = data?.getData("text/plain") ?? "";
-    if (file !== undefined) void open(file).then(onText, (error: Error) => onTrouble(error.message));
+    if (file !== undefined) void open(file).then(onText, (error: Error) => onError(error.message));
     else if (text.trim() !== "") onText({ name: null, text });
-    else onTrouble("There was no text in it.");
+    else onError("There was no text in it.");
   }
 }
 
 /** The text of a file. */
-export async function open(file: File): Promise<Brought> {
+export async function open(file: File): Promise<InputFile> {
   if (file.size > LARGEST) throw new Error(`${file.name} is larger than files of points are.`);
   if (file.size === 0) throw new Error(`${file.name} is empty.`);
   return { name: file.name, text: await file.text(), bytes: file };

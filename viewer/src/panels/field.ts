@@ -44,6 +44,9 @@ let numbers = 0;
 export class Field {
   readonly element: HTMLElement;
   readonly help: string;
+  readonly label: string;
+  /** The pointers of what it shows. */
+  readonly claims: readonly string[];
   readonly #slots: Part[];
   readonly #options: FieldOptions;
 
@@ -51,6 +54,8 @@ export class Field {
     const { label, slots, help } = options;
     const id = `field-${++numbers}`;
     this.help = help;
+    this.label = label;
+    this.claims = slots.flatMap(({ claims }) => claims);
     this.#options = options;
     this.#slots = slots.map((slot, i) => {
       const said = el("p", { class: "said", id: `${id}-said-${i}`, hidden: true });
@@ -126,7 +131,7 @@ function controlOf({ kind, usual, names, needed, label }: FieldOptions, id: stri
   if (kind.boolean && kind.choices.length === 0) return el("input", { type: "checkbox", id, "aria-label": label });
   if (kind.choices.length > 0 && !kind.number) {
     const options = kind.choices.map((choice) => el("option", { value: choice }, names?.(choice) ?? spoken(choice)));
-    const none = needed === true ? [] : [el("option", { value: "" }, usual === "" ? "–" : `${names?.(usual) ?? spoken(usual)} (default)`)];
+    const none = needed === true ? [] : [el("option", { value: "" }, usual === "" ? "–" : `Default: ${names?.(usual) ?? spoken(usual)}`)];
     return el("select", { id }, ...none, ...options.filter(({ value }) => needed === true || value !== usual));
   }
   const placeholder = usual !== "" ? usual : kind.choices.length > 0 ? `number or ${kind.choices.join(", ")}` : kind.more && !kind.number ? "JSON" : "";

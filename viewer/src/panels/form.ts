@@ -8,23 +8,33 @@ import { type Description, type Schema, spoken } from "./description.js";
 import { type Shape, canBeTrimmed, shapeOf } from "./draft.js";
 import { Field, type FieldOptions, type Slot, fieldOf } from "./field.js";
 import { type Fields, type Json, type Side, at, isFields, ofSide, put, withSide } from "./pointer.js";
+import { toleranceField } from "./tolerance.js";
 import { isTrimmed, trimFields } from "./trim.js";
 
 /** What is being written. */
 export interface Draft {
   readonly request: Fields;
-  /** Whether somebody changed it since it was a job. */
+  /** True if it was changed since it was a job. */
   readonly touched: boolean;
 }
 
+// Fields of the API that are one field here.
+const TOLERANCES: readonly string[] = ["tolerance", "relative_tolerance"];
+
 export class Form {
+  /** What most fits need: the name and the tolerance. */
+  readonly head = el("div", { class: "form" });
+  /** All else. */
   readonly element = el("div", { class: "form" });
+  readonly #unit: () => string;
   readonly #description: Description;
   readonly #draft: Store<Draft>;
   #fields: Field[] = [];
   #made = "";
 
-  constructor(description: Description, draft: Store<Draft>) {
+  /** `unit` is that of the data. */
+  constructor(description: Description, draft: Store<Draft>, unit: () => string) {
+    this.#unit = unit;
     this.#description = description;
     this.#draft = draft;
     this.refresh();
@@ -42,13 +52,25 @@ export class Form {
     this.#made = made;
     const focused = document.activeElement?.closest("[data-field]")?.getAttribute("data-field");
     this.#fields = [];
-    this.element.replaceChildren(...(shape === null ? [] : this.#sections(shape)));
-    if (focused != null) this.element.querySelector<HTMLElement>(`[data-field="${focused}"] :is(input, select)`)?.focus();
+    const [head = [], ...sections] = shape === null ? [] : this.#sections(shape);
+    this.head.replaceChildren(...head);
+    this.element.replaceChildren(...sections.flat());
+    for (const part of [this.head, this.element]) if (focused != null) part.querySelector<HTMLElement>(`[data-field="${focused}"] :is(input, select)`)?.focus();
   }
 
-  /** Takes what is wrong at a pointer; false if there is no field for it. */
-  tell(pointer: string, sentence: string): boolean {
-    return this.#fields.some((field) => field.tell(pointer, sentence));
+  /**
+   * Takes what is wrong at a pointer; false if there is no field for it. What is wrong with an object, because one of its
+   * fields is missing, is at that field: `detail` names it as the API does.
+   */
+  tell(pointer: string, detail: string, sentence: string): boolean {
+    const named = [...detail.matchAll(/\b[a-z]+(?:_[a-z]+)+\b/g)].map(([name]) => `${pointer}/${name}`);
+    return [pointer, ...named].some((place) => this.#fields.some((field) => field.tell(place, sentence)));
+  }
+
+  /** The label of a field, or of a choice, by its name in the API; null if the form has none. */
+  labelOf(name: string): string | null {
+    const field = this.#fields.find(({ claims }) => claims.some((claim) => claim.endsWith(`/${name}`)));
+    return field?.label ?? this.#description.titles("Method").get(name)?.title ?? null;
   }
 
   clear(): void {
@@ -71,17 +93,20 @@ export class Form {
     return methods.find((method) => method.kind === kind) ?? methods[0]!;
   }
 
-  #sections(shape: Shape): HTMLElement[] {
+  #sections(shape: Shape): HTMLElement[][] {
     const name = fieldOf(this.#description, this.#description.field("JobRequest", "name"), "Name", this.#slots("/name", "", [null]));
     const basis = this.#basisFields(shape);
     const method = this.#methodFields(shape);
-    const stop = this.#all("StopRules", "/stop");
+    const rules = ["tolerance", "relative_tolerance"].map((field) => this.#description.field("StopRules", field)) as [Schema, Schema];
+    const set = (request: Fields) => this.#draft.set({ request, touched: true });
+    const tolerance = toleranceField(() => this.#draft.value.request, set, this.#description.help(rules[0]), this.#description.usual(rules[1]), this.#unit);
+    const stop = this.#all("StopRules", "/stop", TOLERANCES);
     const trim = canBeTrimmed(this.#draft.value.request) ? trimFields(this.#description, this.#slots("/surface/trim", "", [null])[0]!) : [];
     const more = this.#moreFields(shape);
     // What is wrong with the distance is said at its own field, which comes after the switch.
-    this.#fields = [name, ...basis, ...method, ...stop, ...[...trim].reverse(), ...more];
+    this.#fields = [name, tolerance, ...basis, ...method, ...stop, ...[...trim].reverse(), ...more];
     const outline = trim.length === 0 ? [] : [section("Outline", trim)];
-    return [name.element, section("Basis", basis), section("Method", method), section("Stop", stop), ...outline, section("Corners, ends, parameters, weights", more, !more.some(isGiven))];
+    return [[name.element, tolerance.element], [section("Basis", basis), section("Method", method), section("Stop", stop), ...outline, section("Corners, ends, parameters, weights", more, !more.some(isGiven))]];
   }
 
   #basis(side: Side | null): string {
@@ -173,12 +198,13 @@ export class Form {
     const rational = this.#description.field("JobRequest", "rational");
     const ways = { ...this.#description.kind(rational), choices: this.#description.capabilities.rational };
     const ofCurve = shape === "curve" && this.#basis(null) === "bspline" ? [of("corners"), of("polyline"), of("order")] : [];
-    return [...ofCurve, ...ends, of("parameters", { kind, usual: this.#description.usual(this.#description.schema("ParameterChoice")) }), of("weights"), fieldOf(this.#description, rational, "Rational", this.#slots("/rational", "", [null]), { kind: ways })];
+    const ofGrid = shape === "surface" && "points" in this.#geometry && this.#sides.every((side) => this.#basis(side) === "bspline") ? [of("creases")] : [];
+    return [...ofCurve, ...ofGrid, ...ends, of("parameters", { kind, usual: this.#description.usual(this.#description.schema("ParameterChoice")) }), of("weights"), fieldOf(this.#description, rational, "Rational", this.#slots("/rational", "", [null]), { kind: ways })];
   }
 
-  /** All fields of a schema. */
-  #all(name: string, pointer: string): Field[] {
-    const fields = Object.entries(this.#description.schema(name).properties ?? {});
+  /** All fields of a schema but some. */
+  #all(name: string, pointer: string, but: readonly string[]): Field[] {
+    const fields = Object.entries(this.#description.schema(name).properties ?? {}).filter(([field]) => !but.includes(field));
     return fields.map(([field, schema]) => fieldOf(this.#description, schema, spoken(field), this.#slots(`${pointer}/${field}`, "", [null])));
   }
 

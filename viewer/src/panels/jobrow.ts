@@ -5,7 +5,9 @@ import { ApiError, type Job } from "piad";
 import type { App } from "../app.js";
 import { el } from "../html.js";
 import { MOST_JOBS } from "../state.js";
-import { count, short } from "../text/numbers.js";
+import { STATES } from "../ui/labels.js";
+import { fromOne } from "../text/errors.js";
+import { ago, count, short } from "../text/numbers.js";
 import { sentence, spoken } from "./description.js";
 
 export class Row {
@@ -13,7 +15,8 @@ export class Row {
   readonly #app: App;
   readonly #changed: () => void;
   readonly #name = el("button", { type: "button", class: "name" });
-  readonly #about = el("p", {});
+  readonly #about = el("span", {});
+  readonly #age = el("time", {});
   readonly #warnings = el("ul", { class: "warnings", hidden: true });
   readonly #state = el("span", { class: "state" });
   readonly #bar = el("progress", { max: 1 });
@@ -38,23 +41,27 @@ export class Row {
     this.#sure.addEventListener("keydown", ({ key }) => {
       if (key === "Escape") this.#ask(false);
     });
-    this.element = el("li", {}, el("div", { class: "head" }, this.#name, this.#state), this.#about, this.#warnings, this.#bar, el("div", { class: "row" }, this.#beside, this.#cancel, this.#delete, this.#sure));
+    this.element = el("li", {}, el("div", { class: "head" }, this.#name, this.#state), el("p", { class: "facts" }, this.#about, this.#age), this.#warnings, this.#bar, el("div", { class: "row" }, this.#beside, this.#cancel, this.#delete, this.#sure));
     this.update(job);
   }
 
   update(job: Job): void {
     this.#job = job;
     const { status } = job;
-    const name = status.name ?? status.id.slice(0, 8);
+    const name = nameOf(job);
     set(this.#name, name);
-    set(this.#state, status.state);
+    this.#name.title = status.id;
+    set(this.#state, STATES[status.state]);
+    set(this.#age, ago(status.created_at));
+    this.#age.dateTime = status.created_at;
+    this.#age.title = new Date(status.created_at).toLocaleString();
     this.#state.dataset["state"] = status.state;
     const error = status.error === null ? "" : ` · error\u00a0${short(status.error.max)}`;
     const iterations = status.iteration === null ? "" : ` · iteration\u00a0${count(status.iteration)}`;
     set(this.#about, `${spoken(status.kind)}, ${count(status.points)} points · ${spoken(status.method.kind).toLowerCase()}${iterations}${error}`);
     const title = status.problem?.detail ?? status.detail ?? "";
     if (this.#about.title !== title) this.#about.title = title;
-    const warnings = status.warnings.map(({ detail }) => sentence(detail));
+    const warnings = status.warnings.map(({ detail }) => sentence(fromOne(detail)));
     if (warnings.join() !== [...this.#warnings.children].map((item) => item.textContent).join()) {
       this.#warnings.replaceChildren(...warnings.map((warning) => el("li", {}, warning)));
     }
@@ -106,6 +113,11 @@ export class Row {
     }
     this.#changed();
   }
+}
+
+/** What a job is called: what somebody called it, or what it is. */
+export function nameOf({ status: { name, kind, points } }: Job): string {
+  return name ?? `${spoken(kind)} of ${count(points)} points`;
 }
 
 /** Sets a text, unless it is that already. */

@@ -7,10 +7,13 @@ import { el } from "../html.js";
 import { whenReleased } from "../ui/press.js";
 import { sentence } from "../text/errors.js";
 import { Description, spoken } from "./description.js";
-import { Row } from "./jobrow.js";
+import { Row, nameOf } from "./jobrow.js";
 
 // How many jobs are shown at first, and how many more each time.
 const PAGE = 25;
+
+// The most jobs among which is searched.
+const SEARCHED = 1000;
 
 // How often the server is asked, in milliseconds: while jobs run, and else.
 const BUSY = 1000;
@@ -25,6 +28,7 @@ class List {
   readonly #none = el("p", { class: "hint", hidden: true });
   readonly #more = el("button", { type: "button", class: "plain", hidden: true }, "Show more");
   readonly #state: HTMLSelectElement;
+  readonly #words = el("input", { type: "search", id: "job-words", placeholder: "Name, method or kind", "aria-label": "Search the jobs", autocomplete: "off" });
   #most = PAGE;
   #timer = 0;
   #asking: AbortController | null = null;
@@ -37,11 +41,15 @@ class List {
       this.#most = PAGE;
       void this.#ask();
     });
+    this.#words.addEventListener("input", () => {
+      this.#most = PAGE;
+      void this.#ask();
+    });
     this.#more.addEventListener("click", () => {
       this.#most += PAGE;
       void this.#ask();
     });
-    root.replaceChildren(el("div", { class: "row" }, el("label", { for: "job-state" }, "State"), this.#state), this.#list, this.#none, this.#more);
+    root.replaceChildren(el("div", { class: "row" }, this.#words, el("label", { for: "job-state" }, "State"), this.#state), this.#list, this.#none, this.#more);
     // It asks while it is seen: not under another tab, below the screen, or in a window behind.
     new IntersectionObserver((entries) => {
       this.#seen = entries.at(-1)?.isIntersecting ?? false;
@@ -77,8 +85,12 @@ class List {
       const found: Job[] = [];
       const state = this.#state.value as api.JobState | "";
       // One more than is shown tells whether there are more.
-      const options = { page: Math.min(this.#most + 1, 1000), signal: asking.signal, ...(state === "" ? {} : { state }) };
-      for await (const job of this.#app.client.jobs(options)) if (found.push(job) > this.#most) break;
+      const words = this.#words.value.trim().toLowerCase();
+      const options = { page: words === "" ? Math.min(this.#most + 1, 1000) : SEARCHED, signal: asking.signal, ...(state === "" ? {} : { state }) };
+      let seen = 0;
+      for await (const job of this.#app.client.jobs(options)) {
+        if ((has(job, words) && found.push(job) > this.#most) || ++seen >= SEARCHED) break;
+      }
       whenReleased(() => this.#show(found));
       this.#timer = window.setTimeout(() => void this.#ask(), found.some((job) => !job.ended) ? BUSY : QUIET);
     } catch (error) {
@@ -104,8 +116,9 @@ class List {
       if (this.#list.children[i] !== row.element) this.#list.insertBefore(row.element, this.#list.children[i] ?? null);
     });
     this.#more.hidden = found.length <= this.#most;
-    const filtered = this.#state.value !== "";
-    this.#say(shown.length > 0 ? "" : filtered ? `No job is ${this.#state.value}.` : "There are no jobs. Bring points, or take an example.");
+    const [state, words] = [this.#state.value, this.#words.value.trim()];
+    const none = words !== "" ? `No job has “${words}” in its name, method or kind.` : state !== "" ? `No job is ${state}.` : "There are no jobs. Drop a file of points, or open an example.";
+    this.#say(shown.length > 0 ? "" : none);
     this.#mark();
   }
 
@@ -119,4 +132,10 @@ class List {
     this.#none.textContent = sentence;
     this.#none.hidden = sentence === "";
   }
+}
+
+/** True if a job has words in its name, its method or its kind. */
+function has(job: Job, words: string): boolean {
+  const { method, kind, id } = job.status;
+  return words === "" || [nameOf(job), method.kind.replace(/_/g, " "), kind, id].some((text) => text.toLowerCase().includes(words));
 }

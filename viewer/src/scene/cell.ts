@@ -1,4 +1,4 @@
-/** The part of the stage that an exhibit has. */
+/** The part of the viewport that a fit has. */
 
 /** A part of the canvas, in pixels of the page from its upper left corner. */
 export interface Cell {

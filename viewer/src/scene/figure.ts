@@ -9,13 +9,13 @@ import type { Layers } from "../state.js";
 import { type Cuts, cutAt } from "./cut.js";
 import { Dots } from "./dots.js";
 import { FatLine } from "./fatline.js";
-import { Morph } from "./morph.js";
+import { Transition } from "./transition.js";
 import { Net } from "./net.js";
-import { type Palette, seriesColor } from "./palette.js";
+import { HEAT, type Palette, seriesColor } from "./palette.js";
 import { Surface } from "./surface.js";
 
 /** Everything that is drawn of an iteration. */
-export interface Picture {
+export interface Frame {
   readonly samples: Samples;
   /** Where a trimmed surface ends; null if all of it is drawn. */
   readonly outline: Outline | null;
@@ -28,20 +28,26 @@ export interface Picture {
   readonly astray: Float32Array | null;
   /** Pairs of points, from the curve outwards, and the line through their ends. */
   readonly comb: { readonly teeth: Float32Array; readonly edge: Float32Array } | null;
+  /** Colours of the samples, from 0 to 1. */
   readonly heat: Float32Array | null;
+  /** Where the fit is at the points that a grid has not. */
+  readonly gaps: Float32Array | null;
 }
 
 export class Figure {
   readonly scene = new Scene();
-  picture: Picture | null = null;
+  frame: Frame | null = null;
   /** What is drawn of the samples of a trimmed surface; null for all. */
   cut: Cuts | null = null;
   readonly #group = new Group();
   readonly #curve = new FatLine(3, 2e-5);
+  readonly #heat = Array.from({ length: HEAT }, () => new FatLine(4, 2.2e-5));
   readonly #astray = new FatLine(5, 2.5e-5);
   readonly #surface = new Surface();
   readonly #boundary = new FatLine(1.5, 2e-5);
   readonly #data = new Dots(6e-5);
+  readonly #gaps = new Dots(6e-5);
+  readonly #outliers = new Dots(7e-5);
   readonly #polygon = new FatLine(1.25, 1e-5);
   readonly #net = new Net();
   readonly #control = new Dots(4e-5);
@@ -49,8 +55,8 @@ export class Figure {
   readonly #teeth = new FatLine(1, 0);
   readonly #edge = new FatLine(1.25, 0);
   readonly #marker = new Dots(9e-5);
-  readonly #morph = new Morph();
-  readonly #controlMorph = new Morph();
+  readonly #transition = new Transition();
+  readonly #controlTransition = new Transition();
   #crowd = 0;
   #lined: readonly unknown[] = [];
   #source: Data | null = null;
@@ -58,7 +64,7 @@ export class Figure {
 
   constructor() {
     // What comes later lies over what came before, where both are at the same depth.
-    const order: Object3D[] = [this.#surface, this.#boundary, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, this.#astray, this.#control, this.#data, this.#marker];
+    const order: Object3D[] = [this.#surface, this.#boundary, this.#teeth, this.#edge, this.#net, this.#polygon, this.#spikes, this.#curve, ...this.#heat, this.#astray, this.#control, this.#gaps, this.#data, this.#outliers, this.#marker];
     order.forEach((object, i) => {
       object.renderOrder = i;
       object.visible = false;
@@ -85,14 +91,21 @@ export class Figure {
 
   setData(data: Data): void {
     const { axes } = data;
-    this.#group.scale.setScalar(1 / axes.radius);
-    const [x, y, z] = axes.centre.map((c, i) => -(c - (axes.origin[i] ?? 0)) / axes.radius) as [number, number, number];
-    this.#group.position.set(x, y, z);
+    this.#source = data;
+    this.setPlace(axes);
     this.#crowd = data.positions.length / 3;
+    this.#outliers.setPoints(Float32Array.from(data.outliers.flatMap((i) => Array.from(data.positions.subarray(i * 3, i * 3 + 3)))));
     this.#ownData = drawnOf(data);
     this.#data.setPoints(this.#ownData);
     this.#lined = [];
-    this.#source = data;
+  }
+
+  /** Makes the box around some data the one of radius one: its own, or that around all data in the scene. */
+  setPlace({ centre, radius }: Pick<Data["axes"], "centre" | "radius">): void {
+    const origin = this.#source?.axes.origin ?? [0, 0, 0];
+    this.#group.scale.setScalar(1 / radius);
+    const [x, y, z] = centre.map((c, i) => -(c - (origin[i] ?? 0)) / radius) as [number, number, number];
+    this.#group.position.set(x, y, z);
   }
 
   /** Shows a data point elsewhere, as long as the data are not set again. */
@@ -107,30 +120,49 @@ export class Figure {
   }
 
   /** Shows an iteration, and takes so many milliseconds to get there from the one before. */
-  setPicture(picture: Picture, lasts: number, now: number): void {
-    this.picture = picture;
-    const { samples, control, outline } = picture;
+  setFrame(frame: Frame, lasts: number, now: number): void {
+    this.frame = frame;
+    const { samples, control, outline } = frame;
     this.cut = outline === null ? null : cutAt(outline, samples);
-    this.#morph.go(samples.positions, lasts, now);
-    if (control !== null) this.#controlMorph.go(control.positions, lasts, now);
-    if (picture.spikes !== null) this.#spikes.setSegments(picture.spikes);
-    if (picture.astray !== null) this.#astray.setSegments(picture.astray);
-    if (picture.comb !== null) {
-      this.#teeth.setSegments(picture.comb.teeth);
-      this.#edge.setPoints(picture.comb.edge);
+    this.#transition.go(samples.positions, lasts, now);
+    if (control !== null) this.#controlTransition.go(control.positions, lasts, now);
+    if (frame.spikes !== null) this.#spikes.setSegments(frame.spikes);
+    if (frame.astray !== null) this.#astray.setSegments(frame.astray);
+    if (frame.comb !== null) {
+      this.#teeth.setSegments(frame.comb.teeth);
+      this.#edge.setPoints(frame.comb.edge);
     }
+    if (frame.gaps !== null) this.#gaps.setPoints(frame.gaps);
+    if (samples.rows === 1) this.setHeat(frame.heat);
     this.#place();
     if (samples.rows > 1) {
-      this.#surface.setHeat(picture.heat);
+      this.#surface.setHeat(frame.heat);
       this.#lines(samples);
     }
   }
 
-  /** Goes on to the newest picture; true while there is a way to go. */
+  /** Colours the samples, from 0 (near) to 1; null for none. */
+  setHeat(heat: Float32Array | null): void {
+    const { frame } = this;
+    if (frame === null) return;
+    this.frame = { ...frame, heat };
+    if (frame.samples.rows > 1) return this.#surface.setHeat(heat);
+    if (heat === null) return;
+    const { positions } = frame.samples;
+    const parts = this.#heat.map(() => [] as number[]);
+    for (let i = 0; i + 1 < heat.length; i++) parts[Math.min(HEAT - 1, Math.round(((heat[i]! + heat[i + 1]!) / 2) * (HEAT - 1)))]!.push(i);
+    this.#heat.forEach((line, level) => {
+      const segments = new Float32Array(parts[level]!.length * 6);
+      parts[level]!.forEach((i, at) => segments.set(positions.subarray(i * 3, i * 3 + 6), at * 6));
+      line.setSegments(segments);
+    });
+  }
+
+  /** Goes on to the newest frame; true while there is a way to go. */
   step(now: number): boolean {
-    if (!this.#morph.moves && !this.#controlMorph.moves) return false;
-    this.#morph.step(now);
-    this.#controlMorph.step(now);
+    if (!this.#transition.moves && !this.#controlTransition.moves) return false;
+    this.#transition.step(now);
+    this.#controlTransition.step(now);
     this.#place();
     return true;
   }
@@ -142,20 +174,23 @@ export class Figure {
   }
 
   setLayers(layers: Layers): void {
-    const { picture } = this;
-    const isSurface = (picture?.samples.rows ?? 1) > 1;
-    this.#curve.visible = picture !== null && !isSurface;
-    this.#astray.visible = picture?.astray != null;
-    this.#surface.visible = picture !== null && isSurface && !picture.isAway;
+    const { frame } = this;
+    const isSurface = (frame?.samples.rows ?? 1) > 1;
+    this.#curve.visible = frame !== null && !isSurface && frame.heat === null;
+    for (const line of this.#heat) line.visible = frame !== null && !isSurface && frame.heat !== null;
+    this.#outliers.visible = layers.data && (this.#source?.outliers.length ?? 0) > 0;
+    this.#gaps.visible = layers.data && frame?.gaps != null;
+    this.#astray.visible = frame?.astray != null;
+    this.#surface.visible = frame !== null && isSurface && !frame.isAway;
     this.#boundary.visible = this.#surface.visible && this.cut !== null;
     this.#surface.setZebra(layers.zebra);
     this.#data.visible = layers.data;
-    const controlled = layers.polygon && picture?.control != null;
+    const controlled = layers.polygon && frame?.control != null;
     this.#polygon.visible = controlled && !isSurface;
     this.#net.visible = controlled && isSurface;
     this.#control.visible = controlled;
-    this.#spikes.visible = layers.spikes && picture?.spikes != null;
-    this.#teeth.visible = this.#edge.visible = layers.comb && picture?.comb != null;
+    this.#spikes.visible = layers.spikes && frame?.spikes != null;
+    this.#teeth.visible = this.#edge.visible = layers.comb && frame?.comb != null;
   }
 
   setColors(palette: Palette, index: number, crowd: number): void {
@@ -168,6 +203,7 @@ export class Figure {
     this.#net.setColor(color.net, 0.65);
     this.#spikes.setColor(palette.heat[3] ?? color.accent);
     this.#astray.setColor(palette.heat[4] ?? color.accent);
+    this.#heat.forEach((line, i) => line.setColor(palette.heat[i] ?? color.accent));
     this.#teeth.setColor(own, 0.28);
     this.#edge.setColor(own, 0.55);
   }
@@ -176,6 +212,7 @@ export class Figure {
     const slim = Math.min(width, height) < 420 ? 0.85 : 1;
     this.#curve.setSize(width, height, ratio, 3.25 * slim);
     this.#astray.setSize(width, height, ratio, 4.5 * slim);
+    for (const line of this.#heat) line.setSize(width, height, ratio, 4 * slim);
     this.#polygon.setSize(width, height, ratio, 1.25);
     this.#boundary.setSize(width, height, ratio, 1.5);
     this.#spikes.setSize(width, height, ratio, 1.75);
@@ -184,6 +221,8 @@ export class Figure {
     const { color } = palette;
     const dot = (this.#crowd > 20_000 ? 1.5 : this.#crowd > 2000 ? 2.5 : this.#crowd > 500 ? 4 : 6.5) * slim;
     this.#data.setLook(color.ink, color.paper, dot * ratio, dot > 4 ? 1.1 * ratio : 0, dot < 4 ? 0.7 : 1);
+    this.#gaps.setLook(color.paper, color.soft, 4.5 * ratio, 1 * ratio);
+    this.#outliers.setLook(color.paper, palette.heat[4] ?? color.accent, 10 * ratio, 2.5 * ratio);
     this.#control.setLook(color.paper, color.net, 5.5 * ratio, 1.25 * ratio);
     this.#marker.setLook(color.paper, color.accent, 15 * ratio, 4 * ratio);
   }
@@ -210,15 +249,15 @@ export class Figure {
 
   /** Puts the shown numbers into the buffers. */
   #place(): void {
-    const { picture } = this;
-    if (picture === null) return;
-    const { samples, control } = picture;
+    const { frame } = this;
+    if (frame === null) return;
+    const { samples, control } = frame;
     if (samples.rows > 1) {
-      this.#surface.setSamples(this.#morph.shown, samples.rows, samples.columns, this.cut);
+      this.#surface.setSamples(this.#transition.shown, samples.rows, samples.columns, this.cut);
       if (this.cut !== null) this.#boundary.setSegments(this.#surface.boundary());
-    } else this.#curve.setPoints(this.#morph.shown);
+    } else this.#curve.setPoints(this.#transition.shown);
     if (control === null) return;
-    const { shown } = this.#controlMorph;
+    const { shown } = this.#controlTransition;
     this.#control.setPoints(shown);
     if (control.rows === 1) return this.#polygon.setPoints(shown);
     this.#net.setPoints(shown, control.rows, control.columns);

@@ -8,3 +8,8 @@ export function sentence(error: unknown): string {
   if (error instanceof ConnectionLost) return "The server cannot be reached.";
   return error instanceof Error ? error.message : String(error);
 }
+
+/** A sentence of the server, which counts points from 0, with points that are counted from 1, as the page does. */
+export function fromOne(words: string): string {
+  return words.replace(/\b(points?|rows?|columns?) (\d+)/gi, (_, what: string, number: string) => `${what} ${Number(number) + 1}`);
+}

@@ -18,6 +18,23 @@ export function axisName(axis: number, dimension: number): string {
   return (dimension > 3 ? undefined : "xyz"[axis]) ?? `x${axis + 1}`;
 }
 
+/** How long ago a time is: "12 s ago", "3 min ago". */
+export function ago(time: string, now = Date.now()): string {
+  const seconds = Math.max(0, Math.round((now - Date.parse(time)) / 1000));
+  const steps = [[60, "s"], [60, "min"], [24, "h"]] as const;
+  let value = seconds;
+  for (const [most, unit] of steps) {
+    if (value < most) return `${value} ${unit} ago`;
+    value = Math.floor(value / most);
+  }
+  return `${value} ${value === 1 ? "day" : "days"} ago`;
+}
+
+/** The name of a data point, counted from 1: "7", or "row 2, column 3" of a surface. */
+export function placeName(place: number | readonly number[]): string {
+  return typeof place === "number" ? String(place + 1) : `row ${place[0]! + 1}, column ${place[1]! + 1}`;
+}
+
 /** A count, with thin spaces between thousands. */
 export function count(value: number): string {
   return String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

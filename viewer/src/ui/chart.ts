@@ -14,6 +14,9 @@ const FURTHEST = 4;
 // Nor is a tolerance seen that is smaller than this part of all errors.
 const OUT_OF_REACH = 1e-13;
 
+// A prediction that misses an error by more than this factor is not drawn.
+const WITHIN = 3;
+
 /** All powers of ten: without its increments uPlot leaves an axis out. */
 const POWERS = Array.from({ length: 632 }, (_, i) => 10 ** (i - 323));
 
@@ -73,15 +76,25 @@ function dataOf(fits: readonly Fit[]): uPlot.AlignedData {
   return [x, ...series] as uPlot.AlignedData;
 }
 
-/** From the error of iteration 0 by the predicted rate, down to the tolerance. */
-function predicted({ head, levels }: Fit, x: readonly number[]): (number | null)[] {
-  const first = levels[0]?.error.max;
-  const rate = head?.predicted.rate;
-  if (typeof first !== "number" || typeof rate !== "number" || !(rate > 0) || rate >= 1) return x.map(() => null);
+/** From the error of iteration 0 by the predicted rate, down to the tolerance; nothing where errors were others. */
+function predicted(fit: Fit, x: readonly number[]): (number | null)[] {
+  const { head, levels } = fit;
+  const [first, rate] = [levels[0]?.error.max, head?.predicted.rate];
+  if (!isPredicted(fit) || typeof first !== "number" || typeof rate !== "number") return x.map(() => null);
   const least = (head?.stop.tolerance ?? 0) / 3;
   return x.map((k) => {
     const error = first * rate ** k;
     return error >= least && error > 0 ? error : null;
+  });
+}
+
+/** True if the prediction is within a factor of three of the errors that are known, down to the tolerance. */
+function isPredicted({ head, levels }: Fit): boolean {
+  const [first, rate] = [levels[0]?.error.max, head?.predicted.rate];
+  if (typeof first !== "number" || typeof rate !== "number" || !(rate > 0) || rate >= 1) return false;
+  return levels.every((level, k) => {
+    const [error, guess] = [level?.error.max ?? 0, first * rate ** k];
+    return guess < (head?.stop.tolerance ?? 0) || (error <= guess * WITHIN && error * WITHIN >= guess);
   });
 }
 
@@ -198,7 +211,7 @@ function keyOf(fits: readonly Fit[]): HTMLElement[] {
   if (fits.every(({ latest }) => latest < 0)) return [];
   if (fits.length > 1) return fits.map(({ title }, i) => el("span", { "data-series": i + 1 }, title));
   const lines = [el("span", {}, "computed")];
-  if (typeof fits[0]?.head?.predicted.rate === "number") lines.push(el("span", { class: "predicted" }, "predicted"));
+  if (fits[0] !== undefined && isPredicted(fits[0])) lines.push(el("span", { class: "predicted" }, "predicted"));
   return lines;
 }
 

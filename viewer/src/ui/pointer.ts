@@ -1,19 +1,23 @@
 /** Numbers under the pointer. */
 
 import type { App } from "../app.js";
-import { placeOf } from "../fit/data.js";
+import { type Data, among, placeOf } from "../fit/data.js";
+import type { Samples } from "../fit/geometry.js";
 import { el } from "../html.js";
-import type { Exhibit } from "../scene/exhibit.js";
-import type { Hall } from "../scene/hall.js";
+import type { Cell } from "../scene/cell.js";
+import type { FitView } from "../scene/fit-view.js";
+import type { SceneController } from "../scene/scene-controller.js";
 import type { Place } from "../state.js";
-import { axisName, short } from "../text/numbers.js";
+import { axisName, placeName, short } from "../text/numbers.js";
 
 // How near the pointer has to come, in pixels.
 export const NEAR = 13;
+// Where the pointer rests this long the curvature is asked for, in milliseconds.
+const REST = 250;
 
 /** What is under the pointer. */
 export interface Found {
-  readonly exhibit: Exhibit;
+  readonly fitView: FitView;
   readonly what: "data" | "sample";
   /** The number of the point. */
   readonly index: number;
@@ -22,19 +26,25 @@ export interface Found {
 }
 
 /** The data point or the point of the fit that is seen nearest to a place on the canvas. */
-export function find(hall: Hall, x: number, y: number, only?: "data", reach = NEAR): Found | null {
-  const cells = hall.stage.cells();
-  const at = cells.findIndex((cell) => x >= cell.x && x < cell.x + cell.width && y >= cell.y && y < cell.y + cell.height);
-  const exhibit = hall.exhibits[at];
-  const cell = cells[at];
-  if (exhibit === undefined || cell === undefined || exhibit.data === null || exhibit.shown === null) return null;
-  const { figure, data, shown } = exhibit;
-  const look = (positions: Float32Array, pull: number, inside: Uint8Array | null) => nearest(hall, figure.group.matrixWorld.elements, positions, inside, x - cell.x, y - cell.y, cell, reach, pull);
+export function find(scene: SceneController, x: number, y: number, only?: "data", reach = NEAR): Found | null {
+  const cells = scene.viewport.cells();
+  const found = scene.fitViews.flatMap((fitView, i) => {
+    const cell = cells[i];
+    const isIn = cell !== undefined && x >= cell.x && x < cell.x + cell.width && y >= cell.y && y < cell.y + cell.height;
+    return isIn ? (findOf(scene, fitView, cell, x, y, only, reach) ?? []) : [];
+  });
+  return found.reduce<(Found & Near) | null>((best, one) => (best === null || one.depth < best.depth ? one : best), null);
+}
+
+function findOf(scene: SceneController, fitView: FitView, cell: Cell, x: number, y: number, only: "data" | undefined, reach: number): (Found & Near) | null {
+  const { figure, data, shown } = fitView;
+  if (data === null || shown === null) return null;
+  const look = (positions: Float32Array, pull: number, inside: Uint8Array | null) => nearest(scene, figure.group.matrixWorld.elements, positions, inside, x - cell.x, y - cell.y, cell, reach, pull);
   const point = look(data.positions, 0.02, null);
   const sample = only === "data" ? null : look(shown.samples.positions, 0, figure.cut?.inside ?? null);
   // A data point that lies on the fit or before it is meant rather than the fit.
-  if (point !== null && (sample === null || point.depth <= sample.depth + 0.03)) return { exhibit, what: "data", ...point };
-  return sample === null ? null : { exhibit, what: "sample", ...sample };
+  if (point !== null && (sample === null || point.depth <= sample.depth + 0.03)) return { fitView, what: "data", ...point };
+  return sample === null ? null : { fitView, what: "sample", ...sample };
 }
 
 interface Near {
@@ -44,8 +54,8 @@ interface Near {
 }
 
 /** Of the points within reach those in front count most. Points that are not inside are not seen. */
-function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, inside: Uint8Array | null, x: number, y: number, cell: { width: number; height: number }, reach: number, pull: number): Near | null {
-  const { camera } = hall.stage.rig;
+function nearest(scene: SceneController, world: ArrayLike<number>, positions: Float32Array, inside: Uint8Array | null, x: number, y: number, cell: { width: number; height: number }, reach: number, pull: number): Near | null {
+  const { perspective: camera } = scene.viewport.camera;
   camera.updateMatrixWorld();
   const m = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse).elements;
   const s = world[0]!;
@@ -73,19 +83,21 @@ function nearest(hall: Hall, world: ArrayLike<number>, positions: Float32Array, 
 }
 
 /** Shows the numbers of what the pointer is over. */
-export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => boolean): void {
+export function pointer(app: App, scene: SceneController, root: HTMLElement, isBusy: () => boolean): void {
   const tip = el("div", { class: "tip", id: "tip", hidden: true });
   root.append(tip);
-  const { canvas } = hall.stage;
+  const { canvas } = scene.viewport;
   let last: PointerEvent | null = null;
   let frame = 0;
-  let marked: Exhibit | null = null;
+  let marked: FitView | null = null;
+  let resting = 0;
   const clear = () => {
     last = null;
+    clearTimeout(resting);
     tip.hidden = true;
     if (isBusy()) return;
     marked?.figure.mark(null);
-    if (marked !== null) hall.stage.invalidate();
+    if (marked !== null) scene.viewport.invalidate();
     marked = null;
     canvas.classList.remove("grabs");
   };
@@ -93,15 +105,17 @@ export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => b
     frame = 0;
     if (last === null || isBusy()) return;
     const { offsetX: x, offsetY: y } = last;
-    const found = last.buttons === 0 ? find(hall, x, y) : null;
+    const found = last.buttons === 0 ? find(scene, x, y) : null;
     canvas.classList.toggle("grabs", found?.what === "data" && (app.view.value.editing || last.altKey));
-    if (marked !== null || found !== null) hall.stage.invalidate();
-    if (marked !== found?.exhibit) marked?.figure.mark(null);
-    marked = found?.exhibit ?? null;
-    found?.exhibit.figure.mark(found.position);
+    if (marked !== null || found !== null) scene.viewport.invalidate();
+    if (marked !== found?.fitView) marked?.figure.mark(null);
+    marked = found?.fitView ?? null;
+    found?.fitView.figure.mark(found.position);
     tip.hidden = found === null;
     if (found === null) return;
-    tip.replaceChildren(...facts(found).map(([name, value]) => el("div", {}, el("span", {}, name), el("b", {}, value))));
+    clearTimeout(resting);
+    resting = window.setTimeout(() => found.fitView.curvature(true, () => frame ||= requestAnimationFrame(show)), REST);
+    tip.replaceChildren(...facts(found, scene.fitViews.length > 1).map(([name, value]) => el("div", {}, el("span", {}, name), el("b", {}, value))));
     const right = x > root.clientWidth - tip.offsetWidth - 30;
     tip.style.left = `${right ? x - tip.offsetWidth - 14 : x + 18}px`;
     tip.style.top = `${Math.max(4, Math.min(y + 14, root.clientHeight - tip.offsetHeight - 8))}px`;
@@ -115,30 +129,60 @@ export function pointer(app: App, hall: Hall, root: HTMLElement, isBusy: () => b
   canvas.addEventListener("pointerdown", clear);
 }
 
-function facts({ exhibit, what, index }: Found): [string, string][] {
-  const { data, shown, fit } = exhibit;
+function facts({ fitView, what, index }: Found, isNamed: boolean): [string, string][] {
+  const { data, shown, fit } = fitView;
   if (data === null || shown === null) return [];
+  const { samples } = shown;
+  const lengths = fitView.distances()?.lengths;
+  const curvature = fitView.curvature(false, () => {});
+  const bends = (sample: number): [string, string][] => {
+    if (curvature === null || sample < 0) return [];
+    const [first, second] = [short(curvature.first[sample]), short(curvature.second?.[sample])];
+    return curvature.second === null ? [["curvature", first]] : [["curvatures", `${first}, ${second}`]];
+  };
+  const name: [string, string][] = isNamed ? [["of", fit.title]] : [];
   const coordinates = (list: ArrayLike<number>, at: number, dimension: number) =>
     Array.from({ length: dimension }, (_, axis) => [axisName(axis, dimension), short(list[at * dimension + axis], 5)] as [string, string]);
   if (what === "data") {
     const place = placeOf(data, index);
     const weight = data.weights?.[index];
-    const far = shown.distances?.lengths[index];
     const worst = samePlace(fit.levels[shown.k]?.error.at as Place | undefined, place);
+    const far = worst ? fit.levels[shown.k]?.error.max : lengths?.[index];
     return [
-      ["point", typeof place === "number" ? String(place) : `${place[0]}, ${place[1]}`],
+      ...name,
+      ["point", placeName(place)],
       ...coordinates(data.exact, index, data.dimension),
       ...(weight === undefined ? [] : [["weight", short(weight)] as [string, string]]),
-      ...(far === undefined && !worst ? [] : [["error", short(worst ? fit.levels[shown.k]?.error.max : far)] as [string, string]]),
-      ...(worst ? [["", "the largest"] as [string, string]] : []),
+      ...(far === undefined ? [] : [["error", worst ? `${short(far)}, the largest` : short(far)] as [string, string]]),
+      ...(data.outliers.includes(index) ? [["", "an outlier, left out"] as [string, string]] : []),
+      ...bends(sampleAt(data, samples, index)),
     ];
   }
-  const { samples } = shown;
   const [u, v] = samples.parameters;
   const parameters: [string, string][] = v === undefined
     ? [["t", short(u[index], 5)]]
     : [["u", short(u[Math.floor(index / samples.columns)], 5)], ["v", short(v[index % samples.columns], 5)]];
-  return [...parameters, ...coordinates(samples.exact, index, samples.dimension)];
+  const far = lengths?.[pointAt(data, samples, index)];
+  return [...name, ...parameters, ...coordinates(samples.exact, index, samples.dimension), ...(far === undefined ? [] : [["error near it", short(far)] as [string, string]]), ...bends(index)];
+}
+
+/** The sample at the parameters of a data point; -1 where these are not known. */
+function sampleAt(data: Data, samples: Samples, index: number): number {
+  const [us, vs] = samples.parameters;
+  const nearest = (list: Float64Array, t: number | undefined) => Math.round((((t ?? NaN) - list[0]!) / (list.at(-1)! - list[0]!)) * (list.length - 1));
+  const [u, v] = data.isScattered || !data.isSurface ? [index, index] : [Math.floor(index / data.columns), index % data.columns];
+  const column = nearest(vs ?? us, data.parameters[vs === undefined ? 0 : 1]?.[v]);
+  const at = vs === undefined ? column : nearest(us, data.parameters[0]?.[u]) * samples.columns + column;
+  return Number.isFinite(at) ? at : -1;
+}
+
+/** The data point nearest to a sample by their parameters; -1 of scattered points. */
+function pointAt(data: Data, samples: Samples, index: number): number {
+  const [us, vs] = samples.parameters;
+  if (data.isScattered || data.parameters[0]?.length === 0) return -1;
+  const nearest = (axis: 0 | 1, list: Float64Array, at: number, count: number) => Math.round(among(data.parameters[axis]!, list[at]!, list.at(-1)!)) % count;
+  if (vs === undefined) return nearest(0, us, index, data.columns);
+  return nearest(0, us, Math.floor(index / samples.columns), data.rows) * data.columns + nearest(1, vs, index % samples.columns, data.columns);
 }
 
 function samePlace(a: Place | readonly number[] | null | undefined, b: Place): boolean {

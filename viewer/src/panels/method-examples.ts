@@ -2,7 +2,7 @@
 
 import type { api } from "piad";
 
-export interface Starter {
+export interface MethodExample {
   readonly name: string;
   /** What there is to see. */
   readonly about: string;
@@ -56,7 +56,7 @@ function saddle(): number[][][] {
   return side.map((x) => side.map((y) => [x, y, x * x - y * y + 0.05 * tremble()].map(round)));
 }
 
-export const STARTERS: readonly Starter[] = [
+export const METHOD_EXAMPLES: readonly MethodExample[] = [
   { name: "Helix", about: "48 points in space, with Chebyshev's momentum", request: () => ({ name: "Helix", curve: { points: helix() }, method: { kind: "chebyshev" } }) },
   { name: "Circle", about: "12 points, closed without a seam", request: () => ({ name: "Circle", curve: { points: circle(), closed: true } }) },
   { name: "Peaks", about: "A grid of 25 × 25, the best relaxation", request: () => ({ name: "Peaks", surface: { points: peaks() }, method: { kind: "weighted", omega: "auto" } }) },

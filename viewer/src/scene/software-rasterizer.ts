@@ -27,17 +27,16 @@ const EDGE = 1e-5;
 /** What is seen of a corner: x, y, depth, red, green and blue. */
 const PARTS = 6;
 
-export class Raster {
-  readonly #view: View;
+export class SoftwareRasterizer {
+  readonly image: ImageData;
+  #view: View;
   readonly #depth: Float32Array;
   readonly #pixels: Uint32Array;
-  readonly #image: ImageData;
 
-  constructor(view: View) {
-    const { width, height } = view;
-    this.#view = view;
-    this.#image = new ImageData(width, height);
-    this.#pixels = new Uint32Array(this.#image.data.buffer);
+  constructor(width: number, height: number) {
+    this.#view = { eye: [], clip: [], width, height };
+    this.image = new ImageData(width, height);
+    this.#pixels = new Uint32Array(this.image.data.buffer);
     this.#depth = new Float32Array(width * height).fill(Infinity);
   }
 
@@ -48,7 +47,9 @@ export class Raster {
     return this.#depth[Math.floor(y) * width + Math.floor(x)]! < depth;
   }
 
-  draw({ rows, columns, cut, geometry, material }: Surface): ImageData {
+  /** Draws a surface before what is behind it. */
+  draw({ rows, columns, cut, geometry, material }: Surface, view: View): void {
+    this.#view = view;
     const positions = geometry.getAttribute("position").array as Float32Array;
     const normals = geometry.getAttribute("normal").array as Float32Array;
     const heat = geometry.getAttribute("heat").array as Float32Array;
@@ -64,7 +65,7 @@ export class Raster {
       for (let k = 0; k < h.length; k++) this.#corner(p, n, h[k]!, k * 3, light, corners, PARTS * to++);
       const { indices } = left;
       for (let k = 0; k < indices.length; k += 3) this.#triangle(corners, indices[k]! * PARTS, indices[k + 1]! * PARTS, indices[k + 2]! * PARTS);
-      return this.#image;
+      return;
     }
     for (let i = 0; i + 1 < down.length; i++) {
       for (let j = 0; j + 1 < across.length; j++) {
@@ -74,7 +75,6 @@ export class Raster {
         this.#triangle(corners, b, b + PARTS, a + PARTS);
       }
     }
-    return this.#image;
   }
 
   #corner(p: Float32Array, n: Float32Array, heat: number, at: number, light: Light, corners: Float32Array, to: number): void {

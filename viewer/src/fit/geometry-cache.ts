@@ -24,7 +24,7 @@ interface Source {
 }
 
 /** Samples and control points of the iterations of a job. Each is asked for once while it is kept. */
-export class Gallery {
+export class GeometryCache {
   readonly #fit: Source;
   readonly #kept = new Recent<Points>(MOST);
   readonly #coming = new Map<string, Promise<Points>>();

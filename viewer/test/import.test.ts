@@ -1,4 +1,4 @@
-/** Data that somebody brings, and how they are fitted. */
+/** Data that are imported, and how they are fitted. */
 
 import { strict as assert } from "node:assert";
 import { after, before, describe, test } from "node:test";
@@ -29,7 +29,8 @@ describe("data", () => {
     const visit = await Visit.to(browser, `${server.url}#job=${id}`);
     await visit.standing(/^converged/);
     await until(async () => /5 points/.test(await words(visit.page)), "the request of the job is shown");
-    await field(visit.page, "/method/kind").waitFor();
+    await field(visit.page, "/name").waitFor();
+    await visit.advanced();
     return visit;
   }
 
@@ -40,8 +41,11 @@ describe("data", () => {
     await field(visit.page, "/curve/basis/degree").fill("2");
     await field(visit.page, "/method/kind").selectOption("weighted");
     await field(visit.page, "/method/omega").fill("1.2");
+    await visit.page.getByLabel("Unit of the tolerance").selectOption("data units");
     await field(visit.page, "/stop/tolerance").fill("1e-4");
+    const posted = visit.posted();
     await visit.page.getByRole("button", { name: "Fit", exact: true }).click();
+    await until(async () => visit.posted() > posted, "it is fitted");
     await visit.standing(/^converged/);
     const request = JSON.parse(lastJob(visit));
     assert.deepEqual(request.curve.basis, { kind: "bspline", degree: 2 });
@@ -54,11 +58,13 @@ describe("data", () => {
   test("that are nested are a surface, with both directions in the form", PATIENT, async () => {
     const visit = await visitArch();
     const rows = [0, 1, 2, 3, 4].map((i) => [0, 1, 2, 3].map((j) => [i, j, i * j]));
-    await drop(visit.page, "saddle.json", JSON.stringify(rows));
+    await visit.drop("saddle.json", JSON.stringify(rows));
     await until(async () => /^Surface, 5 × 4 points in space/.test(await words(visit.page)), "the grid is recognised");
     await visit.page.getByLabel("Degree, u").fill("2");
     await visit.page.getByLabel("Degree, v").fill("3");
+    const posted = visit.posted();
     await visit.page.keyboard.press("Enter");
+    await until(async () => visit.posted() > posted, "it is fitted");
     await visit.standing(/^converged/);
     const request = JSON.parse(lastJob(visit));
     assert.equal(request.name, "saddle");
@@ -72,7 +78,6 @@ describe("data", () => {
     await choose(visit.page, "naca.dat", text);
     await until(async () => /^Curve, 6 points in the plane/.test(await words(visit.page)), "the airfoil is read");
     assert.equal(visit.sent.find(({ path }) => path === "/v1/points")?.body, text);
-    await visit.page.getByRole("button", { name: "Fit", exact: true }).click();
     await until(async () => (await visit.page.locator(".label h2").textContent()) === "NACA", "the file names the job");
     const grid = [0, 1, 2, 3].map((i) => [0, 1, 2, 3, 4].map((j) => `${i} ${j} ${i * j}`).join("\n")).join("\n\n");
     await paste(visit.page, grid);
@@ -83,7 +88,7 @@ describe("data", () => {
   test("a file that is wrong is shown at its line", PATIENT, async () => {
     const visit = await visitArch();
     await choose(visit.page, "half.csv", "x,y\n1,0\n0.5,zwei\n0,0\n");
-    const at = visit.page.locator(".excerpt .line.at");
+    const at = visit.page.locator(".snippet .line.at");
     await at.waitFor();
     await says(at, /^30\.5,zwei/);
     await says(visit.page.locator(".wrong[role=alert]").first(), /half\.csv, line 3.*zwei/);
@@ -103,10 +108,10 @@ describe("data", () => {
   test("that are wrong are shown at their line", PATIENT, async () => {
     const visit = await visitArch();
     await paste(visit.page, "[[0, 0],\n [1, 1],\n [2 3],\n [4, 5]]");
-    const at = visit.page.locator(".excerpt .line.at");
+    const at = visit.page.locator(".snippet .line.at");
     await at.waitFor();
     await says(at, /^3 \[2 3\],/);
-    await becomes(() => visit.page.locator(".excerpt mark").textContent(), "3");
+    await becomes(() => visit.page.locator(".snippet mark").textContent(), "3");
     await says(visit.page.locator(".wrong[role=alert]").first(), /line 3/);
     await says(visit.page.locator(".data"), /5 points/);
     assert.deepEqual(await visit.axe(), []);
@@ -155,9 +160,9 @@ describe("data", () => {
     await visit.end();
   });
 
-  test("a job that is ready shows a method at once", PATIENT, async () => {
+  test("an example shows a method at once", PATIENT, async () => {
     const visit = await visitArch();
-    await visit.page.getByText("Take a job that is ready").click();
+    await visit.page.getByText("Examples of methods").click();
     await until(async () => (await visit.page.locator(".ready li b").count()) >= 5, "there are some");
     const names = await visit.page.locator(".ready li b").allTextContents();
     for (const name of names) {
@@ -171,7 +176,7 @@ describe("data", () => {
   test("a fit stands beside another one", PATIENT, async () => {
     const visit = await visitArch();
     await field(visit.page, "/method/kind").selectOption("chebyshev");
-    await visit.page.getByRole("button", { name: "Fit beside" }).click();
+    await visit.page.getByRole("button", { name: "Compare", exact: true }).click();
     await until(async () => (await visit.page.locator(".label").count()) === 2, "there are two");
     await until(async () => /#job=[\w-]+,[\w-]+/.test(visit.page.url()), "the link has both");
     await becomes(() => field(visit.page, "/method/kind").inputValue(), "chebyshev");
@@ -182,8 +187,8 @@ describe("data", () => {
     test(`the form is fit for all, in ${scheme} on a phone`, PATIENT, async () => {
       const { id } = await server.job(ARCH);
       const visit = await Visit.to(browser, `${server.url}#job=${id}`, { viewport: { width: 390, height: 844 }, colorScheme: scheme });
-      await field(visit.page, "/method/kind").waitFor();
-      await visit.page.evaluate(() => document.querySelectorAll("#bring details").forEach((details) => details.setAttribute("open", "")));
+      await field(visit.page, "/name").waitFor();
+      await visit.page.evaluate(() => document.querySelectorAll("#import details").forEach((details) => details.setAttribute("open", "")));
       assert.deepEqual(await visit.axe(), []);
       assert.equal(await visit.page.evaluate(() => document.documentElement.scrollWidth), 390);
       await visit.end();
@@ -196,7 +201,7 @@ function field(page: Page, pointer: string) {
 }
 
 async function words(page: Page): Promise<string> {
-  return (await page.locator(".data").textContent()) ?? "";
+  return (await page.locator(".data b").textContent({ timeout: 1000 }).catch(() => null)) ?? "";
 }
 
 function lastJob(visit: Visit): string {
@@ -216,17 +221,6 @@ async function paste(page: Page, text: string): Promise<void> {
     data.setData("text/plain", content);
     document.body.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
   }, text);
-}
-
-async function drop(page: Page, name: string, text: string): Promise<void> {
-  await page.evaluate(
-    ([title, content]) => {
-      const data = new DataTransfer();
-      data.items.add(new File([content!], title!));
-      for (const type of ["dragover", "drop"]) document.querySelector("#stage")!.dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
-    },
-    [name, text],
-  );
 }
 
 async function choose(page: Page, name: string, text: string): Promise<void> {

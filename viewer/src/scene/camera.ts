@@ -3,7 +3,7 @@
 import { MOUSE, PerspectiveCamera, TOUCH, Vector3 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import type { Axes } from "../fit/axes.js";
+import type { Box } from "../fit/axes.js";
 import type { Data } from "../fit/data.js";
 
 // Degrees; a long lens keeps shapes as they are.
@@ -15,11 +15,11 @@ const ENOUGH = 1500;
 const FROM = new Vector3(-0.62, -1.0, 0.62).normalize();
 
 /** Everything is in units of the radius of the data, around its centre. */
-export class Rig {
-  readonly camera = new PerspectiveCamera(LENS, 1, 0.01, 100);
+export class Camera {
+  readonly perspective = new PerspectiveCamera(LENS, 1, 0.01, 100);
   readonly #controls: OrbitControls;
   readonly #changed: () => void;
-  #half: readonly [number, number, number] = [1, 1, 1];
+  #half: Box["half"] = [1, 1, 1];
   #seen: Vector3[] = [];
   #shape = "";
   #room = 1;
@@ -28,8 +28,8 @@ export class Rig {
 
   constructor(canvas: HTMLElement, changed: () => void) {
     this.#changed = changed;
-    this.camera.up.set(0, 0, 1);
-    this.#controls = new OrbitControls(this.camera, canvas);
+    this.perspective.up.set(0, 0, 1);
+    this.#controls = new OrbitControls(this.perspective, canvas);
     this.#controls.enableDamping = false;
     this.#controls.zoomToCursor = true;
     this.#controls.minDistance = 1e-3;
@@ -38,6 +38,16 @@ export class Rig {
     // A swipe that scrolls the page leaves the camera as it was before.
     canvas.addEventListener("pointerdown", ({ isPrimary }) => isPrimary && this.#controls.saveState());
     canvas.addEventListener("pointercancel", () => this.#controls.reset());
+  }
+
+  /** How long a pixel is at the point that is looked at, in radii of the data, on a viewport of this height. */
+  pixel(height: number): number {
+    return (2 * Math.tan((LENS * Math.PI) / 360) * this.#controls.getDistance()) / height;
+  }
+
+  /** True if everything lies in a plane, which is looked at from the front. */
+  get isFlat(): boolean {
+    return this.#isFlat;
   }
 
   /** How much nearer than at the beginning; 1 is the whole. */
@@ -50,21 +60,22 @@ export class Rig {
   }
 
   /** Looks at all of the data. */
-  look({ axes, positions }: Data): void {
-    const { half, radius, isFlat, centre, origin } = axes;
-    this.#half = half.map((length) => length / radius) as unknown as Axes["half"];
-    const every = Math.max(1, Math.floor(positions.length / 3 / ENOUGH)) * 3;
+  look(all: readonly Data[], { half, radius, centre }: Box): void {
+    this.#half = half.map((length) => length / radius) as unknown as Box["half"];
     this.#seen = [];
-    for (let i = 0; i < positions.length; i += every) {
-      const place = [0, 1, 2].map((axis) => (positions[i + axis]! + origin[axis]! - centre[axis]!) / radius) as [number, number, number];
-      if (place.every(Number.isFinite)) this.#seen.push(new Vector3(...place));
+    for (const { positions, axes: { origin } } of all) {
+      const every = Math.max(1, Math.floor((positions.length / 3 / ENOUGH) * all.length)) * 3;
+      for (let i = 0; i < positions.length; i += every) {
+        const place = [0, 1, 2].map((axis) => (positions[i + axis]! + origin[axis]! - centre[axis]!) / radius) as [number, number, number];
+        if (place.every(Number.isFinite)) this.#seen.push(new Vector3(...place));
+      }
     }
-    this.#isFlat = isFlat;
+    this.#isFlat = half[2] === 0;
     this.reset();
   }
 
   reset(): void {
-    const { camera } = this;
+    const { perspective: camera } = this;
     const controls = this.#controls;
     controls.enableRotate = !this.#isFlat;
     controls.mouseButtons.LEFT = this.#isFlat ? MOUSE.PAN : MOUSE.ROTATE;
@@ -79,7 +90,7 @@ export class Rig {
 
   /** Turns or shifts by parts of the screen, and comes nearer by a factor: for keys. */
   move(right: number, up: number, nearer: number): void {
-    const { camera } = this;
+    const { perspective: camera } = this;
     const { target } = this.#controls;
     const arm = camera.position.clone().sub(target);
     if (this.#isFlat) {
@@ -103,12 +114,12 @@ export class Rig {
     this.#shape = key;
     const aspect = width / height;
     this.#room = Math.max(0.4, 1 - above / height);
-    this.camera.aspect = aspect;
-    this.camera.setViewOffset(width, height, 0, -above / 2, width, height);
+    this.perspective.aspect = aspect;
+    this.perspective.setViewOffset(width, height, 0, -above / 2, width, height);
     const old = this.#whole;
     this.#whole = this.#distance();
     const { target } = this.#controls;
-    this.camera.position.sub(target).multiplyScalar(this.#whole / old).add(target);
+    this.perspective.position.sub(target).multiplyScalar(this.#whole / old).add(target);
     this.#controls.update();
   }
 
@@ -116,13 +127,13 @@ export class Rig {
   #distance(): number {
     const slope = Math.tan((LENS * Math.PI) / 360);
     const [x, y, z] = this.#half;
-    if (this.#isFlat) return (Math.max(y / this.#room, x / this.camera.aspect, 1e-3) / slope) * MARGIN * 1.09;
+    if (this.#isFlat) return (Math.max(y / this.#room, x / this.perspective.aspect, 1e-3) / slope) * MARGIN * 1.09;
     // Each point is to be seen, or each corner of the box.
     const side = new Vector3().crossVectors(new Vector3(0, 0, 1), FROM).normalize();
     const up = new Vector3().crossVectors(FROM, side);
     const corners = [-1, 1].flatMap((i) => [-1, 1].flatMap((j) => [-1, 1].map((k) => new Vector3(i * x, j * y, k * z))));
     const seen = this.#seen.length > 0 ? this.#seen : corners;
-    const needed = seen.map((corner) => Math.max(Math.abs(corner.dot(up)) / this.#room, Math.abs(corner.dot(side)) / this.camera.aspect) / slope + corner.dot(FROM));
+    const needed = seen.map((corner) => Math.max(Math.abs(corner.dot(up)) / this.#room, Math.abs(corner.dot(side)) / this.perspective.aspect) / slope + corner.dot(FROM));
     return Math.max(...needed) * MARGIN;
   }
 }

@@ -9,7 +9,7 @@ const KEPT = "piad-token";
 let asking: Promise<string | null> | undefined;
 
 /** Like the global `fetch`. Whoever uses the page is asked for a token where the server wants another one. */
-export async function ask(url: string | URL, init: RequestInit = {}): Promise<Response> {
+export async function authorized(url: string | URL, init: RequestInit = {}): Promise<Response> {
   for (;;) {
     const token = sessionStorage.getItem(KEPT);
     const headers = new Headers(init.headers);

@@ -3,7 +3,7 @@
 import { ApiError } from "piad";
 
 import type { App, Panel } from "../app.js";
-import { ask } from "../ask.js";
+import { authorized } from "../http.js";
 import type { Fit } from "../fit/fit.js";
 import { el } from "../html.js";
 import { linkTo } from "../state.js";
@@ -11,6 +11,7 @@ import { count } from "../text/numbers.js";
 import { copy, save } from "./copy.js";
 import { Description, spoken } from "./description.js";
 import { Field, type Slot, fieldOf } from "./field.js";
+import { previewOf } from "./file-preview.js";
 import type { Json } from "./pointer.js";
 
 const FILE = "/v1/jobs/{id}/iterations/{k}/{format}";
@@ -18,10 +19,13 @@ const FILE = "/v1/jobs/{id}/iterations/{k}/{format}";
 const OF_SURFACES: ReadonlySet<string> = new Set(["stl", "ply"]);
 const OF_CURVES: ReadonlySet<string> = new Set(["geojson", "gpx"]);
 
+/** Formats that declare a unit. */
+const WITH_UNITS: ReadonlySet<string> = new Set(["step", "iges"]);
+
 /** Names that are not written in capitals. */
 const TITLES: Readonly<Record<string, string>> = { gltf: "glTF", geojson: "GeoJSON" };
 
-export const take: Panel = (root, app) => {
+export const exportPanel: Panel = (root, app) => {
   const which = el("select", { id: "take-job" });
   const job = el("p", { class: "field", hidden: true }, el("label", { class: "name", for: "take-job" }, "Of"), which);
   const what = el("p", { class: "lead" });
@@ -85,41 +89,62 @@ function formats(app: App, description: Description, chosen: () => Fit | undefin
   const able: readonly string[] = description.capabilities.formats.result;
   const rows = able.flatMap((type) => {
     const name = names.find((part) => type.split("/")[1]?.replace("+", "").includes(part));
-    return name === undefined ? [] : [button(name, about.get(type) ?? type, () => void get(name))];
+    return name === undefined ? [] : [button(name, about.get(type) ?? type, () => void get(name), () => void look(name))];
   });
   const asked: Record<string, Json | undefined> = {};
+  const preview = el("div", { class: "preview", "aria-live": "polite" });
   const fields = description.parameters(FILE).map((parameter) => option(description, parameter, asked));
-  const json = button("json", "Control points, knots and errors, as the API has them.", () => void result());
+  const json = button("json", "Control points, knots and errors, as the API has them.", () => void result(), () => void look("json"));
   const options = fields.length === 0 ? [] : [el("details", { class: "options" }, el("summary", {}, "Options"), ...fields.map(({ element }) => element))];
-  return [el("ul", { class: "files" }, ...rows, json), ...options];
+  return [el("ul", { class: "files" }, ...rows, json), ...options, preview];
 
   async function get(name: string): Promise<void> {
-    for (const field of fields) field.clear();
-    const query = new URLSearchParams(Object.entries(asked).flatMap(([key, value]) => (value === undefined ? [] : [[key, String(value)]])));
-    await fetched((fit) => `iterations/${numberOf(app, fit)}/${name}${query.size > 0 ? `?${query}` : ""}`, name);
+    const found = await fetched(name);
+    if (found !== null) save(found.file, found.name);
   }
 
   /** The last iteration with all that belongs to it; others as the stream has them. */
   async function result(): Promise<void> {
-    await fetched((fit) => (fit.end !== null && numberOf(app, fit) === fit.latest ? "result" : `iterations/${numberOf(app, fit)}`), "json");
+    await get("json");
   }
 
-  async function fetched(part: (fit: Fit) => string, ending: string): Promise<void> {
+  /** Shows what is in a file before it is saved. */
+  async function look(format: string): Promise<void> {
+    preview.replaceChildren(el("p", { class: "hint" }, "Asking for the file …"));
+    const found = await fetched(format);
+    preview.replaceChildren(...(found === null ? [] : await previewOf(format, found.file, found.name)));
+    preview.scrollIntoView({ block: "nearest" });
+  }
+
+  /** Where a file of the iteration on the screen is. */
+  function pathOf(fit: Fit, format: string): string {
+    const k = numberOf(app, fit);
+    if (format === "json") return fit.end !== null && k === fit.latest ? "result" : `iterations/${k}`;
+    const { unit } = app.view.value;
+    const given = unit !== "" && asked["units"] === undefined && WITH_UNITS.has(format) ? { ...asked, units: unit } : asked;
+    const query = new URLSearchParams(Object.entries(given).flatMap(([key, value]) => (value === undefined ? [] : [[key, String(value)]])));
+    return `iterations/${k}/${format}${query.size > 0 ? `?${query}` : ""}`;
+  }
+
+  async function fetched(format: string): Promise<{ file: Blob; name: string } | null> {
     const fit = chosen();
-    if (fit === undefined) return;
+    if (fit === undefined) return null;
+    for (const field of fields) field.clear();
     try {
-      const { file, name } = await fileAt(`v1/jobs/${fit.id}/${part(fit)}`);
-      save(file, name ?? `${fit.title.replace(/[^\w.-]+/g, "_")}.${ending}`);
+      const { file, name } = await fileAt(`v1/jobs/${fit.id}/${pathOf(fit, format)}`);
+      return { file, name: name ?? `${fit.title.replace(/[^\w.-]+/g, "_")}.${format}` };
     } catch (error) {
       const told = error instanceof ApiError && error.errors.some(({ parameter, detail }) => fields.some((field) => field.tell(`/${parameter}`, detail)));
       if (told) fields[0]?.element.closest("details")?.setAttribute("open", "");
       app.say(error instanceof ApiError ? error.detail : `The file could not be read. ${error instanceof Error ? error.message : ""}`, "error");
+      return null;
     }
   }
 }
 
-function button(name: string, about: string, onclick: () => void): HTMLElement {
-  return el("li", {}, el("button", { type: "button", "data-format": name, onclick }, el("b", {}, title(name)), el("span", {}, about)));
+function button(name: string, about: string, onclick: () => void, look: () => void): HTMLElement {
+  const preview = el("button", { type: "button", class: "quiet look", "aria-label": `Preview ${title(name)}`, onclick: look }, "Preview");
+  return el("li", {}, el("button", { type: "button", "data-format": name, onclick }, el("b", {}, title(name)), el("span", {}, about)), preview);
 }
 
 function option(description: Description, { name, schema, description: help = "" }: { name: string; schema: object; description?: string }, asked: Record<string, Json | undefined>): Field {
@@ -133,7 +158,7 @@ function title(name: string): string {
 
 /** A file of the server, with its name; what it refuses is thrown. */
 async function fileAt(path: string): Promise<{ file: Blob; name: string | undefined }> {
-  const response = await ask(new URL(path, document.baseURI), { headers: { Accept: "*/*" } });
+  const response = await authorized(new URL(path, document.baseURI), { headers: { Accept: "*/*" } });
   if (!response.ok) {
     const problem = (await response.json().catch(() => null)) as ConstructorParameters<typeof ApiError>[0] | null;
     throw new ApiError(problem ?? { type: "about:blank", title: response.statusText, status: response.status, detail: `The server answered ${response.status}.`, request_id: "" });

@@ -2,15 +2,31 @@
 
 import type { Problem, api } from "piad";
 
-import { ask } from "../ask.js";
-import type { Brought } from "./drop.js";
+import { authorized } from "../http.js";
+import type { InputFile } from "./drop.js";
 import { type Fields, type Json, at, isFields } from "./pointer.js";
 
-/** What a file says. */
+/** How a file is read, as parameters of the API. */
 export interface Reading {
+  readonly part?: string;
+  readonly columns?: string;
+  readonly "curve.order"?: "given";
+  readonly "surface.sections"?: "true" | "false";
+}
+
+/** The parts of a file with several curves. */
+export interface Parts {
+  readonly count: number;
+  readonly names: readonly string[];
+}
+
+/** What a file says. */
+export interface ParsedInput {
   readonly request: Fields;
   /** What was found out about the file, in words. */
   readonly notices: readonly string[];
+  /** Null of a file with one part. */
+  readonly parts: Parts | null;
 }
 
 /** Where a file is wrong. */
@@ -22,7 +38,7 @@ export interface Fault {
 }
 
 /** A file that could not be read, and why. */
-export class Unreadable extends Error {
+export class InputError extends Error {
   readonly faults: readonly Fault[];
   readonly text: string;
 
@@ -34,26 +50,27 @@ export class Unreadable extends Error {
 }
 
 /** Reads a file, or its text where there is no file. `name` is that of the file without its ending, for the job. */
-export async function read({ text, bytes }: Brought, name: string | null, signal: AbortSignal): Promise<Reading> {
+export async function parseInput({ text, bytes }: InputFile, name: string | null, reading: Reading, signal: AbortSignal): Promise<ParsedInput> {
   const value = /^\s*[[{]/.test(text) ? parsed(text) : null;
-  const { request, notices } = isFields(value) && !("type" in value) ? job(value, text) : await byServer(text, bytes, signal);
+  const { request, notices, parts } = isFields(value) && !("type" in value) ? job(value, text) : await byServer(text, bytes, reading, signal);
   // What a file calls itself goes before how the file is called.
-  return { request: name === null || "name" in request ? request : { name, ...request }, notices };
+  const title = name === null || (parts === null && reading.part === undefined) ? name : `${name} ${reading.part ?? "1"}`;
+  return { request: title === null || "name" in request ? request : { name: title, ...request }, notices, parts };
 }
 
 function parsed(text: string): Json {
   try {
     return JSON.parse(text) as Json;
   } catch (error) {
-    throw new Unreadable(text, [{ detail: `This is not JSON: ${message(error)}.`, ...placeOf(text, message(error)) }]);
+    throw new InputError(text, [{ detail: `This is not JSON: ${message(error)}.`, ...placeOf(text, message(error)) }]);
   }
 }
 
 /** A whole job, or an object with points. */
-function job(value: Fields, text: string): Reading {
+function job(value: Fields, text: string): ParsedInput {
   const request = "points" in value && !("curve" in value) && !("surface" in value) ? geometry(value["points"]!) : value;
-  if ("curve" in request || "surface" in request) return { request, notices: [] };
-  throw new Unreadable(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
+  if ("curve" in request || "surface" in request) return { request, notices: [], parts: null };
+  throw new InputError(text, [{ detail: "A job has a curve or a surface, and there is neither.", line: null, column: null }]);
 }
 
 /** Rows of rows are a surface. */
@@ -75,35 +92,47 @@ function placeOf(text: string, words: string): { line: number | null; column: nu
   return { line: before.length, column: (before.at(-1)?.length ?? 0) + 1 };
 }
 
-async function byServer(text: string, bytes: Blob | undefined, signal: AbortSignal): Promise<Reading> {
+async function byServer(text: string, bytes: Blob | undefined, reading: Reading, signal: AbortSignal): Promise<ParsedInput> {
   const headers = { "Content-Type": bytes === undefined ? "text/plain; charset=utf-8" : "application/octet-stream", Accept: "application/json, application/problem+json" };
   const sent = (await bytes?.arrayBuffer()) ?? text;
-  const post = async (query: string): Promise<{ response: Response; body: Json }> => {
-    const response = await ask(new URL(`v1/points${query}`, document.baseURI), { method: "POST", headers, body: sent, signal });
+  const post = async (reading: Reading): Promise<{ response: Response; body: Json }> => {
+    const query = new URLSearchParams(reading as Record<string, string>);
+    const response = await authorized(new URL(`v1/points${query.size > 0 ? `?${query}` : ""}`, document.baseURI), { method: "POST", headers, body: sent, signal });
     return { response, body: (await response.json().catch(() => null)) as Json };
   };
-  const { response, body } = await post("");
+  let { response, body } = await post(reading);
+  // Of several parts the first one is shown, and the others can be chosen.
+  const parts = reading.part === undefined ? severalOf(body) : null;
+  if (parts !== null) ({ response, body } = await post({ ...reading, part: "1" }));
   if (response.ok && isFields(body)) {
     const { notices, ...request } = body;
-    return { request, notices: Array.isArray(notices) ? notices.map(sentence) : [] };
+    return { request, notices: Array.isArray(notices) ? notices.map(sentence) : [], parts };
   }
   if (response.status === 404 || response.status === 405) {
-    throw new Unreadable(text, [{ detail: "This server reads points as JSON only.", line: null, column: null }]);
+    throw new InputError(text, [{ detail: "This server reads points as JSON only.", line: null, column: null }]);
   }
   // Points that are read, and of which no curve can be made.
   if (response.status === 422 && isFields(body) && body["errors"] === undefined) {
-    const scan = scanOf((await post("?curve.order=given")).body);
+    const scan = scanOf((await post({ ...reading, "curve.order": "given" })).body);
     if (scan !== null) return scan;
   }
-  throw new Unreadable(text, faultsOf(body as Partial<Problem> | null, response.status));
+  throw new InputError(text, faultsOf(body as Partial<Problem> | null, response.status));
+}
+
+/** The parts of a file of which none was chosen; null if there is one. */
+function severalOf(body: Json): Parts | null {
+  const errors = at(body, "/errors");
+  const error = Array.isArray(errors) ? errors.find((one: Json) => at(one, "/parameter") === "part") : undefined;
+  const [, count, names = ""] = /has (\d+) parts[^;]*(?:; there are (.*))?$/s.exec(String(at(error, "/detail") ?? "")) ?? [];
+  return count === undefined ? null : { count: Number(count), names: [...names.matchAll(/"([^"]*)"/g)].map(([, name = ""]) => name) };
 }
 
 /** Points in space without an order along a curve, as those of a surface near them; null if they are something else. */
-function scanOf(body: Json): Reading | null {
+function scanOf(body: Json): ParsedInput | null {
   const points = at(body, "/curve/points");
   if (!isFields(body) || !Array.isArray(points) || !points.every((point) => Array.isArray(point) && point.length === 3)) return null;
   const { curve: _, notices: __, ...rest } = body;
-  return { request: { ...rest, surface: { scattered: points } }, notices: ["The points have no order along a curve: they are taken as scattered points of a surface."] };
+  return { request: { ...rest, surface: { scattered: points } }, notices: ["The points have no order along a curve: they are taken as scattered points of a surface."], parts: null };
 }
 
 /** What a problem object says about lines. */

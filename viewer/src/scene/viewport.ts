@@ -4,9 +4,9 @@ import { ColorManagement } from "three";
 
 import type { Cell } from "./cell.js";
 import type { Figure } from "./figure.js";
-import { Plain } from "./plain.js";
+import { Canvas2d } from "./canvas2d.js";
 import { type Palette, palette } from "./palette.js";
-import { Rig } from "./rig.js";
+import { Camera } from "./camera.js";
 import type { WebGL } from "./webgl.js";
 
 // Finer screens are not worth their pixels.
@@ -21,14 +21,15 @@ ColorManagement.enabled = false;
  * Draws plainly at first, and with WebGL as soon as that is ready. Where WebGL is slow, because the processor does
  * its work, moving surfaces are still drawn plainly, and so are curves, which look the same.
  */
-export class Stage {
+export class Viewport {
   readonly canvas = document.createElement("canvas");
-  readonly rig: Rig;
+  readonly camera: Camera;
   /** The colours of the moment. */
   palette: Palette = palette();
-  /** Called after each drawing. */
-  onDraw: () => void = () => {};
-  readonly #plain = new Plain();
+  /** True if all figures are drawn in one scene. */
+  isOverlaid = false;
+  readonly #listeners: (() => void)[] = [];
+  readonly #canvas2d = new Canvas2d();
   readonly #root: HTMLElement;
   #webgl: WebGL | null = null;
   #figures: readonly Figure[] = [];
@@ -42,8 +43,8 @@ export class Stage {
   constructor(root: HTMLElement) {
     this.#root = root;
     this.canvas.setAttribute("role", "img");
-    root.prepend(this.canvas, this.#plain.canvas);
-    this.rig = new Rig(this.canvas, this.invalidate);
+    root.prepend(this.canvas, this.#canvas2d.canvas);
+    this.camera = new Camera(this.canvas, this.invalidate);
     this.canvas.addEventListener("webglcontextrestored", this.invalidate);
     new ResizeObserver(() => this.#resize()).observe(root);
     this.#resize();
@@ -55,7 +56,7 @@ export class Stage {
    */
   async begin(Drawer: typeof WebGL): Promise<void> {
     const webgl = new Drawer(this.canvas);
-    await webgl.prepare(this.#figures, this.rig.camera);
+    await webgl.prepare(this.#figures, this.camera.perspective);
     webgl.setSize(this.#width, this.#height, this.#ratio);
     this.#webgl = webgl;
     this.#drawn = -Infinity;
@@ -81,14 +82,19 @@ export class Stage {
     });
   };
 
+  /** Calls after each drawing. */
+  onDraw(listener: () => void): void {
+    this.#listeners.push(listener);
+  }
+
   /** Where the figures are. */
   cells(): Cell[] {
-    const count = this.#figures.length;
+    const count = this.isOverlaid ? 1 : this.#figures.length;
     const upright = this.#height > this.#width;
-    const columns = count <= 1 ? 1 : count === 2 && upright ? 1 : 2;
+    const columns = count === 2 && upright ? 1 : Math.max(1, Math.ceil(Math.sqrt(count)));
     const rows = Math.max(1, Math.ceil(count / columns));
     const [width, height] = [this.#width / columns, this.#height / rows];
-    return this.#figures.map((_, i) => ({ x: (i % columns) * width, y: Math.floor(i / columns) * height, width, height }));
+    return this.#figures.map((_, i) => (this.isOverlaid ? { x: 0, y: 0, width, height } : { x: (i % columns) * width, y: Math.floor(i / columns) * height, width, height }));
   }
 
   #resize(): void {
@@ -106,7 +112,7 @@ export class Stage {
 
   #reshape(): void {
     const [cell] = this.cells();
-    if (cell !== undefined) this.rig.setShape(cell.width, cell.height, Math.min(cell.height * 0.3, this.#figures.length > 1 ? 60 : 44));
+    if (cell !== undefined) this.camera.setShape(cell.width, cell.height, Math.min(cell.height * 0.3, this.#figures.length > 1 ? 60 : 44));
   }
 
   #draw(): void {
@@ -116,11 +122,11 @@ export class Stage {
     if (webgl === null || isPlain) this.#sketch(isMoving);
     else this.#render(webgl, isMoving);
     // Both canvases change with the same frame.
-    this.#plain.canvas.style.opacity = isPlain ? "1" : "0";
+    this.#canvas2d.canvas.style.opacity = isPlain ? "1" : "0";
     this.canvas.style.opacity = isPlain ? "0" : "1";
     this.#drawn = performance.now();
     if (isPlain && isMoving) this.#wait();
-    this.onDraw();
+    for (const listener of this.#listeners) listener();
   }
 
   /** Draws once more, with care, when nothing moves. */
@@ -135,14 +141,17 @@ export class Stage {
   #sketch(isMoving: boolean): void {
     // Each pixel of a surface costs time; lines are fine where the screen is.
     const ratio = this.#figures.some(({ isSurface }) => isSurface) ? 1 : this.#ratio;
-    this.#plain.clear(this.#width, this.#height, ratio);
-    this.#each(1, (figure, cell) => this.#plain.draw(figure, this.rig.camera, cell, isMoving));
+    this.#canvas2d.clear(this.#width, this.#height, ratio);
+    const { perspective } = this.camera;
+    this.#each(1, (figure, cell) => this.isOverlaid || this.#canvas2d.draw([figure], perspective, cell, isMoving));
+    const [cell] = this.cells();
+    if (this.isOverlaid && cell !== undefined) this.#canvas2d.draw(this.#figures, perspective, cell, isMoving);
   }
 
   #render(webgl: WebGL, isMoving: boolean): void {
     const begin = performance.now();
     webgl.clear(this.#width, this.#height);
-    this.#each(this.#ratio, (figure, cell) => webgl.draw(figure, this.rig.camera, cell));
+    this.#each(this.#ratio, (figure, cell) => webgl.draw(figure, this.camera.perspective, cell));
     if (!isMoving || webgl.isUndecided) webgl.time(begin);
   }
 

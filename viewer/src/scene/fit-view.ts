@@ -1,12 +1,14 @@
-/** A fit on the stage: asks for what is to be seen, and shows it when it is there. */
+/** A fit on the viewport: asks for what is to be seen, and shows it when it is there. */
 
 import { ConnectionLost } from "piad";
 
+import { type Curvatures, curvatureOf } from "../fit/curvature.js";
 import type { Data } from "../fit/data.js";
+import { type Distances, distances } from "../fit/distances.js";
 import type { Fit, Level } from "../fit/fit.js";
 import type { Layers, View } from "../state.js";
 import { Figure } from "./figure.js";
-import { type Judged, type Look, mayApproximate, judged, pictureOf, samplesFor, samplesOf } from "./picture.js";
+import { type FrameData, type Look, mayApproximate, frameDataOf, loadFrame, samplesFor, samplesOf } from "./frame-data.js";
 import type { Samples } from "../fit/geometry.js";
 
 // How many iterations are asked for before they are shown, while they are played.
@@ -14,26 +16,28 @@ const AHEAD = 4;
 // How long an iteration is looked at until it is asked for exactly, in milliseconds.
 const EXACT_DELAY_MS = 250;
 
-/** What an exhibit tells. */
+/** What a fit tells. */
 export interface Listener {
   /** Something is to be drawn anew. */
-  drawn(exhibit: Exhibit): void;
+  drawn(fitView: FitView): void;
   /** The data are here. */
-  loaded(exhibit: Exhibit): void;
-  failed(exhibit: Exhibit, error: unknown): void;
+  loaded(fitView: FitView): void;
+  failed(fitView: FitView, error: unknown): void;
 }
 
 /** An iteration of an edit that is shown and not kept. */
 export type Held = Pick<Level, "error" | "controls"> & { readonly number: number };
 
-export class Exhibit {
+export class FitView {
   readonly fit: Fit;
   readonly figure = new Figure();
   data: Data | null = null;
-  shown: Judged | null = null;
+  shown: FrameData | null = null;
   /** While a point is dragged the samples are those of an edit: its last iteration. */
   held: Held | null = null;
   readonly #listener: Listener;
+  #distances: { readonly of: FrameData; readonly distances: Distances } | null = null;
+  #curvature: { readonly of: FrameData; readonly curvature: Curvatures | null } | null = null;
   #wanted = "";
   #isBusy = false;
   #look: Look | null = null;
@@ -61,7 +65,7 @@ export class Exhibit {
     return iteration === "latest" ? this.fit.latest : Math.min(iteration, this.fit.latest);
   }
 
-  /** The number of the iteration that is on the screen; until there is a picture, that of the view. */
+  /** The number of the iteration that is on the screen; until there is a frame, that of the view. */
   shownOf(view: View): number {
     return this.shown?.k ?? this.wantedOf(view);
   }
@@ -70,6 +74,29 @@ export class Exhibit {
   isSettled(view: View): boolean {
     const k = this.wantedOf(view);
     return this.shown?.k === k || this.#failed === k;
+  }
+
+  /** The distances of the data from what is on the screen; null without data. */
+  distances(): Distances | null {
+    const { data, shown, fit } = this;
+    if (data === null || shown === null || data.exact.length === 0 || this.held !== null) return null;
+    if (this.#distances?.of !== shown) this.#distances = { of: shown, distances: shown.distances ?? distances(data, shown.samples, fit.levels[shown.k]?.error.max ?? Infinity) };
+    return this.#distances.distances;
+  }
+
+  /** The curvature of what is on the screen; null until it has been asked for, which `isWanted` does. */
+  curvature(isWanted: boolean, whenKnown: () => void): Curvatures | null {
+    const { data, shown } = this;
+    if (shown === null || shown.curvature !== null) return shown?.curvature ?? null;
+    if (this.#curvature?.of === shown) return this.#curvature.curvature;
+    if (!isWanted || data === null || this.held !== null) return null;
+    this.#curvature = { of: shown, curvature: null };
+    void curvatureOf(this.fit, data, shown.k, shown.samples).then((curvature) => {
+      if (this.#curvature?.of !== shown) return;
+      this.#curvature = { of: shown, curvature };
+      whenKnown();
+    });
+    return null;
   }
 
   /** Shows an iteration; `pace` is how many milliseconds it may take to get there. */
@@ -93,8 +120,8 @@ export class Exhibit {
     const { data } = this;
     if (data === null) return;
     this.held = held;
-    const bare = { ...layers, spikes: false, heat: false };
-    this.#set(judged(this.fit, data, this.#k, samples, null, bare), layers, 0);
+    const bare = { ...layers, spikes: false, heat: false, between: false };
+    this.#set(frameDataOf(this.fit, data, this.#k, samples, null, bare), layers, 0);
   }
 
   /** Back to the iterations of the job. */
@@ -118,11 +145,11 @@ export class Exhibit {
         const key = this.#keyOf(data, k, look);
         if (key === this.#wanted) return;
         if (await this.#showKept(data, k, look, key)) continue;
-        const picture = await pictureOf(this.fit, data, k, look).catch((error: unknown) => this.#missing(error, k, key));
-        if (picture === null) continue;
+        const frame = await loadFrame(this.fit, data, k, look).catch((error: unknown) => this.#missing(error, k, key));
+        if (frame === null) continue;
         if (this.held !== null || this.fit.signal.aborted) return;
         this.#wanted = key;
-        this.#set(picture, layers, this.#pace);
+        this.#set(frame, layers, this.#pace);
       }
     } catch (error) {
       if (!this.fit.signal.aborted) this.#listener.failed(this, error);
@@ -134,7 +161,7 @@ export class Exhibit {
   #keyOf(data: Data, k: number, look: Look): string {
     const { layers, largest, isPlaying } = look;
     const { fit } = this;
-    return JSON.stringify([k, samplesOf(data, look), layers, largest, isPlaying, layers.heat ? fit.latest : 0, fit.end?.reason, fit.outline !== null]);
+    return JSON.stringify([k, samplesOf(data, look), layers, largest, isPlaying, layers.heat || layers.between ? fit.latest : 0, fit.end?.reason, fit.outline !== null]);
   }
 
   /**
@@ -143,9 +170,9 @@ export class Exhibit {
    */
   async #showKept(data: Data, k: number, look: Look, key: string): Promise<boolean> {
     const { layers, isPlaying } = look;
-    const samples = isPlaying || layers.polygon || !mayApproximate(layers) ? undefined : this.fit.gallery.keptSamples(k, samplesOf(data, look));
+    const samples = isPlaying || layers.polygon || !mayApproximate(layers) ? undefined : this.fit.geometry.keptSamples(k, samplesOf(data, look));
     if (samples === undefined) return false;
-    if (this.shown?.k !== k || this.shown.samples !== samples) this.#set(judged(this.fit, data, k, samples, null, layers), layers, this.#pace);
+    if (this.shown?.k !== k || this.shown.samples !== samples) this.#set(frameDataOf(this.fit, data, k, samples, null, layers), layers, this.#pace);
     const isOther = () => this.#look === null || this.#keyOf(data, this.#k, this.#look) !== key || this.held !== null;
     const end = performance.now() + EXACT_DELAY_MS;
     while (!isOther() && performance.now() < end) await this.#sleep(end - performance.now());
@@ -168,9 +195,9 @@ export class Exhibit {
     return null;
   }
 
-  #set(picture: Judged, layers: Layers, pace: number): void {
-    this.shown = picture;
-    this.figure.setPicture(picture, pace, performance.now());
+  #set(frame: FrameData, layers: Layers, pace: number): void {
+    this.shown = frame;
+    this.figure.setFrame(frame, pace, performance.now());
     this.figure.setLayers(layers);
     this.#listener.drawn(this);
   }

@@ -6,7 +6,7 @@ import type { App } from "../app.js";
 const STAYS = 6000;
 
 /** Says sentences in a live region. Errors stay until something else is said, or they are forgotten. */
-export function createVoice(region: HTMLElement): Pick<App, "say" | "forget"> {
+export function createAnnouncer(region: HTMLElement): Pick<App, "say" | "forget"> {
   let timer = 0;
   const say: App["say"] = (sentence, kind = "info") => {
     clearTimeout(timer);

@@ -2,14 +2,14 @@
 
 import { el } from "../html.js";
 import { sentence } from "./description.js";
-import type { Fault } from "./reading.js";
+import type { Fault } from "./parse-input.js";
 
 // How many lines before and after the wrong one, and how much of each.
 const AROUND = 2;
 const WIDEST = 200;
 
 /** What is wrong with a file, with the lines where it is. */
-export function excerpt(name: string, text: string, faults: readonly Fault[]): HTMLElement {
+export function snippet(name: string, text: string, faults: readonly Fault[]): HTMLElement {
   const lines = text.split(/\r\n|\r|\n/);
   const parts = faults.slice(0, 3).map((fault) => part(name, lines, fault));
   const rest = faults.length - parts.length;
@@ -23,7 +23,7 @@ function part(name: string, lines: readonly string[], { detail, line, column }: 
   const first = Math.max(1, line - AROUND);
   const shown = lines.slice(first - 1, line + AROUND);
   const rows = shown.map((content, i) => row(content, first + i, first + i === line, column));
-  return el("div", {}, said, el("div", { class: "excerpt", tabindex: 0, role: "group", "aria-label": `Lines around line ${line}` }, ...rows));
+  return el("div", {}, said, el("div", { class: "snippet", tabindex: 0, role: "group", "aria-label": `Lines around line ${line}` }, ...rows));
 }
 
 function row(content: string, number: number, wrong: boolean, column: number | null): HTMLElement {

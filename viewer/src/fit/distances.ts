@@ -96,6 +96,28 @@ export function excessAt(data: Data, excesses: readonly number[], samples: Sampl
   });
 }
 
+/** The same along a curve. */
+export function heatAlong(data: Data, lengths: Float64Array, excesses: Float64Array | null, samples: Samples, near: number, far: number): Float32Array {
+  const [own, all] = [data.parameters[0]!, samples.parameters[0]];
+  const log = Array.from(lengths, (length) => heatOf(length, near, far));
+  return Float32Array.from(all, (t, i) => {
+    const [a, s] = between(own, t, all.at(-1)!);
+    const value = (1 - s) * (log[a % log.length] ?? 0) + s * (log[(a + 1) % log.length] ?? 0);
+    return Math.max(value, heatOf(excesses?.[i] ?? 0, near, far));
+  });
+}
+
+/** How far samples are from those of another fit with the same parameters, which have as many; null if they have not. */
+export function apart(samples: Samples, others: Samples): Float64Array | null {
+  const { rows, columns, dimension, exact } = samples;
+  if (others.rows !== rows || others.columns !== columns || others.dimension !== dimension) return null;
+  return Float64Array.from({ length: rows * columns }, (_, i) => {
+    let sum = 0;
+    for (let at = i * dimension; at < (i + 1) * dimension; at++) sum += (exact[at]! - others.exact[at]!) ** 2;
+    return Math.sqrt(sum);
+  });
+}
+
 /** The distances of the data, and by how much the surface leaves these at each sample, as colours of the samples. */
 export function heatAt(data: Data, lengths: Float64Array, excesses: Float64Array | null, samples: Samples, near: number, far: number): Float32Array {
   const grid = { rows: data.rows, columns: data.columns, values: lengths, u: data.parameters[0]!, v: data.parameters[1]! };

@@ -10,7 +10,7 @@ import { Dots } from "./dots.js";
 import { FatLine } from "./fatline.js";
 import type { Figure } from "./figure.js";
 import { Net } from "./net.js";
-import { Raster, type View } from "./raster.js";
+import { SoftwareRasterizer, type View } from "./software-rasterizer.js";
 import type { Cell } from "./cell.js";
 import { Surface } from "./surface.js";
 
@@ -23,12 +23,12 @@ const MANY = 1000;
 type Uniforms = Readonly<Record<string, { value: unknown }>>;
 
 /** A canvas over that of WebGL. */
-export class Plain {
+export class Canvas2d {
   readonly canvas = document.createElement("canvas");
   readonly #context = this.canvas.getContext("2d");
 
   constructor() {
-    this.canvas.className = "plain";
+    this.canvas.className = "canvas2d";
     this.canvas.setAttribute("aria-hidden", "true");
   }
 
@@ -41,28 +41,34 @@ export class Plain {
     this.#context?.clearRect(0, 0, width, height);
   }
 
-  draw({ scene, group }: Figure, camera: PerspectiveCamera, cell: Cell, isMoving: boolean): void {
+  /** Draws figures into a part of the canvas; surfaces hide what is behind them. */
+  draw(figures: readonly Figure[], camera: PerspectiveCamera, cell: Cell, isMoving: boolean): void {
     const context = this.#context;
     const [width, height] = [Math.round(cell.width), Math.round(cell.height)];
     if (context === null || width < 1 || height < 1) return;
-    scene.updateMatrixWorld();
     camera.updateMatrixWorld();
-    const eye = new Matrix4().multiplyMatrices(camera.matrixWorldInverse, group.matrixWorld);
-    const clip = new Matrix4().multiplyMatrices(camera.projectionMatrix, eye);
-    const view: View = { eye: eye.elements, clip: clip.elements, width, height };
-    const parts = group.children.filter(({ visible }) => visible);
-    const surface = parts.find((part) => part instanceof Surface);
-    const raster = surface === undefined ? null : new Raster(view);
-    if (surface !== undefined) context.putImageData(raster!.draw(surface), Math.round(cell.x), Math.round(cell.y));
+    const all = figures.map(({ scene, group }) => {
+      scene.updateMatrixWorld();
+      const eye = new Matrix4().multiplyMatrices(camera.matrixWorldInverse, group.matrixWorld);
+      const clip = new Matrix4().multiplyMatrices(camera.projectionMatrix, eye);
+      const view: View = { eye: eye.elements, clip: clip.elements, width, height };
+      return { view, parts: group.children.filter(({ visible }) => visible) };
+    });
+    const surfaces = all.flatMap(({ view, parts }) => parts.flatMap((part) => (part instanceof Surface ? { surface: part, view } : [])));
+    const rasterizer = surfaces.length === 0 ? null : new SoftwareRasterizer(width, height);
+    for (const { surface, view } of surfaces) rasterizer!.draw(surface, view);
+    if (rasterizer !== null) context.putImageData(rasterizer.image, Math.round(cell.x), Math.round(cell.y));
     context.save();
     context.beginPath();
     context.rect(cell.x, cell.y, cell.width, cell.height);
     context.clip();
     context.translate(cell.x, cell.y);
-    for (const part of parts) {
-      if (part instanceof FatLine) lines(context, part, view, raster);
-      else if (part instanceof Net) net(context, part, view, raster);
-      else if (part instanceof Dots) dots(context, part, view, raster, isMoving);
+    for (const { view, parts } of all) {
+      for (const part of parts) {
+        if (part instanceof FatLine) lines(context, part, view, rasterizer);
+        else if (part instanceof Net) net(context, part, view, rasterizer);
+        else if (part instanceof Dots) dots(context, part, view, rasterizer, isMoving);
+      }
     }
     context.restore();
   }
@@ -88,36 +94,36 @@ function pen(context: CanvasRenderingContext2D, uniforms: Uniforms, width: numbe
 }
 
 /** One line, or many between two points each. */
-function lines(context: CanvasRenderingContext2D, { geometry, material }: FatLine, view: View, raster: Raster | null): void {
+function lines(context: CanvasRenderingContext2D, { geometry, material }: FatLine, view: View, rasterizer: SoftwareRasterizer | null): void {
   const from = geometry.getAttribute("from") as unknown as { data: { array: Float32Array; stride: number } } | undefined;
   if (from === undefined) return;
   const { array, stride } = from.data;
   pen(context, material.uniforms, material.uniforms["width"]!.value as number, geometry.instanceCount);
   context.beginPath();
-  for (let i = 0; i < geometry.instanceCount; i++) segment(context, array, i * stride, i * stride + 3, view, raster, stride > 3 || i === 0 || raster !== null);
+  for (let i = 0; i < geometry.instanceCount; i++) segment(context, array, i * stride, i * stride + 3, view, rasterizer, stride > 3 || i === 0 || rasterizer !== null);
   context.stroke();
 }
 
-function net(context: CanvasRenderingContext2D, { geometry, material }: Net, view: View, raster: Raster | null): void {
+function net(context: CanvasRenderingContext2D, { geometry, material }: Net, view: View, rasterizer: SoftwareRasterizer | null): void {
   const positions = geometry.getAttribute("position")?.array;
   const index = geometry.index?.array;
   if (positions === undefined || index === undefined) return;
   pen(context, material.uniforms, 1, index.length);
   context.beginPath();
-  for (let i = 0; i + 1 < index.length; i += 2) segment(context, positions, index[i]! * 3, index[i + 1]! * 3, view, raster, true);
+  for (let i = 0; i + 1 < index.length; i += 2) segment(context, positions, index[i]! * 3, index[i + 1]! * 3, view, rasterizer, true);
   context.stroke();
 }
 
 /** Goes along a line, unless it is behind the surface. */
-function segment(context: CanvasRenderingContext2D, positions: ArrayLike<number>, a: number, b: number, view: View, raster: Raster | null, begins: boolean): void {
+function segment(context: CanvasRenderingContext2D, positions: ArrayLike<number>, a: number, b: number, view: View, rasterizer: SoftwareRasterizer | null, begins: boolean): void {
   const [from, to] = [placed(positions, a, view), placed(positions, b, view)];
   if (from === null || to === null) return;
-  if (raster !== null && raster.hides((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, (from[2] + to[2]) / 2 - LIFT)) return;
+  if (rasterizer !== null && rasterizer.hides((from[0] + to[0]) / 2, (from[1] + to[1]) / 2, (from[2] + to[2]) / 2 - LIFT)) return;
   if (begins) context.moveTo(from[0], from[1]);
   context.lineTo(to[0], to[1]);
 }
 
-function dots(context: CanvasRenderingContext2D, { geometry, material }: Dots, view: View, raster: Raster | null, isMoving: boolean): void {
+function dots(context: CanvasRenderingContext2D, { geometry, material }: Dots, view: View, rasterizer: SoftwareRasterizer | null, isMoving: boolean): void {
   const positions = geometry.getAttribute("position")?.array;
   if (positions === undefined) return;
   const { uniforms } = material;
@@ -129,7 +135,7 @@ function dots(context: CanvasRenderingContext2D, { geometry, material }: Dots, v
   const step = isMoving ? Math.ceil(positions.length / 3 / MOVING) : 1;
   for (let i = 0; i < positions.length; i += 3 * step) {
     const at = placed(positions, i, view);
-    if (at !== null && !(raster?.hides(at[0], at[1], at[2] - LIFT) ?? false)) seen.push(at);
+    if (at !== null && !(rasterizer?.hides(at[0], at[1], at[2] - LIFT) ?? false)) seen.push(at);
   }
   for (const [color, r] of paths) {
     context.fillStyle = color;

@@ -2,18 +2,23 @@
 
 import type { App } from "./app.js";
 import { byId } from "./html.js";
-import { bring } from "./panels/bring.js";
+import { importPanel } from "./panels/import-panel.js";
 import { jobs } from "./panels/jobs.js";
-import { take } from "./panels/take.js";
+import { exportPanel } from "./panels/export-panel.js";
+import type { SceneController } from "./scene/scene-controller.js";
 import { chart } from "./ui/chart.js";
+import { help } from "./ui/help.js";
+import { overlay } from "./ui/overlay.js";
 
 /** Makes it piece by piece, so that nobody waits for it. */
-export async function beside(app: App): Promise<void> {
+export async function sidebar(app: App, scene: SceneController): Promise<void> {
   chart(app);
+  overlay(app, scene);
+  help();
   await rest();
-  bring(byId("bring"), app);
+  importPanel(byId("import"), app);
   jobs(byId("jobs"), app);
-  take(byId("take"), app);
+  exportPanel(byId("export"), app);
   await rest();
 }
 

@@ -6,7 +6,7 @@ import type { App } from "../app.js";
 import { isGone } from "../fit/fit.js";
 import { sentence } from "../text/errors.js";
 
-export function trouble(app: App): void {
+export function connectionStatus(app: App): void {
   let said = "";
   let isLost = false;
   // An error that other jobs have, too, is said of them again.

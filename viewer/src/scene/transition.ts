@@ -4,7 +4,7 @@
 const MOST = 60_000;
 
 /** Numbers on their way to others, so that steps are seen as movements. */
-export class Morph {
+export class Transition {
   /** What is shown now; the vertex buffer. */
   shown: Float32Array = new Float32Array(0);
   #from: Float32Array | null = null;
