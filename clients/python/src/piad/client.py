@@ -10,6 +10,7 @@ import httpx
 
 from ._blocking import iterate, making, method, same
 from ._connections import BlockingConnections
+from ._place import place
 from ._service import Service
 from ._transport import Transport, settings
 from .batch import Batch
@@ -25,7 +26,7 @@ class Client:
 
     def __init__(
         self,
-        base_url: str = "http://127.0.0.1:8080",
+        base_url: Optional[str] = None,
         *,
         timeout: float = 60.0,
         attempts: int = 8,
@@ -33,13 +34,15 @@ class Client:
         headers: Optional[Mapping[str, str]] = None,
         transport: Optional[httpx.BaseTransport] = None,
     ):
-        """`timeout` is how many seconds the server may be silent, `attempts` how often a request is
+        """Without a `base_url` it is that in the variable PIAD_URL, with the token in PIAD_TOKEN, or that of a server
+        which is started for this process, is shared by its clients and ends with it. `timeout` is how many seconds the server may be silent, `attempts` how often a request is
         sent, or a stream opened again without an iteration in between, while connections break or
         the server has no room. Where no server is, this is known within two seconds. `token` is one
         of `piad token create`, for a server that asks for one. `headers` go with every request.
         `transport` is one of httpx, for proxies, certificates, Unix sockets and tests.
         """
-        connections = BlockingConnections(transport, **settings(base_url, timeout, token, headers))
+        where = place(base_url, token, has_transport=transport is not None)
+        connections = BlockingConnections(transport, where.socket, **settings(where.url, timeout, where.token, headers))
         self._async = Service(Transport(connections, attempts=attempts), timeout)
 
     def __enter__(self) -> Client:

@@ -84,6 +84,10 @@ class ConnectionLost(PiadError):
     """The server could not be reached, or the connection broke, more often than is tried."""
 
 
+class ServerNotStarted(PiadError):
+    """A fit without the URL of a server needs one of this process, and that cannot be started."""
+
+
 class ProtocolError(PiadError):
     """The server answered something that is not of this API."""
 

@@ -13,10 +13,12 @@ from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
 from .boundary import Boundary, Side, boundary
 from .derivative import Orders, checked, differentiated, quotient
+from .picture import surface_picture
+from .shown import Shown
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(Shown):
     """A tensor-product surface: two bases, a net of control points and, if it is rational, weights.
 
     u runs down the rows of the net and v along its columns. Lengths are in the units of the data
@@ -132,6 +134,9 @@ class Surface:
         rational.
         """
         return boundary(self, side)
+
+    def _picture(self) -> str:
+        return surface_picture(self)
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.NdBSpline`, to be called with points (u, v).
