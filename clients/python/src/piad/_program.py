@@ -41,7 +41,7 @@ def _beside() -> Iterator[Path]:
         files = metadata.files("piad") or []
     except metadata.PackageNotFoundError:
         files = []
-    yield from (Path(str(file.locate())) for file in files if file.name == _NAME)
+    yield from (Path(os.path.normpath(file.locate())) for file in files if file.name == _NAME)
     # `pip install --target` moves it, and does not record that.
     yield Path(__file__).parents[1] / "bin" / _NAME
 
