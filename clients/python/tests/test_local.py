@@ -235,12 +235,12 @@ def test_interrupts_of_the_terminal_do_not_end_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("variable", "told"), [("", "make wheel.*PIAD_PROGRAM.*PIAD_URL"), ("/nowhere", "PIAD_PROGRAM is '/nowhere'")]
+    ("variable", "expected"), [("", "make wheel.*PIAD_PROGRAM.*PIAD_URL"), ("/nowhere", "PIAD_PROGRAM is '/nowhere'")]
 )
-def test_without_the_program(variable: str, told: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_program(variable: str, expected: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PIAD_PROGRAM", variable)
     monkeypatch.setenv("PATH", "/nowhere")
-    with pytest.raises(piad.ServerNotStarted, match=told):
+    with pytest.raises(piad.ServerNotStarted, match=expected):
         piad.fit(CURVE)
 
 
