@@ -111,8 +111,20 @@ mod unix_socket {
     pub struct UnixSocket {
         listener: UnixListener,
         path: PathBuf,
-        /// The directory of the file, if it was made for it.
-        made: Option<PathBuf>,
+        _made: Made,
+    }
+
+    /// The directory of a socket if it was made for it, which is removed at its end.
+    #[derive(Debug)]
+    struct Made(Option<PathBuf>);
+
+    impl Drop for Made {
+        fn drop(&mut self) {
+            if let Some(directory) = &self.0 {
+                // Something else may be in it.
+                let _ = fs::remove_dir(directory);
+            }
+        }
     }
 
     impl UnixSocket {
@@ -120,7 +132,7 @@ mod unix_socket {
         /// is made for this user alone, and removed at the end.
         pub(in crate::server) fn bind(path: &Path) -> io::Result<Self> {
             let path = path.to_owned();
-            let made = make_directory(&path)?;
+            let made = Made(make_directory(&path)?);
             let listener = match UnixListener::bind(&path) {
                 Err(reason) if reason.kind() == io::ErrorKind::AddrInUse && is_left(&path) => {
                     fs::remove_file(&path)?;
@@ -131,7 +143,7 @@ mod unix_socket {
             Ok(Self {
                 listener,
                 path,
-                made,
+                _made: made,
             })
         }
 
@@ -150,11 +162,8 @@ mod unix_socket {
 
     impl Drop for UnixSocket {
         fn drop(&mut self) {
-            // Another process may have removed it already, or put something else into the directory.
+            // Another process may have removed it already.
             let _ = fs::remove_file(&self.path);
-            if let Some(directory) = &self.made {
-                let _ = fs::remove_dir(directory);
-            }
         }
     }
 
