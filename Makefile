@@ -1,4 +1,4 @@
-.PHONY: run test check library api database tokens postgres faketime programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image python typescript csharp cpp freecad conformance browser chromium node viewer page paint turn pictures
+.PHONY: run test check library api database tokens postgres faketime programs bench tolerance fuzz lint tools fmt openapi types files interop contract deploy operators image wheel dist python typescript csharp cpp freecad conformance browser chromium node viewer page paint turn pictures
 
 # Python packages that read the exported files, talk gRPC and test the client.
 VENV := target/venv
@@ -99,6 +99,21 @@ image:
 	  $(INSTALL) buildah podman crun debootstrap binutils python3
 	deploy/image
 	python3 tests/python/image.py
+
+# The profile of the packages; PROFILE=dev is quicker to build.
+PROFILE := release
+
+# The client of Python and the program in one wheel, in target/wheel.
+wheel:
+	@python3 -m venv target/wheel/venv || $(INSTALL) python3-venv
+	python3 -m venv target/wheel/venv
+	cargo build --locked --profile $(PROFILE) --bin piad
+	PYTHON=target/wheel/venv/bin/python clients/python/wheel target/$(PROFILE:dev=debug)/piad
+
+# A static program with completions and manual pages in an archive, in target/dist; tried in an empty root.
+dist:
+	archive=$$(PROFILE=$(PROFILE) deploy/dist) && \
+	  python3 tests/python/dist.py "$$archive" "$$(git rev-parse --short=12 HEAD)"
 
 # Writes docs/openapi.json, which tests compare with the document of a server.
 openapi:

@@ -72,6 +72,16 @@ async fn serve_until_the_end(config: Config, telemetry: Option<&Telemetry>) -> E
         return ExitCode::from(2);
     }
     let interrupted = signals::interrupted();
+    let exit_with_stdin = config.exit_with_stdin;
+    let stopped = async move {
+        match exit_with_stdin {
+            true => tokio::select! {
+                () = interrupted => {}
+                () = signals::stdin_ended() => info!("the standard input has ended"),
+            },
+            false => interrupted.await,
+        }
+    };
     let mut listeners = Vec::new();
     for place in &config.listen {
         match place.bind().await {
@@ -83,7 +93,7 @@ async fn serve_until_the_end(config: Config, telemetry: Option<&Telemetry>) -> E
         }
     }
     tokio::spawn(trim::network());
-    match server::serve(listeners, config, interrupted).await {
+    match server::serve(listeners, config, stopped).await {
         Ok(()) => {
             info!("stopped");
             ExitCode::SUCCESS

@@ -1,7 +1,11 @@
-//! Signals of the operating system.
+//! Signals of the operating system, and the end of the standard input.
+
+use std::io;
+use std::thread;
 
 #[cfg(unix)]
 use tokio::signal::unix::{Signal, SignalKind, signal};
+use tokio::sync::oneshot;
 use tracing::warn;
 
 /// Completes at SIGINT or, on Unix, SIGTERM. They are noticed from this call on.
@@ -22,6 +26,26 @@ pub fn interrupted() -> impl Future<Output = ()> + Send + 'static {
         if let Err(reason) = tokio::signal::ctrl_c().await {
             warn!("cannot handle interrupts: {reason}");
             std::future::pending::<()>().await;
+        }
+    }
+}
+
+/// Completes when the standard input has ended or cannot be read. Bytes before its end are ignored.
+pub fn stdin_ended() -> impl Future<Output = ()> + Send + 'static {
+    let (sender, ended) = oneshot::channel();
+    // A read of a pipe cannot be cancelled: the runtime, which waits for its own threads, does not wait for this one.
+    let reader = thread::Builder::new().name("stdin".to_owned());
+    let started = reader.spawn(move || {
+        let copied = io::copy(&mut io::stdin(), &mut io::sink());
+        let _ = sender.send(copied);
+    });
+    async move {
+        // Without the thread, which has the sender, this completes at once.
+        match (started, ended.await) {
+            (Err(reason), _) | (_, Ok(Err(reason))) => {
+                warn!("cannot read the standard input: {reason}");
+            }
+            _ => {}
         }
     }
 }

@@ -232,6 +232,11 @@ pub struct Config {
     #[arg(long, env = "PIAD_GRACE", default_value = "4", value_parser = seconds)]
     pub grace: Duration,
 
+    /// End the server when its standard input ends, for programs that start a server of their own and hold a pipe to
+    /// it: it ends with them, also if they are killed.
+    #[arg(long, env = "PIAD_EXIT_WITH_STDIN")]
+    pub exit_with_stdin: bool,
+
     /// The collector for traces of requests and jobs, by OTLP over gRPC, such as http://localhost:4317;
     /// the variables OTEL_* of OpenTelemetry apply, too [default: that of OTEL_EXPORTER_OTLP_ENDPOINT, if any].
     #[arg(

@@ -99,7 +99,7 @@ impl fmt::Display for Listener {
 mod unix_socket {
     use std::fs;
     use std::io;
-    use std::os::unix::fs::FileTypeExt;
+    use std::os::unix::fs::{DirBuilderExt, FileTypeExt};
     use std::os::unix::net::UnixStream as Connection;
     use std::path::{Path, PathBuf};
     use std::task::{Context, Poll, ready};
@@ -111,12 +111,28 @@ mod unix_socket {
     pub struct UnixSocket {
         listener: UnixListener,
         path: PathBuf,
+        _made: Made,
+    }
+
+    /// The directory of a socket if it was made for it, which is removed at its end.
+    #[derive(Debug)]
+    struct Made(Option<PathBuf>);
+
+    impl Drop for Made {
+        fn drop(&mut self) {
+            if let Some(directory) = &self.0 {
+                // Something else may be in it.
+                let _ = fs::remove_dir(directory);
+            }
+        }
     }
 
     impl UnixSocket {
-        /// Listens there. The file of a killed server is replaced; other files are not.
+        /// Listens there. The file of a killed server is replaced; other files are not. A directory that is missing
+        /// is made for this user alone, and removed at the end.
         pub(in crate::server) fn bind(path: &Path) -> io::Result<Self> {
             let path = path.to_owned();
+            let made = Made(make_directory(&path)?);
             let listener = match UnixListener::bind(&path) {
                 Err(reason) if reason.kind() == io::ErrorKind::AddrInUse && is_left(&path) => {
                     fs::remove_file(&path)?;
@@ -124,7 +140,11 @@ mod unix_socket {
                 }
                 bound => bound?,
             };
-            Ok(Self { listener, path })
+            Ok(Self {
+                listener,
+                path,
+                _made: made,
+            })
         }
 
         pub(super) fn path(&self) -> &Path {
@@ -145,6 +165,16 @@ mod unix_socket {
             // Another process may have removed it already.
             let _ = fs::remove_file(&self.path);
         }
+    }
+
+    /// Makes the directory of a file, not those above it, and returns its path if it was missing.
+    fn make_directory(path: &Path) -> io::Result<Option<PathBuf>> {
+        let directory = path.parent().filter(|it| !it.as_os_str().is_empty());
+        let Some(directory) = directory.filter(|it| !it.exists()) else {
+            return Ok(None);
+        };
+        fs::DirBuilder::new().mode(0o700).create(directory)?;
+        Ok(Some(directory.to_owned()))
     }
 
     /// Returns true if this is a socket without a listener.

@@ -1,14 +1,16 @@
 //! Servers on Unix domain sockets, beside ports.
 
 use std::fs;
-use std::os::unix::fs::FileTypeExt;
+use std::io::Write;
+use std::os::unix::fs::{FileTypeExt, PermissionsExt};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::UnixStream;
 
 use crate::program::{PROGRAM, Program};
+use crate::support::eventually;
 
 /// Asks for something on a socket, and gives the whole answer.
 async fn ask(socket: &Path, request: &str) -> String {
@@ -81,6 +83,36 @@ fn files_that_are_no_sockets_are_left_alone() {
     let refused = refused(&format!("unix:{}", file.display()), folder.path());
     assert!(refused.contains("notes"), "{refused}");
     assert_eq!(fs::read_to_string(&file).unwrap(), "mine");
+}
+
+#[tokio::test]
+async fn a_server_ends_with_its_standard_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let directory = folder.path().join("made");
+    let socket = directory.join("piad.sock");
+    let mut command = Command::new(PROGRAM);
+    command.args(["--exit-with-stdin", "--store", ":memory:", "--listen"]);
+    command.arg(format!("unix:{}", socket.display()));
+    let mut server = command.stdin(Stdio::piped()).spawn().unwrap();
+    eventually("it listens", async || socket.exists()).await;
+    let mode = fs::metadata(&directory).unwrap().permissions().mode();
+    assert_eq!(mode & 0o777, 0o700);
+    let mut input = server.stdin.take().unwrap();
+    input.write_all(b"ignored").unwrap();
+    let answer = ask(&socket, READY).await;
+    assert!(answer.starts_with("HTTP/1.1 200 OK\r\n"), "{answer}");
+    assert!(server.try_wait().unwrap().is_none());
+    drop(input);
+    assert!(server.wait().unwrap().success());
+    assert!(!directory.exists());
+}
+
+#[test]
+fn only_the_directory_of_a_socket_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let socket = folder.path().join("a/b/piad.sock");
+    let refused = refused(&format!("unix:{}", socket.display()), folder.path());
+    assert!(refused.contains("cannot listen"), "{refused}");
 }
 
 /// What a server says that cannot listen there.

@@ -15,7 +15,7 @@ import httpx
 import numpy as np
 import pytest
 
-from conftest import ROOT, Server
+from conftest import PROGRAM, ROOT, Server
 
 import piad
 
@@ -28,16 +28,17 @@ def snippets(page: str, section: str) -> list[str]:
 
 
 CLIENT = "clients/python/README.md"
-SECTIONS = ["Five minutes", "Many fits at once", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
+SECTIONS = ["Without a server", "Five minutes", "Many fits at once", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
 
 
-PAGES = [("README.md", "From CAD"), ("docs/how-to/constraints-and-patches.md", "Patches that join"), *((CLIENT, section) for section in SECTIONS)]
+PAGES = [("README.md", "From Python and CAD"), ("docs/how-to/constraints-and-patches.md", "Patches that join"), *((CLIENT, section) for section in SECTIONS)]
 
 
 @pytest.mark.parametrize(("page", "section"), PAGES)
 def test_examples_run(page: str, section: str, server: Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "agg")
+    monkeypatch.setenv("PIAD_PROGRAM", PROGRAM)
     code = snippets(page, section)[0].replace("http://127.0.0.1:8080", server.url)
     exec(compile(code, page, "exec"), {})
 
@@ -65,7 +66,7 @@ def test_differences_are_read_as_documented(server: Server, capsys: pytest.Captu
         assert deltas == len(events) - 2
 
 
-@pytest.mark.parametrize("section", ["Five minutes", "Many fits at once", "While a point is dragged"])
+@pytest.mark.parametrize("section", ["Without a server", "Five minutes", "Many fits at once", "While a point is dragged"])
 def test_examples_are_typed(section: str, tmp_path: Path) -> None:
     example = tmp_path / "example.py"
     example.write_text(snippets(CLIENT, section)[0], encoding="utf-8")

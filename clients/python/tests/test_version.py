@@ -1,4 +1,4 @@
-"""The package and the server are of one version."""
+"""All packages and the server are of one version, that of Cargo.toml."""
 
 from __future__ import annotations
 
@@ -10,10 +10,18 @@ from conftest import ROOT
 
 import piad
 
+MANIFESTS = {
+    "Cargo.toml": r'^version = "(.+)"$',
+    "clients/python/pyproject.toml": r'^version = "(.+)"$',
+    "clients/typescript/package.json": r'^  "version": "(.+)",$',
+    "clients/freecad/package.xml": r"<version>(.+)</version>",
+    "clients/cpp/CMakeLists.txt": r"^project\(piad VERSION (\S+)",
+}
 
-@pytest.mark.parametrize("manifest", ["clients/python/pyproject.toml", "Cargo.toml"])
+
+@pytest.mark.parametrize("manifest", MANIFESTS)
 def test_versions_are_equal(manifest: str) -> None:
-    said = re.search(r'^version = "(.+)"$', (ROOT / manifest).read_text(encoding="utf-8"), re.M)
+    said = re.search(MANIFESTS[manifest], (ROOT / manifest).read_text(encoding="utf-8"), re.M)
     assert said and piad.__version__ == version("piad") == said[1]
 
 

@@ -1,12 +1,12 @@
-"""A client of piad: curve and surface fitting in which every iteration is streamed.
+"""Curve and surface fitting in which every iteration is streamed.
 
     import piad
 
-    with piad.Client("http://127.0.0.1:8080") as client:
-        curve = client.fit([[0, 0], [1, 2], [3, 1], [4, 3]]).curve
-        curve.evaluate(0.5), curve.degree, curve.knots, curve.control_points
+    curve = piad.fit([[0, 0], [1, 2], [3, 1], [4, 3]], tolerance=1e-6).curve
+    curve.evaluate(0.5), curve.degree, curve.knots, curve.control_points
 
-- `client`: `Client`, the entry point; `job`: `Job`, its iterations and its result; `async_client`,
+- `fitting`: `fit`, `fit_file` and `read`, at a server of this process or at another one;
+- `client`: `Client`, for iterations and jobs; `job`: `Job`, its iterations and its result; `async_client`,
   `async_job`: the same for asyncio; `status`: the state of a job;
 - `iteration`: `Iteration`, `Result` and their parts; `geometry`: `Curve` and `Surface`, and conversions to other
   packages; `points`: files of points; `plotting`: plots;
@@ -33,8 +33,10 @@ from .errors import (
     PiadError,
     Problem,
     ProtocolError,
+    ServerNotStarted,
     WaitTimeout,
 )
+from .fitting import fit, fit_file, read
 from .geometry import Basis, Boundary, Curve, Surface
 from .iteration import BadWeight, Deviation, Distances, Iteration, Result, Samples, Shape, Trim, boundary
 from .job import Job
@@ -85,6 +87,7 @@ __all__ = [
     "ProtocolError",
     "Result",
     "Samples",
+    "ServerNotStarted",
     "Shape",
     "Status",
     "Surface",
@@ -93,5 +96,13 @@ __all__ = [
     "WaitTimeout",
     "__version__",
     "boundary",
+    "fit",
+    "fit_file",
     "plot",
+    "read",
 ]
+
+
+def __dir__() -> list[str]:
+    """The names that programs use, for completions."""
+    return sorted(__all__)

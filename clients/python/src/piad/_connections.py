@@ -22,6 +22,9 @@ class Connections(Protocol):
     then released.
     """
 
+    blocks: bool
+    """True if coroutines never wait for an event loop."""
+
     @property
     def http(self) -> Union[httpx.Client, httpx.AsyncClient]: ...
     async def send(self, request: httpx.Request, *, stream: bool = False) -> httpx.Response: ...
@@ -35,7 +38,11 @@ class Connections(Protocol):
 class AsyncConnections:
     """Connections of the running event loop."""
 
-    def __init__(self, transport: Optional[httpx.AsyncBaseTransport], **more: Any):
+    blocks = False
+
+    def __init__(self, transport: Optional[httpx.AsyncBaseTransport], socket: Optional[str], **more: Any):
+        if transport is None and socket is not None:
+            transport = httpx.AsyncHTTPTransport(uds=socket, limits=_LIMITS)
         self.http = httpx.AsyncClient(transport=transport, limits=_LIMITS, **more)
 
     async def send(self, request: httpx.Request, *, stream: bool = False) -> httpx.Response:
@@ -60,7 +67,11 @@ class AsyncConnections:
 class BlockingConnections:
     """Blocking connections. None of the coroutines ever suspends."""
 
-    def __init__(self, transport: Optional[httpx.BaseTransport], **more: Any):
+    blocks = True
+
+    def __init__(self, transport: Optional[httpx.BaseTransport], socket: Optional[str], **more: Any):
+        if transport is None and socket is not None:
+            transport = httpx.HTTPTransport(uds=socket, limits=_LIMITS)
         self.http = httpx.Client(transport=transport, limits=_LIMITS, **more)
 
     async def send(self, request: httpx.Request, *, stream: bool = False) -> httpx.Response:

@@ -3,119 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, Optional, TypeVar, Union
+from typing import Any, Literal, Optional
 
 from ._arrays import as_lists, depth
-from .geometry import BasisKind
+from ._settings import ControlPoints, Method, Rational, SampleCount, Settings
 from .iteration import Index
 
-T = TypeVar("T")
-
-PerDirection = Union[T, Mapping[Literal["u", "v"], T]]
-"""One value, for both directions of a surface, or `{"u": …, "v": …}`."""
-
-MethodKind = Literal[
-    "global",
-    "weighted",
-    "local",
-    "adaptive",
-    "extended",
-    "transpose",
-    "convex",
-    "chebyshev",
-    "direct",
-    "least_squares",
-    "custom",
-]
-Method = Union[MethodKind, Mapping[str, Any]]
-"""The name of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
-
-ControlPoints = Union[PerDirection[int], Literal["auto"]]
-"""The number of control points of least squares; "auto": the fewest that meet the tolerance."""
-
-Rational = Literal["homogeneous", "fixed"]
-Knots = Union[Literal["data", "averaged", "spread", "adaptive"], Sequence[float]]
-End = Union[Literal["estimated", "repeated", "natural"], Mapping[str, Any]]
-"""The end condition on one side of a direction: a name, or an object with a `derivative`, `derivatives` or a
-`tangent`."""
-Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start", "end"], End]]
-"""The end conditions of a direction: a name for both sides, or an object with one for each side."""
-SurfaceEnds = Union[Ends, Mapping[Literal["u", "v"], Ends]]
-"""The end conditions of a surface: those of a curve, for both directions or for each."""
-Corners = Union[Literal["auto"], Mapping[Literal["angle"], float], Sequence[int]]
-"""The corners of a curve: "auto", a smallest angle in degrees, or indices of points."""
-Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
-ScatteredParameters = Union[
-    Literal["auto", "project"],
-    Mapping[Literal["project", "axis", "center"], Any],
-    Mapping[Literal["pairs", "domains"], Any],
-    Mapping[Literal["sections"], Sequence[int]],
-    Mapping[Literal["triangles", "unfolding"], Any],
-    Mapping[Literal["foot_points"], Mapping[str, Any]],
-    Sequence[Sequence[float]],
-]
-"""Parameters of scattered points: u and v of each, shape (n, 2); `"auto"`; the surface they are on, such as
-`{"project": "cylinder", "axis": [0, 0, 1]}`, the triangles of the mesh with these vertices,
-`{"triangles": [[0, 1, 2], …]}`, or a job whose surface gives their foot points:
-`{"foot_points": {"job": job.id}}`."""
-
-SampleCount = Union[int, tuple[int, int]]
-"""The number of samples of a curve, or the numbers in u and v of a surface."""
+# Settings of the curve or the surface that are sent as they are.
+_OF_THE_SHAPE = (
+    "spacing",
+    "origin",
+    "parameters",
+    "closed",
+    "corners",
+    "creases",
+    "order",
+    "repeated_points",
+    "ends",
+    "weights",
+)
 
 
-def job(
-    points: Any,
-    *,
-    basis: PerDirection[BasisKind],
-    degree: Optional[PerDirection[int]],
-    knots: Optional[PerDirection[Knots]],
-    parameters: Union[PerDirection[Parameters], ScatteredParameters, None],
-    scattered: bool,
-    sections: bool,
-    spacing: Optional[Sequence[float]],
-    origin: Optional[Sequence[float]],
-    closed: Optional[PerDirection[bool]],
-    corners: Optional[Corners],
-    creases: Optional[Mapping[str, Sequence[int]]],
-    trim: Union[bool, Mapping[str, float]],
-    polyline: bool,
-    order: Optional[str],
-    repeated_points: Optional[str],
-    ends: Optional[SurfaceEnds],
-    weights: Any,
-    rational: Optional[Rational],
-    method: Optional[Method],
-    stop: Mapping[str, Any],
-    name: Optional[str],
-    stream: Optional[Mapping[str, Any]],
-) -> dict[str, Any]:
+def job(points: Any, settings: Settings, *, stream: Optional[Mapping[str, Any]] = None) -> dict[str, Any]:
     """A body for `POST /v1/jobs`. Arguments that are None get the server's defaults."""
+    every: Mapping[str, Any] = settings
+    it = every.get
+    scattered, sections, spacing = it("scattered", False), it("sections", False), it("spacing")
     kind = "surface" if scattered or sections or spacing is not None else _kind(points)
     if scattered and depth(points) != 2:
         raise ValueError(f"scattered points are a list of points (2 dimensions), these have {depth(points)}")
     shape = {
         "sections" if sections else "scattered" if scattered else "points": _lists(points, sections, spacing),
-        "spacing": plain(spacing),
-        "origin": plain(origin),
-        "basis": _bases(basis, degree, knots),
-        "parameters": plain(parameters),
-        "closed": plain(closed),
-        "corners": plain(corners),
-        "creases": plain(creases),
-        "trim": plain(trim) or None,
-        "polyline": polyline or None,
-        "order": order,
-        "repeated_points": repeated_points,
-        "ends": plain(ends),
-        "weights": plain(weights),
+        "basis": _bases(it("basis") or "bspline", it("degree"), it("knots")),
+        **{name: plain(it(name)) for name in _OF_THE_SHAPE},
+        "trim": plain(it("trim")) or None,
+        "polyline": it("polyline") or None,
     }
+    method = with_control_points(it("method"), it("control_points"))
+    stop_ = stop(it("tolerance"), it("relative_tolerance"), it("max_iterations"))
     return given(
         {
-            "name": name,
+            "name": it("name"),
             kind: given(shape),
-            "rational": rational,
-            "method": None if method is None else settings(method),
-            "stop": dict(stop) or None,
+            "rational": it("rational"),
+            "method": None if method is None else method_fields(method),
+            "stop": stop_ or None,
             "stream": stream,
         }
     )
@@ -199,7 +131,7 @@ def edit(
             "points": _moves(points or {}, point_weights or {}) or None,
             "weights": plain(weights),
             "rational": rational,
-            "method": None if method is None else settings(method),
+            "method": None if method is None else method_fields(method),
             "stop": dict(stop) or None,
             **more,
         }
@@ -218,7 +150,7 @@ def grid(count: SampleCount) -> str:
     return str(count) if isinstance(count, int) else "x".join(map(str, as_lists(count)))
 
 
-def settings(method: Method) -> dict[str, Any]:
+def method_fields(method: Method) -> dict[str, Any]:
     """A method with its settings."""
     if isinstance(method, str):
         return {"kind": method}
@@ -229,7 +161,7 @@ def with_control_points(method: Optional[Method], control_points: Optional[Contr
     """Sets the number of control points; the default method is then least squares."""
     if control_points is None:
         return method
-    fields = settings("least_squares" if method is None else method)
+    fields = method_fields("least_squares" if method is None else method)
     if "control_points" in fields:
         raise ValueError("control_points are given twice: beside the method and in it")
     return {**fields, "control_points": control_points}

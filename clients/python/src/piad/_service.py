@@ -5,21 +5,23 @@ from __future__ import annotations
 import inspect
 import sys
 import warnings
-from collections.abc import AsyncGenerator, Coroutine, Mapping, Sequence
+from collections.abc import AsyncGenerator, Coroutine, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional, Union, cast
 
 from . import _request
-from ._request import ControlPoints, Corners, Knots, Method, Parameters, PerDirection, Rational, ScatteredParameters, SurfaceEnds
+from ._settings import ControlPoints, FileSettings, Method, PointSettings, Reading, Settings, check_names, spelled_out
 from ._transport import Transport
 from .async_job import AsyncJob, post
 from .batch import AsyncBatch, Items
 from .errors import NotConverged
-from .geometry import BasisKind
 from .iteration import Result
 from .points import FilePoints
 from .status import State, Status
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 # The server is asked to wait up to this many seconds for the end of a job before it responds.
 _WAIT = 10.0
@@ -36,37 +38,15 @@ class Service:
         """Closes all connections. Jobs continue."""
         await self._transport.close()
 
-    async def create(
+    @spelled_out(Settings)
+    def create(
         self,
         points: Any,
         *,
-        basis: PerDirection[BasisKind] = "bspline",
-        degree: Optional[PerDirection[int]] = None,
-        knots: Optional[PerDirection[Knots]] = None,
-        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
-        scattered: bool = False,
-        sections: bool = False,
-        spacing: Optional[Sequence[float]] = None,
-        origin: Optional[Sequence[float]] = None,
-        closed: Optional[PerDirection[bool]] = None,
-        corners: Optional[Corners] = None,
-        creases: Optional[Mapping[str, Sequence[int]]] = None,
-        trim: Union[bool, Mapping[str, float]] = False,
-        polyline: bool = False,
-        order: Optional[str] = None,
-        repeated_points: Optional[str] = None,
-        ends: Optional[SurfaceEnds] = None,
-        weights: Any = None,
-        rational: Optional[Rational] = None,
-        method: Optional[Method] = None,
-        control_points: Optional[ControlPoints] = None,
-        tolerance: Optional[float] = None,
-        relative_tolerance: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        name: Optional[str] = None,
         stream: Optional[Mapping[str, Any]] = None,
         idempotency_key: Optional[str] = None,
-    ) -> AsyncJob:
+        **settings: Unpack[Settings],
+    ) -> Coroutine[Any, Any, AsyncJob]:
         """A new job.
 
         `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension):
@@ -91,95 +71,21 @@ class Service:
         Requests have an `Idempotency-Key`, so a retry after a broken connection creates no second job; programs that
         may themselves restart can set `idempotency_key`.
         """
-        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
-        body = _request.job(
-            points,
-            basis=basis,
-            degree=degree,
-            knots=knots,
-            parameters=parameters,
-            scattered=scattered,
-            sections=sections,
-            spacing=spacing,
-            origin=origin,
-            closed=closed,
-            corners=corners,
-            creases=creases,
-            trim=trim,
-            polyline=polyline,
-            order=order,
-            repeated_points=repeated_points,
-            ends=ends,
-            weights=weights,
-            rational=rational,
-            method=_request.with_control_points(method, control_points),
-            stop=stop,
-            name=name,
-            stream=stream,
-        )
-        return await post(self._transport, "/v1/jobs", body, key=idempotency_key)
+        check_names(Service.create, settings, Settings)
+        body = _request.job(points, settings, stream=stream)
+        return post(self._transport, "/v1/jobs", body, key=idempotency_key)
 
+    @spelled_out(Settings)
     def fit(
-        self,
-        points: Any,
-        *,
-        basis: PerDirection[BasisKind] = "bspline",
-        degree: Optional[PerDirection[int]] = None,
-        knots: Optional[PerDirection[Knots]] = None,
-        parameters: Union[PerDirection[Parameters], ScatteredParameters, None] = None,
-        scattered: bool = False,
-        sections: bool = False,
-        spacing: Optional[Sequence[float]] = None,
-        origin: Optional[Sequence[float]] = None,
-        closed: Optional[PerDirection[bool]] = None,
-        corners: Optional[Corners] = None,
-        creases: Optional[Mapping[str, Sequence[int]]] = None,
-        trim: Union[bool, Mapping[str, float]] = False,
-        polyline: bool = False,
-        order: Optional[str] = None,
-        repeated_points: Optional[str] = None,
-        ends: Optional[SurfaceEnds] = None,
-        weights: Any = None,
-        rational: Optional[Rational] = None,
-        method: Optional[Method] = None,
-        control_points: Optional[ControlPoints] = None,
-        tolerance: Optional[float] = None,
-        relative_tolerance: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        name: Optional[str] = None,
-        timeout: Optional[float] = None,
+        self, points: Any, *, timeout: Optional[float] = None, **settings: Unpack[Settings]
     ) -> Coroutine[Any, Any, Result]:
         """Creates a job and returns its result: see `create` for the arguments.
 
         Waits at most `timeout` seconds. A fit that has not reached its tolerance also returns a result, with the
         warning `NotConverged`: `warnings.simplefilter("error", piad.NotConverged)` turns it into an exception.
         """
-        stop = _request.stop(tolerance, relative_tolerance, max_iterations)
-        body = _request.job(
-            points,
-            basis=basis,
-            degree=degree,
-            knots=knots,
-            parameters=parameters,
-            scattered=scattered,
-            sections=sections,
-            spacing=spacing,
-            origin=origin,
-            closed=closed,
-            corners=corners,
-            creases=creases,
-            trim=trim,
-            polyline=polyline,
-            order=order,
-            repeated_points=repeated_points,
-            ends=ends,
-            weights=weights,
-            rational=rational,
-            method=_request.with_control_points(method, control_points),
-            stop=stop,
-            name=name,
-            stream=None,
-        )
+        check_names(Service.fit, settings, Settings)
+        body = _request.job(points, settings)
         # In a task of its own, the coroutine has no caller on the stack.
         return self._fit(body, timeout, _caller())
 
@@ -220,7 +126,7 @@ class Service:
             common["stop"] = {**common.get("stop", {}), **stop}
         chosen = _request.with_control_points(method, control_points)
         if chosen is not None:
-            common["method"] = _request.settings(chosen)
+            common["method"] = _request.method_fields(chosen)
         if degree is not None:
             for kind in ("curve", "surface"):
                 common[kind] = {**common.get(kind, {}), "degree": degree}
@@ -243,74 +149,83 @@ class Service:
             more = answer["next"].partition("?")[2]
             answer = await self._transport.json("GET", f"/v1/jobs?{more}")
 
-    async def read_points(
-        self,
-        file: Union[str, bytes, PathLike[str]],
-        *,
-        part: Union[int, str, None] = None,
-        columns: Optional[str] = None,
-        size: Optional[str] = None,
-        sections: Optional[bool] = None,
-        piece: Optional[int] = None,
-        order: Optional[str] = None,
-        times: bool = False,
-        scattered: bool = False,
-    ) -> FilePoints:
+    @spelled_out(PointSettings)
+    def read_points(
+        self, file: Union[str, bytes, PathLike[str]], **settings: Unpack[PointSettings]
+    ) -> Coroutine[Any, Any, FilePoints]:
         """Reads the points of a file, for `create` and `fit`, with notes about how it was read.
 
-        `file` is a path (`pathlib.Path`), bytes or text. `part` selects a curve of a file with several, by name or
-        number from 1; `columns`, such as `"x=2,y=3"`, assigns the columns of a table; `size`, such as `"40x60"`, is the
-        number of rows and columns of a surface; with `sections` the parts are sections of one surface; `piece` selects
-        a connected piece of a mesh, 1 being the largest; `order="given"` skips the check of the order of points; with
-        `times` the times of the points are their parameters; with `scattered` points without rows are those of a
-        surface. Nothing is fitted. Errors in a file name their lines (`ApiError`).
+        `file` is a path, bytes or text: a string of several lines, or one that begins with `{`, `[` or `<`, is text;
+        other strings are paths. `part` selects a curve of a file with several, by name or number from 1; `columns`,
+        such as `"x=2,y=3"`, assigns the columns of a table; `size`, such as `"40x60"`, is the number of rows and columns
+        of a surface; with `sections` the parts are sections of one surface; `piece` selects a connected piece of a mesh,
+        1 being the largest; `order="given"` skips the check of the order of points; with `times` the times of the points
+        are their parameters; with `scattered` points without rows are those of a surface. Nothing is fitted. Errors in a
+        file name their lines (`ApiError`).
         """
+        check_names(Service.read_points, settings, PointSettings)
+        return self._read(file, settings)
+
+    async def _read(self, file: Union[str, bytes, PathLike[str]], settings: PointSettings) -> FilePoints:
+        part, sections = settings.get("part"), settings.get("sections")
+        piece, scattered = settings.get("piece"), settings.get("scattered")
         parameters = _request.given(
             {
                 "part": None if part is None else str(part),
-                "columns": columns,
-                "surface.size": size,
-                "surface.sections": None if sections is None else str(sections).lower(),
+                "columns": settings.get("columns"),
+                "surface.size": settings.get("size"),
+                "surface.sections": None if sections is None else str(bool(sections)).lower(),
                 "piece": None if piece is None else str(piece),
-                "curve.order": order,
-                "curve.parameters": "time" if times else None,
+                "curve.order": settings.get("order"),
+                "curve.parameters": "time" if settings.get("times") else None,
                 "surface.parameters": "auto" if scattered else None,
             }
         )
-        text = Path(file).read_bytes() if isinstance(file, PathLike) else file
-        answer = await self._transport.json("POST", "/v1/points", text=text, parameters=parameters)
+        answer = await self._transport.json("POST", "/v1/points", text=_content(file), parameters=parameters)
         return FilePoints.from_json(answer)
 
-    async def fit_file(
+    @spelled_out(FileSettings)
+    def fit_file(
         self,
         file: Union[str, bytes, PathLike[str]],
         /,
         *,
-        part: Union[int, str, None] = None,
-        columns: Optional[str] = None,
-        size: Optional[str] = None,
-        piece: Optional[int] = None,
-        times: bool = False,
-        scattered: bool = False,
-        **settings: Any,
+        timeout: Optional[float] = None,
+        **settings: Unpack[FileSettings],
+    ) -> Coroutine[Any, Any, Result]:
+        """Fits a file and returns the result. See `read_points` for reading and `fit` for the other settings."""
+        check_names(Service.fit_file, settings, FileSettings)
+        return self._fit_file(file, timeout, settings, _caller())
+
+    async def _fit_file(
+        self, file: Union[str, bytes, PathLike[str]], timeout: Optional[float], settings: FileSettings, caller: _Caller
     ) -> Result:
-        """Fits a file and returns the result. See `read_points` for reading and `fit` for the `settings`."""
-        order = settings.get("order")
-        read = await self.read_points(
-            file, part=part, columns=columns, size=size, piece=piece, order=order, times=times, scattered=scattered
-        )
-        settings.setdefault("name", read.name)
+        both = {name: value for name, value in settings.items() if name in PointSettings.__annotations__}
+        read = await self._read(file, cast(PointSettings, both))
+        fit = {name: value for name, value in settings.items() if name not in Reading.__annotations__}
+        # The points of sections are those of a list, with the number of each section in the parameters.
+        fit.pop("sections", None)
+        fit.setdefault("name", read.name)
         if read.closed:
-            settings.setdefault("closed", True)
+            fit.setdefault("closed", True)
         if read.parameters is not None:
-            settings.setdefault("parameters", read.parameters)
+            fit.setdefault("parameters", read.parameters)
         if read.scattered:
-            settings["scattered"] = True
-        return await self.fit(read.points, **settings)
+            fit["scattered"] = True
+        return await self._fit(_request.job(read.points, cast(Settings, fit)), timeout, caller)
 
     async def capabilities(self) -> dict[str, Any]:
         """The features and limits of the server, as JSON."""
         return await self._transport.json("GET", "/v1/capabilities")
+
+
+def _content(file: Union[str, bytes, PathLike[str]]) -> Union[str, bytes]:
+    """Returns the content of a file, given its path or its content."""
+    if isinstance(file, bytes):
+        return file
+    if isinstance(file, str) and ("\n" in file or file.lstrip().startswith(("{", "[", "<"))):
+        return file
+    return Path(file).read_bytes()
 
 
 def _shortfall(status: Status) -> str:
@@ -348,7 +263,8 @@ def _named_as_public() -> None:
     """Names the methods after the public class, for error messages and `help()`."""
     for name, method in vars(Service).items():
         if inspect.isfunction(method):
-            method.__qualname__ = f"AsyncClient.{name.lstrip('_') if name == '_fit' else name}"
+            public = name.lstrip("_") if name in ("_fit", "_fit_file") else name
+            method.__qualname__ = f"AsyncClient.{public}"
             method.__module__ = "piad.async_client"
 
 

@@ -56,6 +56,11 @@ class Transport:
         self.attempts = attempts
         """The maximum number of attempts."""
 
+    @property
+    def blocks(self) -> bool:
+        """True if coroutines that make requests never wait for an event loop."""
+        return self._connections.blocks
+
     async def close(self) -> None:
         """Closes all connections."""
         await self._connections.close()

@@ -9,6 +9,7 @@ from typing import Optional
 import httpx
 
 from ._connections import AsyncConnections
+from ._place import place
 from ._service import Service
 from ._transport import Transport, settings
 
@@ -22,7 +23,7 @@ class AsyncClient(Service):
 
     def __init__(
         self,
-        base_url: str = "http://127.0.0.1:8080",
+        base_url: Optional[str] = None,
         *,
         timeout: float = 60.0,
         attempts: int = 8,
@@ -31,7 +32,8 @@ class AsyncClient(Service):
         transport: Optional[httpx.AsyncBaseTransport] = None,
     ):
         """Takes the arguments of `Client`."""
-        connections = AsyncConnections(transport, **settings(base_url, timeout, token, headers))
+        where = place(base_url, token, has_transport=transport is not None)
+        connections = AsyncConnections(transport, where.socket, **settings(where.url, timeout, where.token, headers))
         super().__init__(Transport(connections, attempts=attempts), timeout)
 
     async def __aenter__(self) -> AsyncClient:

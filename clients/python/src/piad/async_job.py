@@ -12,7 +12,7 @@ from typing import Any, Literal, Optional, Union
 from . import _request
 from ._arrays import np
 from ._events import EventStream
-from ._request import Method, Rational, SampleCount
+from ._settings import Method, Rational, SampleCount
 from ._transport import Transport
 from .curvature import CurveShape, SurfaceShape, shape_from_json
 from .errors import JobFailed, Problem, WaitTimeout
@@ -187,7 +187,11 @@ class AsyncJob:
         if status.state == "failed" or status.iteration is None:
             raise JobFailed(self.id, status.state, status.problem)
         parameters = {} if np is None else {"encoding": "base64"}
-        return Result.from_json(await self._transport.json("GET", f"{self._path}/result", parameters=parameters))
+        answer = await self._transport.json("GET", f"{self._path}/result", parameters=parameters)
+        result = Result.from_json(answer)
+        if self._transport.blocks:
+            result.geometry.export_by(self.download)
+        return result
 
     async def deviation(self, iteration: Union[int, Literal["last"]] = "last", *, distances: bool = False) -> Deviation:
         """The distances of the data from the nearest points of an iteration, with `distances` also of each point.

@@ -10,6 +10,7 @@ import httpx
 
 from ._blocking import iterate, making, method, same
 from ._connections import BlockingConnections
+from ._place import place
 from ._service import Service
 from ._transport import Transport, settings
 from .batch import Batch
@@ -25,7 +26,7 @@ class Client:
 
     def __init__(
         self,
-        base_url: str = "http://127.0.0.1:8080",
+        base_url: Optional[str] = None,
         *,
         timeout: float = 60.0,
         attempts: int = 8,
@@ -33,13 +34,15 @@ class Client:
         headers: Optional[Mapping[str, str]] = None,
         transport: Optional[httpx.BaseTransport] = None,
     ):
-        """`timeout` is the longest silence of the server in seconds. `attempts` is the maximum number of times a
-        request is sent, or a stream is opened without receiving an iteration, while connections break or the server is
-        overloaded. A missing server is detected within two seconds. `token` is created by `piad token create`, for a
-        server that requires one. `headers` are sent with each request. `transport` is an httpx transport, for proxies,
-        certificates, Unix sockets and tests.
+        """Without a `base_url` the client uses the one in PIAD_URL, with the token in PIAD_TOKEN, or a server that is
+        started for this process, is shared by its clients and ends with it. `timeout` is the longest silence of the
+        server in seconds. `attempts` is the maximum number of times a request is sent, or a stream is opened without
+        receiving an iteration, while connections break or the server is overloaded. A missing server is detected
+        within two seconds. `token` is created by `piad token create`, for a server that requires one. `headers` are
+        sent with each request. `transport` is an httpx transport, for proxies, certificates, Unix sockets and tests.
         """
-        connections = BlockingConnections(transport, **settings(base_url, timeout, token, headers))
+        where = place(base_url, token, has_transport=transport is not None)
+        connections = BlockingConnections(transport, where.socket, **settings(where.url, timeout, where.token, headers))
         self._async = Service(Transport(connections, attempts=attempts), timeout)
 
     def __enter__(self) -> Client:

@@ -85,6 +85,10 @@ class ConnectionLost(PiadError):
     """The server was unreachable or the connection broke on each attempt."""
 
 
+class ServerNotStarted(PiadError):
+    """A fit without the URL of a server needs one of this process, and that cannot be started."""
+
+
 class ProtocolError(PiadError):
     """The response does not conform to this API."""
 

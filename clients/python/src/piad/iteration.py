@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from html import escape
 from typing import Any, Optional, TypeVar, Union
 
 from ._arrays import Array, as_array, as_lists, copy, from_base64, np, outer, size
@@ -360,6 +361,10 @@ class Result:
 
     def __repr__(self) -> str:
         return f"<piad.Result {self.id}: {self.state} after iteration {self.iteration}, {self.error.brief}>"
+
+    def _repr_html_(self) -> str:
+        """Itself in notebooks."""
+        return f"<div>{escape(repr(self))}</div>{self.geometry._repr_html_()}"
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> Result:

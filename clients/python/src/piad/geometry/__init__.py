@@ -4,6 +4,7 @@
 - `basis`: knots and functions of one direction; `net`: homogeneous control points; `ball`: conversion of the Ball bases
   to Bézier form;
 - `derivative`: derivatives with respect to the parameters;
+- `shown`, `picture`: what notebooks show of them;
 - `boundary`: boundaries of surfaces, for neighbours that join there;
 - `scipy`, `geomdl`, `rhino`, `occ`: conversions to other packages, which are imported when needed.
 """

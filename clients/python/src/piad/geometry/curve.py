@@ -11,10 +11,12 @@ from .._arrays import Array, as_array, depth, np, size
 from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
 from .derivative import checked, differentiated, quotient
+from .picture import curve_picture
+from .shown import Shown
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class Curve(Shown):
     """A curve: a basis, control points and, if it is rational, weights.
 
     Lengths are in data units. Arrays are numpy arrays if numpy is installed, otherwise nested lists.
@@ -106,6 +108,9 @@ class Curve:
             return partial(_at, *differentiated(basis, self._net, order))
         splines = [differentiated(basis, self._net, k) for k in range(order + 1)]
         return lambda u: quotient((order,), lambda at: _at(*splines[at[0]], u))
+
+    def _picture(self) -> str:
+        return curve_picture(self)
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.BSpline` (`extrapolate="periodic"` if the curve is closed).

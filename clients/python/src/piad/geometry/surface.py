@@ -13,10 +13,12 @@ from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
 from .boundary import Boundary, Side, boundary
 from .derivative import Orders, checked, differentiated, quotient
+from .picture import surface_picture
+from .shown import Shown
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(Shown):
     """A tensor-product surface: two bases, a net of control points and, if it is rational, weights.
 
     u runs over the rows of the net and v over its columns. Lengths are in data units. Lengths are in data units. Arrays
@@ -131,6 +133,9 @@ class Surface:
         neighbour to. Raises `ValueError` if the surface is closed there, or rational.
         """
         return boundary(self, side)
+
+    def _picture(self) -> str:
+        return surface_picture(self)
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.NdBSpline`, to be called with points (u, v).
