@@ -58,7 +58,8 @@ impl Automatic {
             (None, Some(_)) => Self::of_pieces(problem),
             (None, None) => careful
                 .flatten()
-                .unwrap_or_else(|| Schedules::new(problem, settings, automatic)),
+                .or_else(|| Schedules::new(problem, (settings, automatic)))
+                .unwrap_or(Schedules::Nowhere),
         };
         let now = schedule.next(problem).unwrap_or_else(|| {
             // Not even the first level has finite numbers.

@@ -299,11 +299,7 @@ mod tests {
             let breaks = |off: f64| vec![0.0, 0.21 + off, 0.35 - off, 0.6 + off, 0.82, 1.0];
             let [exact, mut line] =
                 [0.0, 0.02].map(|off| Breaks::new(degree, closed, breaks(off)).unwrap());
-            let minimum = LeastSquares {
-                points: Arc::new(curve(&exact, &t)),
-                data_weights: None,
-                fairness: 0.0,
-            };
+            let minimum = LeastSquares::of(&Arc::new(curve(&exact, &t)));
             for _ in 0..12 {
                 let values = Values::new(&line, &t);
                 let control_points = minimum.minimum(&values, None).unwrap();

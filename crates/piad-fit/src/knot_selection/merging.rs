@@ -107,11 +107,7 @@ mod tests {
         let values = super::super::values::Values::new(&coarse, &t);
         let mut data = Points::zeros(1, t.len());
         values.apply(points.lanes(), data.lanes_mut());
-        let minimum = super::super::equations::LeastSquares {
-            points: std::sync::Arc::new(data),
-            data_weights: None,
-            fairness: 0.0,
-        };
+        let minimum = super::super::equations::LeastSquares::of(&std::sync::Arc::new(data));
         let values = super::super::values::Values::new(&line, &t);
         let control_points =
             super::super::equations::Minimum::minimum(&minimum, &values, None).unwrap();

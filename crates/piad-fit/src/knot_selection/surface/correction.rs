@@ -10,11 +10,11 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use super::SurfaceLevel;
 use super::rows::{Rows, Sites};
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::correction::derivative;
+use crate::knot_selection::levels::Level;
 
 /// λ, so that a step is finite where one derivative vanishes, as at a pole.
 const DAMPING: f64 = 1e-6;
@@ -23,11 +23,7 @@ const DAMPING: f64 = 1e-6;
 const PART: f64 = 0.5;
 
 /// The parameters of sorted points after one step, u and v of each; `None` for degrees without derivatives.
-pub(super) fn corrected(
-    sites: &Sites,
-    points: &Points,
-    level: &SurfaceLevel,
-) -> Option<[Vec<f64>; 2]> {
+pub(super) fn corrected(sites: &Sites, points: &Points, level: &Level<2>) -> Option<[Vec<f64>; 2]> {
     let fit = values(sites, &level.lines, level.control_points.lanes());
     let [u, v] = &level.lines;
     let [along_u, along_v] = [0, 1].map(|axis| {

@@ -15,12 +15,13 @@
 use std::sync::Arc;
 
 use super::lines::{flipped, joined, lines_of, transposed};
-use super::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, SurfaceOptions};
+use super::{Data, Fit, Nearest, Options, Parameters, ScatteredData};
 use crate::data::distances::Distances;
 use crate::data::grid::Grid;
 use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::equations::{LeastSquares, Minimum};
+use crate::knot_selection::levels::Level;
 use crate::knot_selection::values::Values;
 
 /// The part of the tolerance for each of the two directions.
@@ -38,7 +39,7 @@ const FAIRNESS: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
 pub(crate) struct GridData {
     points: Arc<Points>,
     grid: Grid,
-    parameters: [Arc<Vec<f64>>; 2],
+    parameters: Parameters,
     /// The data as curves in u and in v, with a coordinate for each coordinate of each line across.
     curves: [Arc<Points>; 2],
     /// The tolerance of a fit that is as fair as it allows.
@@ -47,12 +48,12 @@ pub(crate) struct GridData {
 
 impl GridData {
     /// Points row by row, where rows are successive in u, at increasing parameters in u and in v.
-    pub(crate) fn new(points: Arc<Points>, grid: Grid, parameters: [Arc<Vec<f64>>; 2]) -> Self {
+    pub(crate) fn new(points: &Arc<Points>, grid: Grid, parameters: Parameters) -> Self {
         let Grid { rows, columns } = grid;
-        let v = lines_of(&points, rows, columns);
-        let u = lines_of(&transposed(&points, rows, columns), columns, rows);
+        let v = lines_of(points, rows, columns);
+        let u = lines_of(&transposed(points, rows, columns), columns, rows);
         Self {
-            points,
+            points: Arc::clone(points),
             grid,
             parameters,
             curves: [Arc::new(u), Arc::new(v)],
@@ -131,7 +132,7 @@ impl Data for GridData {
     }
 
     /// With the most fairness within the tolerance, if it has some.
-    fn nearest(&self, lines: &[Breaks; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], _from: Option<&Level<2>>) -> Option<Nearest> {
         let Some(tolerance) = self.fair_within else {
             return self.nearest_with(lines, 0.0);
         };
@@ -180,14 +181,14 @@ impl Data for GridData {
     }
 
     /// With fewer data in a direction than the fewest control points: scattered points.
-    fn undetermined(&self, options: &SurfaceOptions) -> Option<Box<dyn Data>> {
+    fn undetermined(&self, options: &Options<2>) -> Option<Box<dyn Data>> {
         let [u, v] = &self.parameters;
         let columns = self.grid.columns;
         let along = u.iter().flat_map(|&u| std::iter::repeat_n(u, columns));
         let across = u.iter().flat_map(|_| v.iter().copied());
         let parameters = [Arc::new(along.collect()), Arc::new(across.collect())];
         let [rows, columns] = [0, 1].map(|axis| {
-            let fewest = options.degrees[axis] + 1;
+            let fewest = options.lines[axis].degree() + 1;
             self.parameters[axis].len().max(fewest)
         });
         let data = ScatteredData::new(&self.points, &parameters, [false; 2], options.tolerance);
@@ -198,9 +199,8 @@ impl Data for GridData {
 /// Least squares of curves side by side.
 fn minimum(curves: &Arc<Points>, values: &Values, fairness: f64) -> Option<Points> {
     let least_squares = LeastSquares {
-        points: Arc::clone(curves),
-        data_weights: None,
         fairness,
+        ..LeastSquares::of(curves)
     };
     least_squares.minimum(values, None)
 }

@@ -12,11 +12,12 @@ use super::correction;
 use super::gradients::{Effort, descend, first_gain};
 use super::normal::{Normal, inverses};
 use super::rows::{Rows, Sites};
-use super::{Data, Fit, Nearest, SurfaceLevel};
+use super::{Data, Fit, Nearest, Parameters};
 use crate::data::aligned::Lane;
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::levels::Level;
 use crate::linear::stencil::Stencil;
 use crate::linear::vectors::dot;
 
@@ -46,8 +47,6 @@ pub(crate) struct ScatteredData {
     enough: f64,
     /// Brings squares to the order of one.
     unit: f64,
-    /// The parameters in the order of the data, where these have moved.
-    moved: Option<[Arc<Vec<f64>>; 2]>,
 }
 
 impl ScatteredData {
@@ -55,7 +54,7 @@ impl ScatteredData {
     /// smallest of them on.
     pub(crate) fn new(
         points: &Points,
-        parameters: &[Arc<Vec<f64>>; 2],
+        parameters: &Parameters,
         poles: [bool; 2],
         tolerance: f64,
     ) -> Self {
@@ -83,7 +82,6 @@ impl ScatteredData {
             order,
             enough: ENOUGH * tolerance,
             unit: normalizing_scale(points.magnitude()),
-            moved: None,
         }
     }
 
@@ -92,8 +90,8 @@ impl ScatteredData {
         Self { most, ..self }
     }
 
-    /// The same data with parameters that follow a surface.
-    pub(crate) fn following(&self, level: &SurfaceLevel) -> Option<Self> {
+    /// The same data with parameters that follow a surface, and these in the order in which the data were given.
+    pub(crate) fn following(&self, level: &Level<2>) -> Option<(Self, Parameters)> {
         let sorted = correction::corrected(&self.sites, &self.points, level)?;
         let parameters = correction::in_order(sorted, &self.order);
         let given = |lane: &Lane| {
@@ -105,11 +103,7 @@ impl ScatteredData {
         };
         let points = Points::from_lanes(self.points.lanes().iter().map(given));
         let data = Self::new(&points, &parameters, self.sites.poles, self.enough / ENOUGH);
-        Some(Self {
-            most: self.most,
-            moved: Some(parameters),
-            ..data
-        })
+        Some((data.with_most(self.most), parameters))
     }
 
     /// The squared distances of the sorted data, times the square of the unit.
@@ -213,11 +207,11 @@ impl Data for ScatteredData {
         counts[0].saturating_mul(counts[1]) <= self.most
     }
 
-    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest> {
         Some(self.nearest_from(from.map(|it| it.over(lines)), lines, None))
     }
 
-    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest> {
         let start = from.map(|it| it.over(lines));
         Some(self.nearest_by(Effort::whole, start, lines, None))
     }
@@ -227,12 +221,9 @@ impl Data for ScatteredData {
         self.in_order(&self.squares(&rows, control_points))
     }
 
-    fn corrected(&self, level: &SurfaceLevel) -> Option<Box<dyn Data>> {
-        Some(Box::new(self.following(level)?))
-    }
-
-    fn moved(&self) -> Option<[Arc<Vec<f64>>; 2]> {
-        self.moved.clone()
+    fn corrected(&self, level: &Level<2>) -> Option<(Box<dyn Data>, Parameters)> {
+        let (data, parameters) = self.following(level)?;
+        Some((Box::new(data), parameters))
     }
 
     fn prunings(&self) -> usize {

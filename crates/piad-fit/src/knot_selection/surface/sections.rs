@@ -74,11 +74,8 @@ fn between(
     let ends = t.iter().copied().chain(period.map(|period| t[0] + period));
     let ends: Vec<f64> = ends.collect();
     let line = through(&t, &ends, period.is_some())?;
-    let spline = LeastSquares {
-        points: Arc::new(points.selected(order.iter().copied())),
-        data_weights: None,
-        fairness: 0.0,
-    };
+    let section = Arc::new(points.selected(order.iter().copied()));
+    let spline = LeastSquares::of(&section);
     let control_points = spline.minimum(&Values::new(&line, &t), None)?;
     let of_gap = |gap: &[f64]| {
         let (from, to) = (gap[0], gap[1]);

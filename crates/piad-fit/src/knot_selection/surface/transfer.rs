@@ -9,14 +9,21 @@ use std::sync::Arc;
 use super::lines::flipped;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::levels::Level;
 use crate::knot_selection::values::Values;
 
+impl Level<2> {
+    /// The control points over these lines of about the same surface.
+    pub(crate) fn over(&self, lines: &[Breaks; 2]) -> Points {
+        match self.lines == *lines {
+            true => self.control_points.clone(),
+            false => following(&self.lines, &self.control_points, lines),
+        }
+    }
+}
+
 /// The control points over `lines` of about the surface that has these ones over others, `before`.
-pub(super) fn following(
-    before: &[Breaks; 2],
-    control_points: &Points,
-    lines: &[Breaks; 2],
-) -> Points {
+fn following(before: &[Breaks; 2], control_points: &Points, lines: &[Breaks; 2]) -> Points {
     let maps = [0, 1].map(|axis| Map::new(&before[axis], &lines[axis]));
     let counts = |lines: &[Breaks; 2]| [0, 1].map(|axis| lines[axis].control_points());
     let [rows, columns] = counts(before);

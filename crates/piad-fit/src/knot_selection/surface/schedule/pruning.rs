@@ -4,13 +4,11 @@
 //! The distances of a direction give a knot density, but not that knots around a crease belong together. The lines that
 //! cost least are removed until none can be.
 
-use std::sync::Arc;
-
-use super::super::SurfaceLevel;
 use super::super::lines::{lines_of, transposed};
 use super::SurfaceSchedule;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::levels::Level;
 use crate::knot_selection::pruning::{fewer, without};
 
 /// Single lines of a direction that are tried without success.
@@ -22,7 +20,7 @@ const MOST: usize = 4;
 impl SurfaceSchedule {
     /// The best level without some lines of a direction; returns true if there is such a level within the tolerance.
     pub(super) fn prune(&mut self) -> bool {
-        let Some(best) = self.best.clone() else {
+        let Some(best) = self.levels.best.clone() else {
             return false;
         };
         // A line of u has as many control points as there are lines of v.
@@ -33,7 +31,7 @@ impl SurfaceSchedule {
             .any(|axis| self.prune_lines(&best, axis))
     }
 
-    fn prune_lines(&mut self, best: &Arc<SurfaceLevel>, axis: usize) -> bool {
+    fn prune_lines(&mut self, best: &Level<2>, axis: usize) -> bool {
         let line = &best.lines[axis];
         let curves = curves(best, axis);
         let mut batch = self.batches[axis].min(line.spans() / MOST);
@@ -51,7 +49,7 @@ impl SurfaceSchedule {
     }
 
     /// Fits over fewer lines of a direction, and returns the level if it is within the tolerance.
-    fn is_within_without(&mut self, best: &SurfaceLevel, axis: usize, line: Breaks) -> bool {
+    fn is_within_without(&mut self, best: &Level<2>, axis: usize, line: Breaks) -> bool {
         if self.prunings == 0 || !line.is_determined(self.data.parameters(axis)) {
             return false;
         }
@@ -59,16 +57,16 @@ impl SurfaceSchedule {
         let mut lines = best.lines.clone();
         lines[axis] = line;
         let fit = self.fit(lines);
-        let within = fit.filter(|fit| fit.level.distances.max <= self.options.tolerance);
-        within.is_some_and(|fit| {
-            self.issue(&fit.level);
-            true
-        })
+        match fit.filter(|fit| self.levels.is_within(&fit.level)) {
+            Some(fit) => self.levels.issue(fit.level),
+            None => return false,
+        }
+        true
     }
 }
 
 /// The control points as curves along a direction, side by side.
-fn curves(level: &SurfaceLevel, axis: usize) -> Points {
+fn curves(level: &Level<2>, axis: usize) -> Points {
     let [rows, columns] = level.counts();
     match axis {
         0 => lines_of(
