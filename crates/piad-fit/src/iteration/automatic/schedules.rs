@@ -1,6 +1,5 @@
 //! The schedules of fits that choose their knots: of curves and surfaces, with conditions or without.
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
 use crate::data::points::{Points, normalizing_scale};
@@ -36,22 +35,11 @@ pub(super) enum Schedules {
     /// With points between the data, or without.
     Curve(Box<Schedule<equations::LeastSquares>>, Option<Between>),
     Constrained(Box<Schedule<Constrained>>),
-    /// Those of several fits.
-    Several(Box<dyn Levels>),
     Surface(Box<SurfaceSchedule>),
     /// With some fairness although none was requested.
     FairSurface(Box<SurfaceSchedule>),
     /// Not even the first level has finite numbers.
     Nowhere,
-}
-
-/// Levels of a whole fit.
-pub(super) trait Levels: Debug + Send + Sync {
-    /// The next one, or `None` after the last one.
-    fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit>;
-
-    /// How the fit has ended, after the last one.
-    fn outcome(&self) -> Option<Outcome>;
 }
 
 /// Points between the data.
@@ -141,7 +129,6 @@ impl Schedules {
                 }
             }
             Self::Constrained(schedule) => schedule.next_level()?,
-            Self::Several(levels) => return levels.next(whole),
             Self::Nowhere => return None,
             Self::Surface(schedule) | Self::FairSurface(schedule) => {
                 let mut level = schedule.next_level()?;
@@ -167,7 +154,6 @@ impl Schedules {
             Self::Curve(schedule, _) => schedule.outcome(),
             Self::Constrained(schedule) => schedule.outcome(),
             Self::Surface(schedule) | Self::FairSurface(schedule) => schedule.outcome(),
-            Self::Several(levels) => levels.outcome(),
             Self::Nowhere => Some(Outcome::Overflow),
         }
     }
