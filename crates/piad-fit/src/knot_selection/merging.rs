@@ -105,8 +105,7 @@ mod tests {
         let t: Vec<f64> = (0..=500).map(|i| i as f64 / 100.0).collect();
         let t = std::sync::Arc::new(t);
         let values = super::super::values::Values::new(&coarse, &t);
-        let mut data = Points::zeros(1, t.len());
-        values.apply(points.lanes(), data.lanes_mut());
+        let data = values.points(&points);
         let minimum = super::super::equations::LeastSquares::of(&std::sync::Arc::new(data));
         let values = super::super::values::Values::new(&line, &t);
         let control_points =

@@ -5,13 +5,14 @@ mod pruning;
 use std::sync::Arc;
 
 use super::attempt::Attempt;
-use super::lines::refined;
+use super::lines::along;
 use super::search::Search;
 use super::{Data, Fit};
 use crate::data::points::Points;
 use crate::knot_selection::Options;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::growth::grown;
+use crate::knot_selection::insertion::refine;
 use crate::knot_selection::levels::{Level, Levels};
 use crate::termination::Outcome;
 
@@ -174,8 +175,9 @@ impl SurfaceSchedule {
         if let (false, Some((axis, line)), Some(last)) =
             (is_within, self.finer(&fit), self.levels.last.clone())
         {
-            let control_points = refined(&last.lines, &last.control_points, axis, &line);
             let mut lines = last.lines.clone();
+            let inserted = |curves: &Points| refine(&lines[axis], &line, curves);
+            let control_points = along(&last.control_points, last.counts(), axis, inserted);
             lines[axis] = line;
             self.levels.issue(self.level(lines, control_points));
             return Stage::Steps;

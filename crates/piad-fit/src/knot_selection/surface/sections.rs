@@ -83,9 +83,7 @@ fn between(
         (1..parts).map(move |k| from + (to - from) * (k as f64 / parts as f64))
     };
     let parameters: Arc<Vec<f64>> = Arc::new(ends.windows(2).flat_map(of_gap).collect());
-    let mut between = Points::zeros(points.dimension(), parameters.len());
-    let values = Values::new(&line, &parameters);
-    values.apply(control_points.lanes(), between.lanes_mut());
+    let between = Values::new(&line, &parameters).points(&control_points);
     // Those beyond the end of a period are in the one before.
     let low = v.iter().copied().fold(f64::INFINITY, f64::min);
     let inside = |t: &f64| match period {

@@ -233,11 +233,9 @@ fn place(level: &Level<2>, u: f64, v: f64) -> Vec<f64> {
         [(0, u), (1, v)].map(|(axis, t)| Values::new(&level.lines[axis], &Arc::new(vec![t])));
     let lanes = level.control_points.lanes().iter();
     let along = |lane: &[f64]| {
-        let mut across = vec![0.0; level.counts()[0]];
-        values[1].apply_to_lines(lane, &mut across);
-        let mut value = [0.0];
-        values[0].apply_to_lines(&across, &mut value);
-        value[0]
+        let rows = Points::from_lanes(lane.chunks_exact(level.counts()[1]));
+        let across: Vec<f64> = values[1].points(&rows).point(0).collect();
+        values[0].points(&Points::from_lanes([across])).lane(0)[0]
     };
     lanes.map(|lane| along(lane)).collect()
 }

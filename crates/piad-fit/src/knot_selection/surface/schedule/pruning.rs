@@ -4,9 +4,8 @@
 //! The distances of a direction give a knot density, but not that knots around a crease belong together. The lines that
 //! cost least are removed until none can be.
 
-use super::super::lines::{lines_of, transposed};
+use super::super::lines::curves;
 use super::SurfaceSchedule;
-use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::levels::Level;
 use crate::knot_selection::pruning::{fewer, without};
@@ -33,7 +32,7 @@ impl SurfaceSchedule {
 
     fn prune_lines(&mut self, best: &Level<2>, axis: usize) -> bool {
         let line = &best.lines[axis];
-        let curves = curves(best, axis);
+        let curves = curves(&best.control_points, best.counts(), axis);
         let mut batch = self.batches[axis].min(line.spans() / MOST);
         while batch > 1 {
             self.batches[axis] = batch;
@@ -62,18 +61,5 @@ impl SurfaceSchedule {
             None => return false,
         }
         true
-    }
-}
-
-/// The control points as curves along a direction, side by side.
-fn curves(level: &Level<2>, axis: usize) -> Points {
-    let [rows, columns] = level.counts();
-    match axis {
-        0 => lines_of(
-            &transposed(&level.control_points, rows, columns),
-            columns,
-            rows,
-        ),
-        _ => lines_of(&level.control_points, rows, columns),
     }
 }
