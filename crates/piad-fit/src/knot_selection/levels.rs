@@ -94,6 +94,15 @@ impl<const D: usize> Levels<D> {
         self.queue.push_back(level);
     }
 
+    /// Returns a level if there is one within the tolerance, and true in that case.
+    pub(super) fn accept(&mut self, level: Option<Arc<Level<D>>>) -> bool {
+        match level.filter(|it| self.is_within(it)) {
+            Some(level) => self.issue(level),
+            None => return false,
+        }
+        true
+    }
+
     /// Ends with the best level again, unless it is the last one; without one it ends as `failed`, with the closest.
     pub(super) fn end(&mut self, failed: Outcome) {
         let end = self.best.as_ref().or(self.closest.as_ref());

@@ -79,8 +79,8 @@ pub(crate) struct Schedule<M> {
     high: usize,
     /// Least-squares fits since the end of growth.
     spent: usize,
-    /// The most knots that are tried to be removed at once.
-    batch: usize,
+    /// The number of knots that are tried to be removed at once.
+    batch: Option<usize>,
     /// Least-squares fits that are left for the removal of single knots.
     prunings: usize,
     /// The same for knots that move.
@@ -112,7 +112,7 @@ impl<M: Minimum> Schedule<M> {
         Self {
             low: degree,
             high: most.max(degree + 1) + 1,
-            batch: usize::MAX,
+            batch: None,
             prunings: prunings(points.len()),
             merges: prunings(points.len()),
             minimum,

@@ -42,11 +42,8 @@ impl<M: Minimum> Schedule<M> {
             return false;
         }
         let found = self.without_crowds(&best);
-        match found.or_else(|| self.without_a_pair(&best)) {
-            Some(level) => self.levels.issue(level),
-            None => return false,
-        }
-        true
+        let found = found.or_else(|| self.without_a_pair(&best));
+        self.levels.accept(found)
     }
 
     /// With one knot in place of each cluster.

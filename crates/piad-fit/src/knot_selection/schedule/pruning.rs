@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::super::equations::Minimum;
 use super::super::minimax::Weights;
-use super::super::pruning::{fewer, without};
+use super::super::pruning::{fewer, in_batches};
 use super::{Level, NEAR, Schedule, Values, WEIGHINGS, values_of};
 use crate::knot_selection::breaks::Breaks;
 
@@ -18,10 +18,7 @@ const CANDIDATES: usize = 12;
 /// With fewer spans knots are removed one by one.
 const MANY: usize = 64;
 
-/// The most knots that are removed at once, and the fewest, are these parts of all.
-const MOST: usize = 4;
-
-/// See [`MOST`].
+/// At least this part of the knots is removed at once.
 const FEWEST: usize = 128;
 
 impl<M: Minimum> Schedule<M> {
@@ -36,19 +33,16 @@ impl<M: Minimum> Schedule<M> {
 
     /// Without several knots at once: half as many after each failure.
     fn prune_several(&mut self, best: &Level<1>) -> bool {
-        let [line] = &best.lines;
-        let spans = line.spans();
-        self.batch = self.batch.min(spans / MOST);
-        while spans >= MANY && self.batch > (spans / FEWEST).max(1) {
-            let fewer = without(line, &best.control_points, self.batch);
-            let level = fewer.and_then(|line| self.fit_over(line, best));
-            if let Some(level) = level.filter(|it| self.levels.is_within(it)) {
-                self.levels.issue(level);
-                return true;
-            }
-            self.batch /= 2;
-        }
-        false
+        let ([line], mut batch) = (&best.lines, self.batch);
+        let fewest = (line.spans() / FEWEST).max(1);
+        let curve = (line, &best.control_points);
+        let is_found = line.spans() >= MANY
+            && in_batches(&mut batch, curve, fewest, |line| {
+                let level = self.fit_over(line, best);
+                self.levels.accept(level)
+            });
+        self.batch = batch;
+        is_found
     }
 
     /// Without one of its knots.
@@ -68,11 +62,8 @@ impl<M: Minimum> Schedule<M> {
             let level = self.fit_over(line, best);
             nearest = level.filter(|it| it.distances.max < largest).or(nearest);
         }
-        match nearest.and_then(|nearest| self.weighed(nearest)) {
-            Some(level) => self.levels.issue(level),
-            None => return false,
-        }
-        true
+        let level = nearest.and_then(|nearest| self.weighed(nearest));
+        self.levels.accept(level)
     }
 
     /// A level over other knots than the best one has, at its parameters.

@@ -41,10 +41,10 @@ pub(crate) struct SurfaceSchedule {
     limited: bool,
     /// The root of the mean square of the last fit of the growth, and how many fits have hardly lowered
     /// it.
-    rms: f64,
+    rms: Option<f64>,
     still: usize,
-    /// The most lines of each direction that are tried to be removed at once.
-    batches: [usize; 2],
+    /// The number of lines of each direction that are tried to be removed at once.
+    batches: [Option<usize>; 2],
     /// Fits that are left for the removal of lines.
     prunings: usize,
 }
@@ -70,14 +70,14 @@ impl SurfaceSchedule {
     /// A fit of data; nothing is computed before the first level is requested.
     pub(crate) fn new(data: Box<dyn Data>, options: Options<2>) -> Self {
         Self {
-            batches: [usize::MAX; 2],
+            batches: [None; 2],
             prunings: data.prunings(),
             data,
             levels: Levels::new(options.tolerance),
             options,
             stage: Stage::Start,
             limited: false,
-            rms: f64::INFINITY,
+            rms: None,
             still: 0,
         }
     }
@@ -225,11 +225,11 @@ impl SurfaceSchedule {
     /// Returns true if more knots have not brought the surface nearer for some time, and will not.
     fn stands_still(&mut self, fit: &Fit) -> bool {
         let rms = fit.level.distances.rms;
-        self.still = match rms < (1.0 - GAIN) * self.rms {
+        let before = self.rms.replace(rms);
+        self.still = match before.is_none_or(|before| rms < (1.0 - GAIN) * before) {
             true => 0,
             false => self.still + 1,
         };
-        self.rms = rms;
         self.data.has_floor() && self.still >= STILL
     }
 

@@ -8,13 +8,10 @@ use super::super::lines::curves;
 use super::SurfaceSchedule;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::levels::Level;
-use crate::knot_selection::pruning::{fewer, without};
+use crate::knot_selection::pruning::{fewer, in_batches};
 
 /// Single lines of a direction that are tried without success.
 const CANDIDATES: usize = 6;
-
-/// At most this part of the lines is removed at once.
-const MOST: usize = 4;
 
 impl SurfaceSchedule {
     /// The best level without some lines of a direction; returns true if there is such a level within the tolerance.
@@ -33,18 +30,12 @@ impl SurfaceSchedule {
     fn prune_lines(&mut self, best: &Level<2>, axis: usize) -> bool {
         let line = &best.lines[axis];
         let curves = curves(&best.control_points, best.counts(), axis);
-        let mut batch = self.batches[axis].min(line.spans() / MOST);
-        while batch > 1 {
-            self.batches[axis] = batch;
-            let without = without(line, &curves, batch);
-            if without.is_some_and(|line| self.is_within_without(best, axis, line)) {
-                return true;
-            }
-            batch /= 2;
-        }
-        self.batches[axis] = 1;
-        let mut candidates = fewer(line, &curves).take(CANDIDATES);
-        candidates.any(|line| self.is_within_without(best, axis, line))
+        let mut batch = self.batches[axis];
+        let mut succeeds = |line| self.is_within_without(best, axis, line);
+        let is_found = in_batches(&mut batch, (line, &curves), 1, &mut succeeds)
+            || fewer(line, &curves).take(CANDIDATES).any(succeeds);
+        self.batches[axis] = batch;
+        is_found
     }
 
     /// Fits over fewer lines of a direction, and returns the level if it is within the tolerance.
@@ -56,10 +47,6 @@ impl SurfaceSchedule {
         let mut lines = best.lines.clone();
         lines[axis] = line;
         let fit = self.fit(lines);
-        match fit.filter(|fit| self.levels.is_within(&fit.level)) {
-            Some(fit) => self.levels.issue(fit.level),
-            None => return false,
-        }
-        true
+        self.levels.accept(fit.map(|fit| fit.level))
     }
 }
