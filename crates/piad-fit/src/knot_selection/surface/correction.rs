@@ -7,8 +7,6 @@
 //! After it the distance of a datum is nearly that from the surface (Hoschek 1988). No parameter moves further than
 //! half of its knot span, nor beyond the ends of an open direction; a closed one wraps around.
 
-use std::sync::Arc;
-
 use super::lines::{curves, joined};
 use super::rows::{Rows, Sites};
 use crate::data::points::Points;
@@ -23,11 +21,7 @@ const DAMPING: f64 = 1e-6;
 const PART: f64 = 0.5;
 
 /// The parameters of sorted points after one step, u and v of each; `None` for degrees without derivatives.
-pub(super) fn corrected(
-    sites: &Sites,
-    points: &Points,
-    level: &Level<2>,
-) -> Option<[Vec<f64>; 2]> {
+pub(super) fn corrected(sites: &Sites, points: &Points, level: &Level<2>) -> Option<[Vec<f64>; 2]> {
     let fit = values(sites, &level.lines, &level.control_points);
     let [along_u, along_v] = [0, 1].map(|axis| slopes(sites, level, axis));
     let (along_u, along_v) = (along_u?, along_v?);
@@ -93,15 +87,4 @@ fn moved(line: &Breaks, t: f64, step: f64) -> f64 {
         moved if moved >= high => (moved - period).max(low),
         moved => moved,
     }
-}
-
-/// Parameters of sorted points in the order in which these were given.
-pub(super) fn in_order(sorted: [Vec<f64>; 2], order: &[u32]) -> [Arc<Vec<f64>>; 2] {
-    sorted.map(|sorted| {
-        let mut given = vec![0.0; sorted.len()];
-        for (&index, t) in order.iter().zip(sorted) {
-            given[index as usize] = t;
-        }
-        Arc::new(given)
-    })
 }
