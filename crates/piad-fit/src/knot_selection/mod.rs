@@ -26,8 +26,8 @@
 //!
 //! Parameters stay where they are, or move to the foot points of the data if requested (Hoschek; [`correction`]).
 //!
-//! Surfaces do the same with whole knot lines ([`surface`]), and have the same [`levels`]. For a given number of control points the knots converge to
-//! the best ones ([`adaptive`]).
+//! Surfaces do the same with whole knot lines ([`surface`]), and have the same [`levels`]. For a given number of control
+//! points the knots converge to the best ones ([`adaptive`]).
 //!
 //! The minimization is behind [`equations::Minimum`]: it handles constraints and fairness, and the schedule handles
 //! knots.

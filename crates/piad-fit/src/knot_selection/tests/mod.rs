@@ -43,7 +43,7 @@ pub(super) fn chord(points: &Points) -> Vec<f64> {
 
 /// Options of a fit that begins with the coarsest knots.
 #[derive(Clone)]
-pub(super) struct Asked<const D: usize> {
+pub(super) struct Settings<const D: usize> {
     pub degrees: [usize; D],
     pub periods: [Option<f64>; D],
     pub tolerance: f64,
@@ -51,7 +51,7 @@ pub(super) struct Asked<const D: usize> {
     pub correct_parameters: bool,
 }
 
-impl<const D: usize> Asked<D> {
+impl<const D: usize> Settings<D> {
     /// Cubic and open, with as many control points as needed.
     pub(super) fn cubic(tolerance: f64) -> Self {
         Self {
@@ -84,19 +84,19 @@ impl<const D: usize> Asked<D> {
 }
 
 /// A curve of degree 3.
-pub(super) fn cubic(tolerance: f64) -> Asked<1> {
-    Asked::cubic(tolerance)
+pub(super) fn cubic(tolerance: f64) -> Settings<1> {
+    Settings::cubic(tolerance)
 }
 
 /// All levels of a fit, and how it ended.
 pub(super) fn levels(
     points: &Points,
     t: Vec<f64>,
-    asked: Asked<1>,
+    settings: Settings<1>,
 ) -> (Vec<Arc<Level<1>>>, Option<Outcome>) {
     let points = Arc::new(points.clone());
     let minimum = LeastSquares::of(&points);
-    let options = asked.options(&[Arc::new(t)]);
+    let options = settings.options(&[Arc::new(t)]);
     let mut schedule = Schedule::new(points, options, minimum);
     let mut levels = Vec::new();
     while let Some(level) = schedule.next_level() {

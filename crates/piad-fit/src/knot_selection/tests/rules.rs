@@ -95,11 +95,11 @@ fn every_degree() {
     let points = helix();
     let mut counts = Vec::new();
     for degree in 1..=6 {
-        let asked = Asked {
+        let settings = Settings {
             degrees: [degree],
             ..cubic(1e-3)
         };
-        let (levels, outcome) = levels(&points, chord(&points), asked);
+        let (levels, outcome) = levels(&points, chord(&points), settings);
         assert_eq!(outcome, Some(Outcome::Converged), "degree {degree}");
         valid(&points, &levels);
         counts.push(levels.last().unwrap().count());
@@ -119,11 +119,11 @@ fn closed_curves() {
     let lanes = open.lanes().iter();
     let points = Points::from_lanes(lanes.map(|x| x[..count].to_vec()));
     for (tolerance, most) in [(1e-2, 28), (1e-4, 61)] {
-        let asked = Asked {
+        let settings = Settings {
             periods: [Some(t[count])],
             ..cubic(tolerance)
         };
-        let (levels, outcome) = levels(&points, t[..count].to_vec(), asked);
+        let (levels, outcome) = levels(&points, t[..count].to_vec(), settings);
         assert_eq!(outcome, Some(Outcome::Converged));
         valid(&points, &levels);
         let found = levels.last().unwrap().count();
@@ -160,11 +160,11 @@ fn nothing_is_within_a_tolerance_of_zero() {
 #[test]
 fn fewer_control_points_than_needed() {
     let points = rose(1501);
-    let asked = Asked {
+    let settings = Settings {
         max_control_points: [30],
         ..cubic(1e-3)
     };
-    let (levels, outcome) = levels(&points, chord(&points), asked);
+    let (levels, outcome) = levels(&points, chord(&points), settings);
     assert_eq!(outcome, Some(Outcome::Exhausted));
     let last = levels.last().unwrap();
     assert!(levels.iter().all(|it| it.count() <= 30));
@@ -236,11 +236,11 @@ fn parameters_move_on_request() {
     let points = sampled(400, 0.0, 3.0, |x| [x, (3.0 * x).sin()]);
     let t: Vec<f64> = (0..400).map(f64::from).collect();
     let run = |correct_parameters| {
-        let asked = Asked {
+        let settings = Settings {
             correct_parameters,
             ..cubic(1e-4)
         };
-        levels(&points, t.clone(), asked).0
+        levels(&points, t.clone(), settings).0
     };
     let (fixed, moved) = (run(false), run(true));
     assert!(fixed.iter().all(|level| *level.parameters[0] == t));

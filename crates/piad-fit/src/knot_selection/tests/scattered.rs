@@ -22,11 +22,11 @@ fn points_of([u, v]: &[Vec<f64>; 2], f: impl Fn(f64, f64) -> [f64; 3]) -> Points
 fn fit(
     points: &Points,
     parameters: &[Vec<f64>; 2],
-    asked: Asked<2>,
+    settings: Settings<2>,
 ) -> (Vec<Arc<Level<2>>>, Option<Outcome>) {
     let parameters = parameters.clone().map(Arc::new);
-    let data = ScatteredData::new(points, &parameters, [false; 2], asked.tolerance);
-    let options = asked.options(&parameters);
+    let data = ScatteredData::new(points, &parameters, [false; 2], settings.tolerance);
+    let options = settings.options(&parameters);
     all(SurfaceSchedule::new(Box::new(data), options))
 }
 
@@ -112,17 +112,17 @@ fn any_order_and_any_place() {
 fn knots_go_where_they_are_needed() {
     let parameters = spread(900);
     for degree in [1, 2, 3, 5] {
-        let asked = |tolerance| Asked {
+        let settings = |tolerance| Settings {
             degrees: [degree; 2],
             ..bicubic(tolerance)
         };
         let wave = points_of(&parameters, |u, v| [u, v, (9.0 * v).sin()]);
-        let (levels, outcome) = fit(&wave, &parameters, asked(1e-2));
+        let (levels, outcome) = fit(&wave, &parameters, settings(1e-2));
         assert_eq!(outcome, Some(Outcome::Converged));
         let counts = levels.last().unwrap().counts();
         assert_eq!(counts[0], degree + 1, "degree {degree}: {counts:?}");
         let plane = points_of(&parameters, |u, v| [u, v, 2.0 * u - v]);
-        let (levels, outcome) = fit(&plane, &parameters, asked(1e-9));
+        let (levels, outcome) = fit(&plane, &parameters, settings(1e-9));
         assert_eq!((levels.len(), outcome), (1, Some(Outcome::Converged)));
     }
 }
@@ -164,11 +164,11 @@ fn closed_directions() {
     let mut parameters = spread(2000);
     parameters.iter_mut().for_each(|t| t[0] = 0.0);
     let points = points_of(&parameters, torus);
-    let asked = Asked {
+    let settings = Settings {
         periods: [Some(1.0); 2],
         ..bicubic(1e-3)
     };
-    let (levels, outcome) = fit(&points, &parameters, asked);
+    let (levels, outcome) = fit(&points, &parameters, settings);
     assert_eq!(outcome, Some(Outcome::Converged));
     assert_eq!(levels[0].counts(), [4, 4]);
     let last = levels.last().unwrap();
@@ -187,7 +187,7 @@ fn closed_directions() {
 fn what_cannot_be_fitted() {
     let parameters = spread(600);
     let points = points_of(&parameters, |u, v| [u, v, franke(u, v)]);
-    let limited = Asked {
+    let limited = Settings {
         max_control_points: [8, 30],
         ..bicubic(1e-4)
     };

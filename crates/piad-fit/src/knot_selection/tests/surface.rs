@@ -11,8 +11,8 @@ pub(super) fn is_inserted(pair: &[Arc<Level<2>>]) -> bool {
 }
 
 /// Bicubic and open, with as many control points as needed.
-pub(super) fn bicubic(tolerance: f64) -> Asked<2> {
-    Asked::cubic(tolerance)
+pub(super) fn bicubic(tolerance: f64) -> Settings<2> {
+    Settings::cubic(tolerance)
 }
 
 /// The points of a function at a grid of [0, 1]², without the end of closed directions, and its
@@ -37,13 +37,13 @@ fn sampled_grid(
 /// The fit of a function at a grid.
 fn schedule(
     counts: [usize; 2],
-    asked: Asked<2>,
+    settings: Settings<2>,
     f: impl Fn(f64, f64) -> [f64; 3],
 ) -> (Points, SurfaceSchedule) {
-    let (points, parameters) = sampled_grid(counts, asked.periods, f);
+    let (points, parameters) = sampled_grid(counts, settings.periods, f);
     let [rows, columns] = counts;
     let grid = Grid { rows, columns };
-    let options = asked.options(&parameters);
+    let options = settings.options(&parameters);
     let data = GridData::new(&Arc::new(points.clone()), grid, parameters);
     (points, SurfaceSchedule::new(Box::new(data), options))
 }
@@ -146,11 +146,11 @@ fn levels_are_computed_when_they_are_asked_for() {
 fn a_limit_stops_the_fit() {
     let f = |u, v| [u, v, franke(u, v)];
     let fit = |tolerance, max_control_points| {
-        let asked = Asked {
+        let settings = Settings {
             max_control_points,
             ..bicubic(tolerance)
         };
-        all(schedule([81, 61], asked, f).1)
+        all(schedule([81, 61], settings, f).1)
     };
     let (free, _) = fit(1e-3, [usize::MAX; 2]);
     let counts = free.last().unwrap().counts();
@@ -184,11 +184,11 @@ fn closed_directions() {
         [r * a.cos(), r * a.sin(), b.sin()]
     };
     let fit = |periods, tolerance| {
-        let asked = Asked {
+        let settings = Settings {
             periods,
             ..bicubic(tolerance)
         };
-        let (levels, outcome) = all(schedule([47, 31], asked, torus).1);
+        let (levels, outcome) = all(schedule([47, 31], settings, torus).1);
         assert_eq!(outcome, Some(Outcome::Converged), "{periods:?}");
         let last = Arc::clone(levels.last().unwrap());
         assert!(last.distances.max <= tolerance);
@@ -230,13 +230,13 @@ fn any_sides_and_any_place() {
 #[test]
 fn tiny_grids() {
     for degree in [1, 2, 3] {
-        let asked = Asked {
+        let settings = Settings {
             degrees: [degree, degree],
             ..bicubic(1e-9)
         };
         let n = degree + 1;
         let f = |u: f64, v: f64| [u, v, (3.0 * u).exp() * v + u];
-        let (levels, outcome) = all(schedule([n, n], asked, f).1);
+        let (levels, outcome) = all(schedule([n, n], settings, f).1);
         assert_eq!((levels.len(), outcome), (1, Some(Outcome::Converged)));
         assert_eq!(levels[0].count(), n * n);
     }
@@ -247,12 +247,12 @@ fn tiny_grids() {
         ([9, 3], [None, Some(1.0)]),
         ([3, 3], [Some(1.0), Some(1.0)]),
     ] {
-        let asked = Asked {
+        let settings = Settings {
             periods,
             ..bicubic(1e-3)
         };
         let f = |u: f64, v: f64| [u, v, (9.0 * u + 5.0 * v).sin()];
-        let (levels, outcome) = all(schedule(counts, asked, f).1);
+        let (levels, outcome) = all(schedule(counts, settings, f).1);
         assert_eq!(outcome, Some(Outcome::Converged), "{counts:?}");
         assert!(levels.last().unwrap().distances.max <= 1e-3);
     }
