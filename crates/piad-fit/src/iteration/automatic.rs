@@ -14,20 +14,29 @@ mod schedules;
 
 use std::sync::Arc;
 
-use self::alone::Alone;
 use self::careful::Reach;
-use self::pieces::{Piece, Pieces};
 use self::schedules::{Fit, Schedules};
 use crate::data::points::Points;
 use crate::geometry::norms::FitError;
-use crate::problem::Problem;
+use crate::problem::{Inliers, Problem};
 use crate::termination::{Outcome, Reason};
 
-/// The fit at some level, and the schedule that leads on.
+/// The source of levels.
+#[derive(Debug)]
+enum Source {
+    /// A schedule.
+    Schedule(Schedules),
+    /// The fits of the pieces between corners.
+    Pieces(Vec<Automatic>),
+    /// The fit without outliers or missing points.
+    Alone(Box<Automatic>, Arc<Inliers>),
+}
+
+/// The fit at some level, and the source of those that follow.
 #[derive(Debug)]
 pub(crate) struct Automatic {
     whole: Arc<Problem>,
-    schedule: Schedules,
+    source: Source,
     now: Fit,
     next: Option<Fit>,
     /// The number of the level, and that of the level of the last change of knots.
@@ -46,21 +55,23 @@ impl Automatic {
     /// Without data in some places it is kept near the others from the beginning.
     fn started(problem: &Arc<Problem>, has_gaps: bool) -> Option<Self> {
         let (settings, automatic) = problem.method().automatic()?;
-        let careful = has_gaps.then(|| Schedules::careful_surface(problem));
         let is_gappy = !problem.request().missing.is_empty();
-        let mut schedule = match (problem.alone(), problem.corners()) {
-            (Some((alone, inliers)), _) => match Self::started(alone, is_gappy) {
-                Some(fit) => {
-                    Schedules::Several(Box::new(Alone::new(Box::new(fit), Arc::clone(inliers))))
-                }
-                None => Schedules::Nowhere,
-            },
-            (None, Some(_)) => Self::of_pieces(problem),
-            (None, None) => careful
-                .flatten()
-                .unwrap_or_else(|| Schedules::new(problem, settings, automatic)),
+        let source = match (problem.alone(), problem.corners()) {
+            (Some((alone, inliers)), _) => Self::started(alone, is_gappy)
+                .map(|fit| Source::Alone(Box::new(fit), Arc::clone(inliers))),
+            (None, Some(_)) => {
+                let pieces = problem.pieces().ok().filter(|pieces| !pieces.is_empty());
+                let fits = pieces.and_then(|pieces| pieces.iter().map(Self::start).collect());
+                fits.map(Source::Pieces)
+            }
+            (None, None) => {
+                let careful = has_gaps.then(|| Schedules::careful_surface(problem));
+                let usual = || Schedules::new(problem, (settings, automatic));
+                careful.flatten().or_else(usual).map(Source::Schedule)
+            }
         };
-        let now = schedule.next(problem).unwrap_or_else(|| {
+        let mut source = source.unwrap_or(Source::Schedule(Schedules::Nowhere));
+        let now = source.first(problem).unwrap_or_else(|| {
             // Not even the first level has finite numbers.
             let count = problem.control_grid().count();
             let nowhere = Points::zeros(problem.dimension(), count);
@@ -72,7 +83,7 @@ impl Automatic {
         });
         let mut automatic = Self {
             whole: Arc::clone(problem),
-            schedule,
+            source,
             now,
             next: None,
             number: 0,
@@ -83,18 +94,6 @@ impl Automatic {
         Some(automatic)
     }
 
-    /// The schedule of a curve with corners.
-    fn of_pieces(problem: &Problem) -> Schedules {
-        let start = |piece: &Arc<Problem>| {
-            let piece = Self::start(piece)?;
-            Some(Box::new(piece) as Box<dyn Piece>)
-        };
-        match Pieces::new(problem, start) {
-            Some(pieces) => Schedules::Several(Box::new(pieces)),
-            None => Schedules::Nowhere,
-        }
-    }
-
     /// Returns true if fewer control points than data are allowed.
     fn is_limited(&self) -> bool {
         let settings = self.whole.method().automatic();
@@ -103,18 +102,19 @@ impl Automatic {
 
     /// The level after this one, from another schedule if this one has ended with a fit that deviates from its data.
     fn following(&mut self) -> Option<Fit> {
-        if let Some(next) = self.schedule.next(&self.whole) {
+        if let Some(next) = self.source.next(&self.whole) {
             return Some(next);
         }
-        if self.schedule.outcome() != Some(Outcome::Converged) {
+        if self.source.outcome() != Some(Outcome::Converged) {
             return None;
         }
-        if !self.schedule.is_careful()
+        if let Source::Schedule(schedule) = &mut self.source
+            && !schedule.is_careful()
             && self.now.leaves(Reach::Near)
-            && let Some(careful) = self.schedule.careful(&self.whole, &self.now)
+            && let Some(careful) = schedule.careful(&self.whole, &self.now)
         {
-            (self.schedule, self.leaves) = (careful, true);
-            return self.schedule.next(&self.whole);
+            (*schedule, self.leaves) = (careful, true);
+            return schedule.next(&self.whole);
         }
         self.leaves = self.now.leaves(Reach::Far);
         None
@@ -158,7 +158,7 @@ impl Automatic {
     /// How the fit ends, if this is its last level.
     pub(crate) fn outcome(&self) -> Option<Outcome> {
         let over = self.next.is_none();
-        over.then(|| match self.schedule.outcome() {
+        over.then(|| match self.source.outcome() {
             Some(Outcome::Converged) if self.leaves => Outcome::Stalled(Reason::Between),
             // It would be within the tolerance at its data alone.
             Some(Outcome::Minimum) if self.leaves => Outcome::Stalled(Reason::Between),
@@ -170,24 +170,44 @@ impl Automatic {
     }
 }
 
-impl Piece for Automatic {
-    fn advance(&mut self) {
-        self.step();
+impl Source {
+    /// The first level.
+    fn first(&mut self, whole: &Arc<Problem>) -> Option<Fit> {
+        match self {
+            Self::Schedule(schedule) => schedule.next(whole),
+            Self::Pieces(pieces) => {
+                let fits: Vec<&Fit> = pieces.iter().map(|it| &it.now).collect();
+                pieces::joined(whole, &fits)
+            }
+            Self::Alone(fit, inliers) => alone::of_all(whole, &fit.now, inliers),
+        }
     }
 
+    /// The next level, or `None` after the last one. Of several fits each that has not ended moves on.
+    fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit> {
+        let fits = match self {
+            Self::Schedule(schedule) => return schedule.next(whole),
+            Self::Pieces(pieces) => &mut pieces[..],
+            Self::Alone(fit, _) => std::slice::from_mut(&mut **fit),
+        };
+        let mut have_moved = false;
+        for fit in fits.iter_mut().filter(|it| it.outcome().is_none()) {
+            fit.step();
+            have_moved = true;
+        }
+        have_moved.then(|| self.first(whole))?
+    }
+
+    /// How it has ended, after the last level: converged if all pieces have, else as the first one that has not.
     fn outcome(&self) -> Option<Outcome> {
-        self.outcome()
-    }
-
-    fn problem(&self) -> &Problem {
-        &self.now.problem
-    }
-
-    fn control_points(&self) -> &Points {
-        &self.now.control_points
-    }
-
-    fn error(&self) -> FitError {
-        self.error()
+        match self {
+            Self::Schedule(schedule) => schedule.outcome(),
+            Self::Alone(fit, _) => fit.outcome(),
+            Self::Pieces(pieces) => {
+                let outcomes: Option<Vec<_>> = pieces.iter().map(Automatic::outcome).collect();
+                let failed = outcomes?.into_iter().find(|it| *it != Outcome::Converged);
+                Some(failed.unwrap_or(Outcome::Converged))
+            }
+        }
     }
 }

@@ -45,9 +45,8 @@ pub(crate) fn adapted(
     control_points: usize,
 ) -> Option<Breaks> {
     let minimum = LeastSquares {
-        points: Arc::clone(points),
         data_weights: weights,
-        fairness: 0.0,
+        ..LeastSquares::of(points)
     };
     let fit = |line: &Breaks| {
         let values = Values::new(line, t);
@@ -122,11 +121,7 @@ mod tests {
     use crate::basis::knots;
 
     fn largest(points: &Arc<Points>, t: &Arc<Vec<f64>>, line: &Breaks) -> f64 {
-        let minimum = LeastSquares {
-            points: Arc::clone(points),
-            data_weights: None,
-            fairness: 0.0,
-        };
+        let minimum = LeastSquares::of(points);
         let values = Values::new(line, t);
         let control_points = minimum.minimum(&values, None).unwrap();
         let unit = normalizing_scale(points.magnitude());

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Level;
+use super::levels::Level;
 use super::monitor::Monitor;
 
 /// This many redistributions without gain end an attempt.
@@ -28,9 +28,9 @@ pub(super) struct Attempt {
     /// The source of the next knots.
     monitor: Monitor,
     /// The level with the lowest largest distance, and the knot density of its distances.
-    lowest: Option<(Arc<Level>, Monitor)>,
+    lowest: Option<(Arc<Level<1>>, Monitor)>,
     /// The last level with weights.
-    weighed: Option<Arc<Level>>,
+    weighed: Option<Arc<Level<1>>>,
     tries: usize,
     /// Redistributions since the last gain.
     without_gain: usize,
@@ -75,13 +75,13 @@ impl Attempt {
     }
 
     /// The level with the lowest largest distance.
-    pub(super) fn lowest_level(&self) -> Option<&Arc<Level>> {
+    pub(super) fn lowest_level(&self) -> Option<&Arc<Level<1>>> {
         self.lowest.as_ref().map(|(level, _)| level)
     }
 
     /// Takes the outcome of a redistribution, and the knot density of its distances; returns true
     /// if it is the lowest so far.
-    pub(super) fn take(&mut self, level: &Arc<Level>, monitor: Monitor) -> bool {
+    pub(super) fn take(&mut self, level: &Arc<Level<1>>, monitor: Monitor) -> bool {
         let (largest, before) = (level.distances.max, self.lowest());
         self.tries += 1;
         self.without_gain = if largest < GAIN * before {
@@ -116,12 +116,12 @@ impl Attempt {
     }
 
     /// The last level with weights.
-    pub(super) fn weighed(&self) -> Option<&Arc<Level>> {
+    pub(super) fn weighed(&self) -> Option<&Arc<Level<1>>> {
         self.weighed.as_ref()
     }
 
     /// Remembers a level with weights.
-    pub(super) fn with_weighed(mut self, level: Arc<Level>) -> Self {
+    pub(super) fn with_weighed(mut self, level: Arc<Level<1>>) -> Self {
         self.weighed = Some(level);
         self
     }

@@ -18,22 +18,15 @@ const PART: f64 = 0.4;
 /// The parameters after one step.
 pub(crate) fn corrected(values: &Values, control_points: &Points, points: &Points) -> Vec<f64> {
     let (line, t) = (values.line(), values.parameters());
-    let Some(lower) = Breaks::new(line.degree() - 1, line.is_closed(), line.breaks().to_vec())
-    else {
+    let Some((lower, derivative)) = derivative(line, control_points) else {
         return t.to_vec();
     };
-    let slopes = Values::new(&lower, t);
     let (mut along, mut square) = (vec![0.0; t.len()], vec![0.0; t.len()]);
-    let mut fit = Points::zeros(points.dimension(), t.len());
-    values.apply(control_points.lanes(), fit.lanes_mut());
-    let derivatives = control_points.lanes().iter();
-    let derivatives: Vec<Vec<f64>> = derivatives.map(|x| derivative(line, &lower, x)).collect();
-    let mut slope = Points::zeros(points.dimension(), t.len());
-    slopes.apply(&derivatives, slope.lanes_mut());
-    for (c, data) in points.lanes().iter().enumerate() {
-        let (fit, slope) = (fit.lane(c), slope.lane(c));
+    let residual = values.residual(control_points, points);
+    let slope = Values::new(&lower, t).points(&derivative);
+    for (left, slope) in residual.lanes().iter().zip(slope.lanes()) {
         for i in 0..t.len() {
-            along[i] += (data[i] - fit[i]) * slope[i];
+            along[i] += left[i] * slope[i];
             square[i] += slope[i] * slope[i];
         }
     }
@@ -55,14 +48,21 @@ pub(crate) fn corrected(values: &Values, control_points: &Points, points: &Point
     moved
 }
 
-/// The control points of the derivative of one coordinate, over the same breaks.
-pub(super) fn derivative(line: &Breaks, lower: &Breaks, x: &[f64]) -> Vec<f64> {
+/// The derivative of curves: its knots, at the same breaks, and its control points.
+pub(super) fn derivative(line: &Breaks, control_points: &Points) -> Option<(Breaks, Points)> {
     let degree = line.degree();
-    (0..lower.control_points())
-        .map(|j| {
+    let (breaks, closed) = (line.breaks().to_vec(), line.is_closed());
+    let lower = Breaks::new(degree.checked_sub(1)?, closed, breaks)?;
+    let of_lane = |x: &[f64]| {
+        let difference = |j: usize| {
             let width = line.knot((j + 1 + degree) as isize) - line.knot(j as isize + 1);
             let (from, to) = (line.control_point(j), line.control_point(j + 1));
             degree as f64 * (x[to] - x[from]) / width
-        })
-        .collect()
+        };
+        let differences = (0..lower.control_points()).map(difference);
+        differences.collect::<Vec<f64>>()
+    };
+    let lanes = control_points.lanes().iter();
+    let derivative = Points::from_lanes(lanes.map(|lane| of_lane(lane)));
+    Some((lower, derivative))
 }

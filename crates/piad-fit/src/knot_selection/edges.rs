@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::Level;
+use super::levels::Level;
 use crate::data::points::Points;
 
 /// The fewest parts of an edge.
@@ -75,9 +75,9 @@ impl Edges {
 
     /// A level with the parameters of the vertices, and the distances of all points, of which the largest is at the vertex
     /// before it.
-    pub(crate) fn of_vertices(&self, level: &Level) -> Level {
+    pub(crate) fn of_vertices(&self, level: &Level<1>) -> Level<1> {
         let mut level = level.clone();
-        level.parameters = Arc::clone(&self.of_vertices);
+        level.parameters = [Arc::clone(&self.of_vertices)];
         let after = self
             .vertices
             .partition_point(|&it| it <= level.distances.at);

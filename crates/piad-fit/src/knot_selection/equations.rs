@@ -24,6 +24,17 @@ use crate::data::points::Points;
 /// A minimum over some knots. Constraints and fairness are up to the implementation: the schedule only compares
 /// distances.
 pub(crate) trait Minimum {
+    /// Returns true if steps of plain least squares come near to it, and so lead from a minimum to the next: not with
+    /// constraints, fairness or freedom.
+    fn has_steps(&self) -> bool {
+        false
+    }
+
+    /// For each datum the distance that counts as zero; `None` if there is none.
+    fn freedom(&self) -> Option<&[f64]> {
+        None
+    }
+
     /// The control points that are nearest to the data by the sum of squared distances, each
     /// multiplied with its weight, or `None` if the data do not determine them.
     fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points>;
@@ -49,9 +60,19 @@ pub(crate) struct LeastSquares {
     pub data_weights: Option<Arc<Vec<f64>>>,
     /// ε, how fair the curve is.
     pub fairness: f64,
+    /// For each datum the distance that counts as zero; `None` if there is none.
+    pub freedom: Option<Arc<[f64]>>,
 }
 
 impl Minimum for LeastSquares {
+    fn has_steps(&self) -> bool {
+        self.freedom.is_none()
+    }
+
+    fn freedom(&self) -> Option<&[f64]> {
+        self.freedom.as_deref()
+    }
+
     fn minimum(&self, values: &Values, weights: Option<&[f64]>) -> Option<Points> {
         let product: Vec<f64>;
         let weights = match (weights, self.data_weights.as_deref()) {
@@ -86,6 +107,16 @@ impl Minimum for LeastSquares {
 }
 
 impl LeastSquares {
+    /// Of data that count alike.
+    pub(crate) fn of(points: &Arc<Points>) -> Self {
+        Self {
+            points: Arc::clone(points),
+            data_weights: None,
+            fairness: 0.0,
+            freedom: None,
+        }
+    }
+
     /// Rows whose squares are the fairness.
     fn bending(&self, values: &Values, weights: Option<&[f64]>) -> Vec<Row> {
         let (line, data) = (values.line(), self.points.len());

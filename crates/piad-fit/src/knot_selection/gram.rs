@@ -54,6 +54,7 @@ impl Gram {
     pub(super) fn of(values: &Values, weights: Option<&[f64]>, bending: &[Row]) -> Self {
         let (line, width) = (values.line(), values.width());
         let (fixed, count) = (line.fixed_ends(), line.control_points());
+        let moving = |j: usize| (fixed..count - fixed).contains(&j).then(|| j - fixed);
         let mut gram = Self::new(count - 2 * fixed, line.degree(), line.is_closed());
         let products = values.products(weights);
         for (part, products) in values
@@ -61,10 +62,7 @@ impl Gram {
             .iter()
             .zip(products.chunks_exact(width * width))
         {
-            let place = |k: usize| {
-                let j = line.control_point(part.span + k);
-                (fixed..count - fixed).contains(&j).then(|| j - fixed)
-            };
+            let place = |k: usize| moving(line.control_point(part.span + k));
             for a in 0..width {
                 for b in 0..=a {
                     if let (Some(i), Some(j)) = (place(a), place(b)) {
@@ -74,7 +72,6 @@ impl Gram {
             }
         }
         for row in bending {
-            let moving = |j: usize| (fixed..count - fixed).contains(&j).then(|| j - fixed);
             for (k, &(a, x)) in row.iter().enumerate() {
                 for &(b, y) in &row[..=k] {
                     if let (Some(i), Some(j)) = (moving(a), moving(b)) {

@@ -15,7 +15,7 @@
 
 use std::sync::Arc;
 
-use super::Level;
+use super::levels::Level;
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
 use crate::geometry::freedom::{length, limited, part_beside};
@@ -103,14 +103,14 @@ impl Guide {
     }
 
     /// A level with the distances of the data alone.
-    pub(crate) fn of_data(&self, level: &Level) -> Level {
+    pub(crate) fn of_data(&self, level: &Level<1>) -> Level<1> {
         let unit = normalizing_scale(self.points.magnitude());
         let each = self.data.iter().map(|&place| level.distances.each[place]);
         let squares = each.map(|distance| (distance * unit) * (distance * unit));
         Level {
             distances: Distances::of_squares(squares.collect(), unit),
-            parameters: Arc::clone(&self.of_data),
-            line: level.line.clone(),
+            parameters: [Arc::clone(&self.of_data)],
+            lines: level.lines.clone(),
             control_points: level.control_points.clone(),
         }
     }

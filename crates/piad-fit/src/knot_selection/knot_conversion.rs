@@ -21,6 +21,14 @@ impl Breaks {
         Self::new(degree, direction.is_closed(), breaks)
     }
 
+    /// The coarsest knots of a direction, from the first of its parameters on.
+    pub(crate) fn coarsest_of(direction: &Direction) -> Option<Self> {
+        let (degree, t) = (direction.basis.degree(), &direction.parameters);
+        let (start, last) = (*t.first()?, *t.last()?);
+        let end = direction.period().map_or(last, |period| start + period);
+        Self::coarsest(degree, direction.is_closed(), start, end)
+    }
+
     /// The direction with these knots, of data at some parameters.
     pub(crate) fn direction(&self, parameters: Arc<Vec<f64>>) -> Direction {
         let basis = Basis::BSpline {

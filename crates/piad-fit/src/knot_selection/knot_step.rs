@@ -59,12 +59,9 @@ pub(super) fn moved(
 ) -> Option<Breaks> {
     let line = values.line();
     let unit = normalizing_scale(points.magnitude());
-    let mut residual = Points::zeros(points.dimension(), points.len());
-    values.apply(control_points.lanes(), residual.lanes_mut());
-    for (fit, data) in residual.lanes_mut().iter_mut().zip(points.lanes()) {
-        let pairs = fit.iter_mut().zip(&**data);
-        pairs.for_each(|(fit, data)| *fit = (data - *fit) * unit);
-    }
+    let mut residual = values.residual(control_points, points);
+    let lanes = residual.lanes_mut().iter_mut();
+    lanes.for_each(|lane| lane.iter_mut().for_each(|left| *left *= unit));
     let weight = |i: usize| weights.map_or(1.0, |weights| weights[i]);
     let slopes: Vec<Slope> = (1..line.spans())
         .map(|q| slope(values, control_points, q, unit))
@@ -250,9 +247,7 @@ mod tests {
             (0..count).map(move |i| (seed * i as f64).sin() + 0.3 * i as f64)
         };
         let points = Points::from_lanes([3.7, 5.1].map(|seed| numbers(seed).collect::<Vec<f64>>()));
-        let mut data = Points::zeros(2, t.len());
-        Values::new(line, t).apply(points.lanes(), data.lanes_mut());
-        data
+        Values::new(line, t).points(&points)
     }
 
     /// The derivative by a knot is the limit of differences, of open and closed curves.
@@ -269,11 +264,7 @@ mod tests {
             let line = at(1, 0.0);
             let numbers = (0..line.control_points()).map(|i| (3.7 * i as f64).sin());
             let points = Points::from_lanes([numbers.collect::<Vec<f64>>()]);
-            let evaluated = |line: &Breaks| {
-                let mut fit = Points::zeros(1, t.len());
-                Values::new(line, &t).apply(points.lanes(), fit.lanes_mut());
-                fit
-            };
+            let evaluated = |line: &Breaks| Values::new(line, &t).points(&points);
             for q in 1..8 {
                 let slope = slope(&Values::new(&line, &t), &points, q, 1.0);
                 let h = 1e-6;
@@ -299,11 +290,7 @@ mod tests {
             let breaks = |off: f64| vec![0.0, 0.21 + off, 0.35 - off, 0.6 + off, 0.82, 1.0];
             let [exact, mut line] =
                 [0.0, 0.02].map(|off| Breaks::new(degree, closed, breaks(off)).unwrap());
-            let minimum = LeastSquares {
-                points: Arc::new(curve(&exact, &t)),
-                data_weights: None,
-                fairness: 0.0,
-            };
+            let minimum = LeastSquares::of(&Arc::new(curve(&exact, &t)));
             for _ in 0..12 {
                 let values = Values::new(&line, &t);
                 let control_points = minimum.minimum(&values, None).unwrap();

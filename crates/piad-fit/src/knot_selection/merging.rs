@@ -105,13 +105,8 @@ mod tests {
         let t: Vec<f64> = (0..=500).map(|i| i as f64 / 100.0).collect();
         let t = std::sync::Arc::new(t);
         let values = super::super::values::Values::new(&coarse, &t);
-        let mut data = Points::zeros(1, t.len());
-        values.apply(points.lanes(), data.lanes_mut());
-        let minimum = super::super::equations::LeastSquares {
-            points: std::sync::Arc::new(data),
-            data_weights: None,
-            fairness: 0.0,
-        };
+        let data = values.points(&points);
+        let minimum = super::super::equations::LeastSquares::of(&std::sync::Arc::new(data));
         let values = super::super::values::Values::new(&line, &t);
         let control_points =
             super::super::equations::Minimum::minimum(&minimum, &values, None).unwrap();

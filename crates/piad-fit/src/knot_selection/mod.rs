@@ -26,8 +26,8 @@
 //!
 //! Parameters stay where they are, or move to the foot points of the data if requested (Hoschek; [`correction`]).
 //!
-//! Surfaces do the same with whole knot lines ([`surface`]). For a given number of control points the knots converge to
-//! the best ones ([`adaptive`]).
+//! Surfaces do the same with whole knot lines ([`surface`]), and have the same [`levels`]. For a given number of control
+//! points the knots converge to the best ones ([`adaptive`]).
 //!
 //! The minimization is behind [`equations::Minimum`]: it handles constraints and fairness, and the schedule handles
 //! knots.
@@ -63,6 +63,7 @@ pub(crate) mod guide;
 pub(crate) mod insertion;
 pub(super) mod knot_conversion;
 mod knot_step;
+pub(crate) mod levels;
 mod merging;
 pub(crate) mod minimax;
 pub(crate) mod monitor;
@@ -78,40 +79,21 @@ pub(crate) mod values;
 use std::sync::Arc;
 
 use self::breaks::Breaks;
-use crate::data::distances::Distances;
 use crate::data::points::Points;
 
-/// Options of a fit that chooses its knots.
+/// Options of a fit that chooses its knots, of `D` directions.
 #[derive(Clone, Debug)]
-pub(crate) struct Options {
-    /// The degree p ≥ 1.
-    pub degree: usize,
-    /// The period of a closed curve, after which it is back at its first datum.
-    pub period: Option<f64>,
+pub(crate) struct Options<const D: usize> {
+    /// The knots with which it begins.
+    pub lines: [Breaks; D],
+    /// The control points over them with which it begins; `None` means those near the data.
+    pub first: Option<Points>,
+    /// The parameters of the data in each direction.
+    pub parameters: [Arc<Vec<f64>>; D],
     /// The largest distance that is accepted, in data units.
     pub tolerance: f64,
-    /// The most control points; never more than data.
-    pub max_control_points: usize,
-    /// True if parameters move to the foot points of their data.
+    /// The most control points of each direction; never more than data.
+    pub max_control_points: [usize; D],
+    /// True if parameters move to the foot points of their data: of curves and of scattered points.
     pub correct_parameters: bool,
-    /// The initial curve; `None` means one of p + 1 control points.
-    pub first: Option<(Breaks, Points)>,
-    /// True if all levels are minima, without steps of plain least squares between them: needed for constraints,
-    /// fairness or weights.
-    pub minima_alone: bool,
-    /// For each datum the distance that counts as zero; `None` if there is none.
-    pub freedom: Option<Arc<[f64]>>,
-}
-
-/// A B-spline during the search.
-#[derive(Clone, Debug)]
-pub(crate) struct Level {
-    /// The knots.
-    pub line: Breaks,
-    /// The control points.
-    pub control_points: Points,
-    /// The distances from the data.
-    pub distances: Distances,
-    /// Where the data lie on the curve.
-    pub parameters: Arc<Vec<f64>>,
 }

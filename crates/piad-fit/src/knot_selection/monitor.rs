@@ -26,9 +26,7 @@ const LEAST: f64 = 0.02;
 /// A density of knots, constant on spans.
 #[derive(Clone, Debug)]
 pub(crate) struct Monitor {
-    degree: usize,
-    closed: bool,
-    breaks: Vec<f64>,
+    line: Breaks,
     density: Vec<f64>,
 }
 
@@ -53,46 +51,28 @@ impl Monitor {
                 share / length
             })
             .collect();
-        Self {
-            degree: line.degree(),
-            closed: line.is_closed(),
-            breaks: line.breaks().to_vec(),
-            density,
-        }
+        let line = line.clone();
+        Self { line, density }
     }
 
-    /// The degree p.
-    pub(crate) fn degree(&self) -> usize {
-        self.degree
-    }
-
-    /// Returns true if the last span is followed by the first.
-    pub(crate) fn is_closed(&self) -> bool {
-        self.closed
-    }
-
-    /// The start of the parameters.
-    pub(crate) fn start(&self) -> f64 {
-        self.breaks[0]
-    }
-
-    /// The end of the parameters.
-    pub(crate) fn end(&self) -> f64 {
-        self.breaks[self.breaks.len() - 1]
+    /// The spans on which it is constant.
+    pub(crate) fn line(&self) -> &Breaks {
+        &self.line
     }
 
     /// Knots for this many control points, at equal shares; `None` if they are too close to be
     /// distinct.
     pub(crate) fn place(&self, control_points: usize) -> Option<Breaks> {
-        let beyond = control_points_beyond_spans(self.degree, self.closed);
-        let spans = control_points.checked_sub(beyond)?;
+        let (degree, closed) = (self.line.degree(), self.line.is_closed());
+        let spans = control_points.checked_sub(control_points_beyond_spans(degree, closed))?;
+        let own = self.line.breaks();
         let mut sums = vec![0.0];
         let mut sum = 0.0;
-        for (pair, density) in self.breaks.windows(2).zip(&self.density) {
+        for (pair, density) in own.windows(2).zip(&self.density) {
             sum += density * (pair[1] - pair[0]);
             sums.push(sum);
         }
-        let mut breaks = vec![self.breaks[0]];
+        let mut breaks = vec![own[0]];
         let mut s = 0;
         for k in 1..spans {
             let share = sum * (k as f64 / spans as f64);
@@ -100,11 +80,11 @@ impl Monitor {
                 s += 1;
             }
             let part = (share - sums[s]) / (sums[s + 1] - sums[s]);
-            let (low, high) = (self.breaks[s], self.breaks[s + 1]);
+            let (low, high) = (own[s], own[s + 1]);
             breaks.push((1.0 - part) * low + part * high);
         }
-        breaks.push(self.breaks[self.breaks.len() - 1]);
-        Breaks::new(self.degree, self.closed, breaks)
+        breaks.push(own[self.line.spans()]);
+        Breaks::new(degree, closed, breaks)
     }
 }
 

@@ -32,10 +32,11 @@ pub(crate) fn place(monitor: &Monitor, t: &[f64], control_points: usize) -> Opti
 /// Knots that follow the data (PT97 (9.68)–(9.69)), with a control point for each datum averages of
 /// them (PT97 (9.8)).
 pub(super) fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Option<Breaks> {
-    let (degree, closed) = (monitor.degree(), monitor.is_closed());
+    let line = monitor.line();
+    let (degree, closed) = (line.degree(), line.is_closed());
+    let (start, end) = (line.breaks()[0], line.breaks()[line.spans()]);
     let spans = control_points.checked_sub(control_points_beyond_spans(degree, closed))?;
     let breaks = if closed {
-        let end = monitor.end();
         let at = |k: usize| {
             let x = k as f64 * t.len() as f64 / spans as f64;
             let i = (x as usize).min(t.len() - 1);
@@ -52,8 +53,8 @@ pub(super) fn even(monitor: &Monitor, t: &[f64], control_points: usize) -> Optio
         };
         let mut breaks = all[degree..=degree + spans].to_vec();
         // The line can go beyond the data.
-        breaks[0] = monitor.start().min(breaks[0]);
-        breaks[spans] = monitor.end().max(breaks[spans]);
+        breaks[0] = start.min(breaks[0]);
+        breaks[spans] = end.max(breaks[spans]);
         breaks
     };
     Breaks::new(degree, closed, breaks)

@@ -27,9 +27,29 @@ fn by_cost(line: &Breaks, control_points: &Points) -> impl Iterator<Item = usize
     order.into_iter().map(|(_, place)| place)
 }
 
+/// At most this part of the knots is removed at once.
+const MOST: usize = 4;
+
+/// Tries knots without several of them, half as many after each failure, as long as these are more than `fewest`. The
+/// next call continues with `batch`, the number that has not failed yet. Returns true after a success.
+pub(super) fn in_batches(
+    batch: &mut Option<usize>,
+    (line, control_points): (&Breaks, &Points),
+    fewest: usize,
+    mut succeeds: impl FnMut(Breaks) -> bool,
+) -> bool {
+    let most = line.spans() / MOST;
+    let mut count = batch.map_or(most, |it| it.min(most));
+    while count > fewest && !without(line, control_points, count).is_some_and(&mut succeeds) {
+        count /= 2;
+    }
+    *batch = Some(count);
+    count > fewest
+}
+
 /// The knots without some of them, the cheapest removals, but no two beside each other: what one costs depends on those
 /// around it.
-pub(super) fn without(line: &Breaks, control_points: &Points, most: usize) -> Option<Breaks> {
+fn without(line: &Breaks, control_points: &Points, most: usize) -> Option<Breaks> {
     let mut stays = vec![true; line.spans() + 1];
     let mut left = most;
     for place in by_cost(line, control_points) {

@@ -10,19 +10,19 @@ mod growing;
 mod merging;
 mod pruning;
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::Options;
 use super::attempt::Attempt;
-use super::breaks::{Breaks, control_points_beyond_spans};
+use super::breaks::control_points_beyond_spans;
 use super::correction::corrected;
 use super::equations::Minimum;
+use super::levels::{Level, Levels};
 use super::minimax::Weights;
 use super::monitor::{Monitor, needed, span_maxima};
 use super::placement::place;
 use super::steps::Steps;
 use super::values::Values;
-use super::{Level, Options};
 use crate::data::points::{Points, normalizing_scale};
 use crate::termination::Outcome;
 
@@ -70,31 +70,21 @@ pub(crate) struct Schedule<M> {
     points: Arc<Points>,
     /// A power of two that brings squares of distances to the order of one.
     unit: f64,
-    options: Options,
-    parameters: Arc<Vec<f64>>,
+    options: Options<1>,
     stage: Stage,
-    queue: VecDeque<Arc<Level>>,
-    /// The last level.
-    last: Option<Arc<Level>>,
-    /// The level within the tolerance with the fewest control points.
-    best: Option<Arc<Level>>,
-    /// The level with the smallest largest distance.
-    closest: Option<Arc<Level>>,
-    /// The knot density of the best level.
-    within: Option<Monitor>,
+    levels: Levels<1>,
     /// This many control points, or fewer, are known to be too few.
     low: usize,
     /// This many are known to suffice, or too many.
     high: usize,
     /// Least-squares fits since the end of growth.
     spent: usize,
-    /// The most knots that are tried to be removed at once.
-    batch: usize,
+    /// The number of knots that are tried to be removed at once.
+    batch: Option<usize>,
     /// Least-squares fits that are left for the removal of single knots.
     prunings: usize,
     /// The same for knots that move.
     merges: usize,
-    outcome: Option<Outcome>,
 }
 
 /// The source of the next level.
@@ -116,49 +106,36 @@ enum Stage {
 
 impl<M: Minimum> Schedule<M> {
     /// A fit of data at increasing parameters, two at least.
-    pub(crate) fn new(
-        points: Arc<Points>,
-        parameters: Arc<Vec<f64>>,
-        options: Options,
-        minimum: M,
-    ) -> Self {
+    pub(crate) fn new(points: Arc<Points>, options: Options<1>, minimum: M) -> Self {
+        let degree = options.lines[0].degree();
+        let most = options.max_control_points[0].min(points.len());
         Self {
-            low: options.degree,
-            high: options
-                .max_control_points
-                .min(points.len())
-                .max(options.degree + 1)
-                + 1,
-            batch: usize::MAX,
+            low: degree,
+            high: most.max(degree + 1) + 1,
+            batch: None,
             prunings: prunings(points.len()),
             merges: prunings(points.len()),
             minimum,
             unit: normalizing_scale(points.magnitude()),
             points,
+            levels: Levels::new(options.tolerance),
             options,
-            parameters,
             stage: Stage::Start,
-            queue: VecDeque::new(),
-            last: None,
-            best: None,
-            closest: None,
-            within: None,
             spent: 0,
-            outcome: None,
         }
     }
 
     /// How it has ended, after the last level.
     pub(crate) fn outcome(&self) -> Option<Outcome> {
-        self.outcome.filter(|_| self.queue.is_empty())
+        self.levels.outcome()
     }
 
     /// The next level, or `None` after the last one.
-    pub(crate) fn next_level(&mut self) -> Option<Arc<Level>> {
-        while self.queue.is_empty() && self.outcome.is_none() {
+    pub(crate) fn next_level(&mut self) -> Option<Arc<Level<1>>> {
+        while self.levels.lack_one() {
             self.advance();
         }
-        self.queue.pop_front()
+        self.levels.pop()
     }
 
     /// Takes one step, after which there may be a new level.
@@ -175,21 +152,22 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// The first attempt, with the number of control points that follows from the distances.
-    fn begin_search(&mut self, nearest: &Level, values: &Values) {
-        let each = &nearest.distances.each;
+    fn begin_search(&mut self, nearest: &Level<1>, values: &Values) {
+        let (each, line) = (&nearest.distances.each, values.line());
         let maxima = span_maxima(values.starts(), each);
-        let asked = needed(&nearest.line, &maxima, self.options.tolerance);
-        let monitor = Monitor::new(&nearest.line, values.starts(), each, 1.0);
-        if let Some(best) = &self.best {
-            self.high = best.line.control_points();
-            self.within = Some(monitor.clone());
+        let asked = needed(line, &maxima, self.options.tolerance);
+        if let Some(best) = &self.levels.best {
+            self.high = best.count();
         }
-        self.next_attempt(asked, monitor);
+        self.next_attempt(asked, Monitor::new(line, values.starts(), each, 1.0));
     }
 
     /// Starts an attempt with about `asked` control points, if there are numbers left to try.
     fn next_attempt(&mut self, asked: usize, monitor: Monitor) {
-        let coarse = self.best.as_ref().map_or(0, |_| self.high / RESOLUTION);
+        let coarse = match self.levels.best {
+            Some(_) => self.high / RESOLUTION,
+            None => 0,
+        };
         let (least, most) = (self.low + 1, self.high - 1 - coarse);
         self.stage = if least <= most {
             Stage::Attempt(Attempt::new(asked.clamp(least, most), monitor))
@@ -210,11 +188,11 @@ impl<M: Minimum> Schedule<M> {
         };
         let damping = if attempt.is_fresh() { 1.0 } else { DAMPING };
         let each = &level.distances.each;
-        let monitor = Monitor::new(&level.line, values.starts(), each, damping);
+        let monitor = Monitor::new(values.line(), values.starts(), each, damping);
         if attempt.take(&level, monitor) {
-            self.issue(Arc::clone(&level));
+            self.levels.issue(Arc::clone(&level));
         }
-        if level.distances.max <= self.options.tolerance {
+        if self.levels.is_within(&level) {
             self.succeed(&level, attempt.into_last_monitor());
         } else if !attempt.is_over(self.options.tolerance, self.high - 1) {
             self.stage = Stage::Attempt(attempt);
@@ -227,46 +205,39 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// The least-squares fit over the knots of an attempt.
-    fn redistributed(&mut self, attempt: &Attempt) -> Option<(Arc<Level>, Values)> {
-        let line = place(attempt.monitor(), &self.parameters, attempt.count())?;
-        let mut values = Values::new(&line, &self.parameters);
+    fn redistributed(&mut self, attempt: &Attempt) -> Option<(Arc<Level<1>>, Values)> {
+        let [t] = &self.options.parameters;
+        let line = place(attempt.monitor(), t, attempt.count())?;
+        let mut values = Values::new(&line, t);
         let control_points = self.minimum.minimum(&values, None)?;
         if self.options.correct_parameters {
-            let moved = corrected(&values, &control_points, &self.points);
-            self.parameters = Arc::new(moved);
-            values = Values::new(&line, &self.parameters);
+            let moved = Arc::new(corrected(&values, &control_points, &self.points));
+            values = Values::new(&line, &moved);
+            self.options.parameters = [moved];
         }
-        let level = self.level(line, &values, control_points);
+        let level = self.level(&values, control_points);
         level.distances.max.is_finite().then_some((level, values))
     }
 
     /// One step of the weights over the knots of the last level.
     fn weigh(&mut self, attempt: Attempt, mut weights: Weights, left: usize) {
-        let Some(base) = attempt.lowest_level().cloned() else {
+        let (Some(base), Some(last)) = (attempt.lowest_level(), &self.levels.last) else {
             return;
         };
         self.spent += 1;
-        let Some(last) = self.last.clone() else {
-            return;
-        };
-        let values = Values::new(&base.line, &base.parameters);
-        let from = attempt.weighed().unwrap_or(&base);
+        let from = attempt.weighed().unwrap_or(base);
         weights.raise(&from.distances.each, from.distances.max);
-        let minimum = self.minimum.minimum(&values, Some(weights.values()));
-        let Some(control_points) = minimum.filter(|_| left > 0) else {
+        let level = self.fit(&values_of(base), Some(weights.values()));
+        let Some(level) = level.filter(|_| left > 0) else {
             self.fail(attempt);
             return;
         };
-        let parameters = Arc::clone(&base.parameters);
-        let level = self.level_at(base.line.clone(), &values, control_points, parameters);
         if level.distances.max < last.distances.max * (1.0 - GAIN) {
-            self.issue(Arc::clone(&level));
+            self.levels.issue(Arc::clone(&level));
         }
-        if level.distances.max <= self.options.tolerance {
-            let monitor = attempt.into_lowest_monitor();
-            self.high = level.line.control_points();
-            self.within = Some(monitor.clone());
-            self.next_attempt(self.high - 1, monitor);
+        if self.levels.is_within(&level) {
+            self.high = level.count();
+            self.next_attempt(self.high - 1, attempt.into_lowest_monitor());
         } else {
             let attempt = attempt.with_weighed(level);
             self.stage = Stage::Minimax(attempt, weights, left - 1);
@@ -274,12 +245,9 @@ impl<M: Minimum> Schedule<M> {
     }
 
     /// Continues with fewer control points.
-    fn succeed(&mut self, level: &Level, monitor: Monitor) {
-        self.high = level.line.control_points();
-        self.within = Some(monitor.clone());
-        let asked = self
-            .asked(&level.line, level.distances.max)
-            .min(self.high - 1);
+    fn succeed(&mut self, level: &Level<1>, monitor: Monitor) {
+        self.high = level.count();
+        let asked = self.asked(level).min(self.high - 1);
         self.next_attempt(asked, monitor);
     }
 
@@ -288,90 +256,62 @@ impl<M: Minimum> Schedule<M> {
         let count = attempt.count();
         self.low = self.low.max(count);
         let asked = match attempt.lowest_level() {
-            Some(level) => self.asked(&level.line, level.distances.max),
+            Some(level) => self.asked(level),
             None => count + 1,
         };
         // Before a sufficient number is known, in steps towards one.
-        let least = if self.best.is_none() {
-            count + count / 4
-        } else {
-            0
+        let least = match self.levels.best {
+            None => count + count / 4,
+            Some(_) => 0,
         };
         self.next_attempt(asked.max(least), attempt.into_lowest_monitor());
     }
 
-    /// The number of control points that follows from a largest distance, if it is the same
+    /// The number of control points that follows from the largest distance, if it is the same
     /// everywhere.
-    fn asked(&self, line: &Breaks, largest: f64) -> usize {
+    fn asked(&self, level: &Level<1>) -> usize {
+        let ([line], largest) = (&level.lines, level.distances.max);
         let beyond = control_points_beyond_spans(line.degree(), line.is_closed());
         let power = 1.0 / (line.degree() + 1) as f64;
         let factor = (largest / self.options.tolerance).powf(power);
         beyond + (line.spans() as f64 * factor).ceil().min(1e15) as usize
     }
 
-    /// The best level again, unless it is the last one.
+    /// The end, if no level is left.
     fn finish(&mut self) {
-        let end = self.best.clone().or_else(|| self.closest.clone());
-        if let (Some(end), Some(last)) = (end, self.last.clone())
-            && !Arc::ptr_eq(&end, &last)
-        {
-            self.queue.push_back(end);
-        }
-        let limited = self.options.max_control_points < self.points.len();
-        self.outcome = Some(match &self.best {
-            Some(_) => Outcome::Converged,
-            None if limited => Outcome::Exhausted,
-            None => Outcome::Minimum,
+        let is_limited = self.options.max_control_points[0] < self.points.len();
+        self.levels.end(match is_limited {
+            true => Outcome::Exhausted,
+            false => Outcome::Minimum,
         });
     }
 
-    /// A level at the present parameters.
-    fn level(&self, line: Breaks, values: &Values, control_points: Points) -> Arc<Level> {
-        let parameters = Arc::clone(&self.parameters);
-        self.level_at(line, values, control_points, parameters)
+    /// The least-squares fit over some knots.
+    fn fit(&self, values: &Values, weights: Option<&[f64]>) -> Option<Arc<Level<1>>> {
+        let control_points = self.minimum.minimum(values, weights)?;
+        Some(self.level(values, control_points))
     }
 
-    /// A level at some parameters.
-    fn level_at(
-        &self,
-        line: Breaks,
-        values: &Values,
-        control_points: Points,
-        parameters: Arc<Vec<f64>>,
-    ) -> Arc<Level> {
+    /// The level of some control points.
+    fn level(&self, values: &Values, control_points: Points) -> Arc<Level<1>> {
         let mut distances =
             values.distances(control_points.lanes(), self.points.lanes(), self.unit);
-        if let Some(freedom) = &self.options.freedom {
+        if let Some(freedom) = self.minimum.freedom() {
             distances = distances.beyond(freedom, self.unit);
         }
         Arc::new(Level {
-            line,
+            lines: [values.line().clone()],
             control_points,
             distances,
-            parameters,
+            parameters: [Arc::clone(values.parameters())],
         })
     }
+}
 
-    /// Makes a level and returns it.
-    fn issue_new(&mut self, line: Breaks, values: &Values, control_points: Points) {
-        let level = self.level(line, values, control_points);
-        self.issue(level);
-    }
-
-    /// Returns a level, and remembers it if it is the best or the closest.
-    fn issue(&mut self, level: Arc<Level>) {
-        let count = level.line.control_points();
-        let fewer = |best: &Arc<Level>| count <= best.line.control_points();
-        if level.distances.max <= self.options.tolerance && self.best.as_ref().is_none_or(fewer) {
-            self.best = Some(Arc::clone(&level));
-        }
-        let closer = |best: &Arc<Level>| level.distances.max < best.distances.max;
-        if self.closest.as_ref().is_none_or(closer) {
-            self.closest = Some(Arc::clone(&level));
-        }
-        self.last = Some(Arc::clone(&level));
-        self.queue.push_back(level);
-    }
+/// The values of the functions of a level.
+fn values_of(level: &Level<1>) -> Values {
+    let ([line], [t]) = (&level.lines, &level.parameters);
+    Values::new(line, t)
 }
 
 /// The number of fits with single knots fewer that are tried for this number of data.

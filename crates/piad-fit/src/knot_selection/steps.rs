@@ -46,16 +46,10 @@ impl Steps {
         let fixed = values.line().fixed_ends();
         scale[..fixed].fill(0.0);
         scale[count - fixed..].fill(0.0);
-        let mut residual = Points::zeros(dimension, points.len());
-        values.apply(control_points.lanes(), residual.lanes_mut());
-        for (residual, data) in residual.lanes_mut().iter_mut().zip(points.lanes()) {
-            let pairs = residual.iter_mut().zip(&**data);
-            pairs.for_each(|(fit, data)| *fit = data - *fit);
-        }
         Self {
             scale,
             unit,
-            residual,
+            residual: values.residual(control_points, points),
             direction: Points::zeros(dimension, count),
             conjugate: vec![Conjugate::default(); dimension],
             gradient: Points::zeros(dimension, count),

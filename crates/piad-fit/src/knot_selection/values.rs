@@ -14,6 +14,7 @@ use super::breaks::Breaks;
 use crate::basis::evaluated::Evaluated;
 use crate::data::blocks::{BLOCK, Block};
 use crate::data::distances::{Distances, measure};
+use crate::data::points::Points;
 use kernels::{add, evaluate, invert_widths, multiply, multiply_all, with_width};
 
 /// Fewer data are one group: sharing them among threads would take longer.
@@ -131,11 +132,21 @@ impl Values {
         });
     }
 
-    /// The same for lines of numbers one after the other.
-    pub(crate) fn apply_to_lines(&self, x: &[f64], y: &mut [f64]) {
-        let x: Vec<&[f64]> = x.chunks_exact(self.line.control_points()).collect();
-        let mut y: Vec<&mut [f64]> = y.chunks_exact_mut(self.t.len()).collect();
-        self.apply(&x, &mut y);
+    /// The points of the curve of control points.
+    pub(crate) fn points(&self, control_points: &Points) -> Points {
+        let mut points = Points::zeros(control_points.dimension(), self.t.len());
+        self.apply(control_points.lanes(), points.lanes_mut());
+        points
+    }
+
+    /// How far the data are from these points, in each coordinate.
+    pub(super) fn residual(&self, control_points: &Points, data: &Points) -> Points {
+        let mut residual = self.points(control_points);
+        for (residual, data) in residual.lanes_mut().iter_mut().zip(data.lanes()) {
+            let pairs = residual.iter_mut().zip(&**data);
+            pairs.for_each(|(fit, datum)| *fit = datum - *fit);
+        }
+        residual
     }
 
     /// The distances of the data from the curve of control points, by squares of lengths that are

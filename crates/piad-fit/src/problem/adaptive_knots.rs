@@ -82,16 +82,13 @@ pub(super) fn placed(request: &Request, setup: &Setup) -> Result<Option<Setup>, 
 /// The knots that follow the data, or those of the fit that this one starts from.
 fn line(request: &Request, settings: &LeastSquares, setup: &Setup) -> Option<Breaks> {
     let u = setup.u();
-    let t = &u.parameters;
-    let degree = u.basis.degree();
     match &request.start_breaks {
-        Some(breaks) => Breaks::new(degree, u.is_closed(), breaks.first()?.to_vec()),
+        Some(breaks) => Breaks::new(u.basis.degree(), u.is_closed(), breaks.first()?.to_vec()),
         None => {
-            let end = u.period().map_or(t[t.len() - 1], |period| t[0] + period);
-            let coarsest = Breaks::coarsest(degree, u.is_closed(), t[0], end)?;
+            let coarsest = Breaks::coarsest_of(u)?;
             let weights = settings.data_weights.as_deref();
             let weights = weights.map(|weights| Arc::new(weights.to_vec()));
-            adaptive::adapted(setup.data(), weights, t, &coarsest, u.free())
+            adaptive::adapted(setup.data(), weights, &u.parameters, &coarsest, u.free())
         }
     }
 }

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::schedules::{Between, Fit, Schedules, surface_options};
+use super::schedules::{Between, Fit, Schedules, options, parameters};
 use crate::geometry::between::{self, Excursion};
 use crate::knot_selection::Options;
 use crate::knot_selection::breaks::Breaks;
@@ -55,21 +55,17 @@ impl Schedules {
         }
         let (settings, _) = whole.method().automatic()?;
         let problem = &*now.problem;
-        let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
-        let first = in_lines(&now.control_points, &lines);
         let u = problem.u();
+        let lines = [Breaks::of(u)?];
         let guide = Guide::new(problem.data(), &u.parameters, u.period());
+        let most = Guide::most_control_points(problem.data().len());
         let options = Options {
-            degree: u.basis.degree(),
-            period: u.period(),
+            first: Some(in_lines(&now.control_points, &lines)),
+            lines,
+            parameters: [Arc::clone(&guide.parameters)],
             tolerance: problem.tolerance(),
-            max_control_points: settings
-                .u
-                .min(Guide::most_control_points(problem.data().len())),
+            max_control_points: [settings.u.min(most)],
             correct_parameters: false,
-            first: lines.into_iter().next().map(|line| (line, first)),
-            minima_alone: true,
-            freedom: Some(Arc::clone(&guide.freedom)),
         };
         let weights = guide.weights(problem.tolerance(), settings.data_weights.as_deref());
         let points = Arc::clone(&guide.points);
@@ -78,8 +74,9 @@ impl Schedules {
             data_weights: Some(Arc::new(weights)),
             // Where it is given, there is no more of it.
             fairness: settings.fairness.map_or(FAIRNESS, |_| 0.0),
+            freedom: Some(Arc::clone(&guide.freedom)),
         };
-        let schedule = Schedule::new(points, Arc::clone(&guide.parameters), options, minimum);
+        let schedule = Schedule::new(points, options, minimum);
         Some(Self::Curve(Box::new(schedule), Some(Between::Guide(guide))))
     }
 }
@@ -88,19 +85,20 @@ impl Schedules {
     /// The same of a surface.
     pub(super) fn careful_surface(problem: &Problem) -> Option<Self> {
         let (settings, automatic) = problem.method().automatic()?;
-        let (setup, points) = (problem.setup(), Arc::clone(problem.data()));
+        let setup = problem.setup();
         let data: Box<dyn Data> = match problem.is_scattered() {
             // Where it is given, there is no more of it.
             _ if !settings.is_plain_surface() || settings.fairness.is_some() => return None,
             true => Box::new(FairSurface::unasked(setup, settings)?),
             false => {
-                let parameters = problem.directions().map(|it| Arc::clone(&it.parameters));
-                let parameters = <[Arc<Vec<f64>>; 2]>::try_from(parameters.collect::<Vec<_>>());
-                let data = GridData::new(points, problem.grid(), parameters.ok()?);
+                let data = GridData::new(problem.data(), problem.grid(), parameters(problem)?);
                 Box::new(data.fair(problem.tolerance()))
             }
         };
-        let options = surface_options(problem, (settings, automatic), None);
+        let options = Options {
+            first: None,
+            ..options(problem, (settings, automatic))?
+        };
         Some(Self::FairSurface(Box::new(SurfaceSchedule::new(
             data, options,
         ))))

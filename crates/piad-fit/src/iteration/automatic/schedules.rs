@@ -1,25 +1,23 @@
 //! The schedules of fits that choose their knots: of curves and surfaces, with conditions or without.
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::basis::direction::Direction;
-use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
 use crate::geometry::norms::FitError;
 use crate::interrupt;
+use crate::knot_selection::Options;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::edges::Edges;
 use crate::knot_selection::equations::{self, Minimum};
 use crate::knot_selection::guide::Guide;
 use crate::knot_selection::knot_conversion::{in_directions, in_lines};
+use crate::knot_selection::levels::Level;
 use crate::knot_selection::schedule::Schedule;
-use crate::knot_selection::surface::{
-    Data, GridData, ScatteredData, SurfaceOptions, SurfaceSchedule,
-};
+use crate::knot_selection::surface::{Data, GridData, ScatteredData, SurfaceSchedule};
 use crate::knot_selection::values::{MANY, Values};
-use crate::knot_selection::{Level, Options};
-use crate::method::{Constrained, ConstrainedSurface, FairSurface, KnotSelection, LeastSquares};
+use crate::method::{
+    Constrained, ConstrainedSurface, FairSurface, KnotSelection as Settings, LeastSquares,
+};
 use crate::problem::Problem;
 use crate::termination::Outcome;
 
@@ -37,22 +35,11 @@ pub(super) enum Schedules {
     /// With points between the data, or without.
     Curve(Box<Schedule<equations::LeastSquares>>, Option<Between>),
     Constrained(Box<Schedule<Constrained>>),
-    /// Those of several fits.
-    Several(Box<dyn Levels>),
     Surface(Box<SurfaceSchedule>),
     /// With some fairness although none was requested.
     FairSurface(Box<SurfaceSchedule>),
     /// Not even the first level has finite numbers.
     Nowhere,
-}
-
-/// Levels of a whole fit.
-pub(super) trait Levels: Debug + Send + Sync {
-    /// The next one, or `None` after the last one.
-    fn next(&mut self, whole: &Arc<Problem>) -> Option<Fit>;
-
-    /// How the fit has ended, after the last one.
-    fn outcome(&self) -> Option<Outcome>;
 }
 
 /// Points between the data.
@@ -71,7 +58,7 @@ impl Between {
     }
 
     /// A level with the parameters of the data.
-    fn of_data(&self, level: &Level) -> Level {
+    fn of_data(&self, level: &Level<1>) -> Level<1> {
         match self {
             Self::Guide(guide) => guide.of_data(level),
             Self::Edges(edges) => edges.of_vertices(level),
@@ -83,84 +70,48 @@ impl Schedules {
     /// The schedule of a fit.
     pub(super) fn new(
         problem: &Problem,
-        settings: &LeastSquares,
-        automatic: &KnotSelection,
-    ) -> Self {
-        let points = Arc::clone(problem.data());
-        let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
-        let first = problem.start().map(|start| in_lines(start, &lines));
-        let u = problem.u();
-        if let Some(v) = problem.v() {
-            let parameters = [u, v].map(|it| Arc::clone(&it.parameters));
-            let tolerance = problem.tolerance();
-            let setup = problem.setup();
-            // Between sections there are no data.
-            let fair = match (settings.is_plain_surface(), setup.sections.is_some()) {
-                (true, true) => FairSurface::unasked(setup, settings),
-                (true, false) => None,
-                (false, _) => FairSurface::new(setup, settings),
-            };
-            let data: Box<dyn Data> = match (fair, problem.is_scattered()) {
-                (Some(fair), _) => Box::new(fair),
-                (None, _) if !settings.is_plain_surface() => {
-                    Box::new(ConstrainedSurface::new(setup, settings))
-                }
-                (None, false) => Box::new(GridData::new(points, problem.grid(), parameters)),
-                (None, true) => Box::new(ScatteredData::new(
-                    &points,
-                    &parameters,
-                    setup.poles(),
-                    tolerance,
-                )),
-            };
-            let options = surface_options(problem, (settings, automatic), first);
-            return Self::Surface(Box::new(SurfaceSchedule::new(data, options)));
+        (settings, automatic): (&LeastSquares, &Settings),
+    ) -> Option<Self> {
+        match problem.v() {
+            None => Self::curve(problem, (settings, automatic)),
+            Some(_) => {
+                let data = surface_data(problem, settings)?;
+                let options = options(problem, (settings, automatic))?;
+                Some(Self::Surface(Box::new(SurfaceSchedule::new(data, options))))
+            }
         }
-        let mut options = Options {
-            degree: u.basis.degree(),
-            period: u.period(),
-            tolerance: problem.tolerance(),
-            max_control_points: settings.u,
-            correct_parameters: automatic.correct_parameters,
-            first: lines.first().cloned().zip(first),
-            minima_alone: !settings.is_plain(),
-            freedom: None,
-        };
-        let parameters = Arc::clone(&u.parameters);
+    }
+
+    /// That of a curve.
+    fn curve(problem: &Problem, (settings, automatic): (&LeastSquares, &Settings)) -> Option<Self> {
+        let (u, mut points) = (problem.u(), Arc::clone(problem.data()));
+        let mut options = options(problem, (settings, automatic))?;
+        if !settings.is_plain() {
+            let minimum = Constrained::new(problem.setup(), settings);
+            if options.first.is_none() {
+                let values = Values::new(&options.lines[0], &u.parameters);
+                options.first = Some(Minimum::minimum(&minimum, &values, None)?);
+            }
+            let schedule = Schedule::new(points, options, minimum);
+            return Some(Self::Constrained(Box::new(schedule)));
+        }
+        if options.first.is_none() {
+            options.lines = [Breaks::coarsest_of(u)?];
+        }
+        let mut between = None;
         if problem.request().polyline {
-            let edges = Edges::new(&points, &parameters, u.period());
-            let (points, parameters) = (Arc::clone(&edges.points), Arc::clone(&edges.parameters));
-            let minimum = equations::LeastSquares {
-                points: Arc::clone(&points),
-                data_weights: None,
-                fairness: 0.0,
-            };
-            let schedule = Schedule::new(points, parameters, options, minimum);
-            return Self::Curve(Box::new(schedule), Some(Between::Edges(edges)));
+            let edges = Edges::new(&points, &u.parameters, u.period());
+            points = Arc::clone(&edges.points);
+            options.parameters = [Arc::clone(&edges.parameters)];
+            between = Some(Between::Edges(edges));
         }
-        if settings.is_plain() {
-            let minimum = equations::LeastSquares {
-                points: Arc::clone(&points),
-                data_weights: settings
-                    .data_weights
-                    .as_ref()
-                    .map(|it| Arc::new(it.to_vec())),
-                fairness: 0.0,
-            };
-            let schedule = Schedule::new(points, parameters, options, minimum);
-            return Self::Curve(Box::new(schedule), None);
-        }
-        let minimum = Constrained::new(problem.setup(), settings);
-        if let (None, Some(line)) = (&options.first, lines.into_iter().next()) {
-            let values = Values::new(&line, &parameters);
-            let Some(coarsest) = Minimum::minimum(&minimum, &values, None) else {
-                return Self::Nowhere;
-            };
-            options.first = Some((line, coarsest));
-        }
-        Self::Constrained(Box::new(Schedule::new(
-            points, parameters, options, minimum,
-        )))
+        let weights = settings.data_weights.as_ref();
+        let minimum = equations::LeastSquares {
+            data_weights: weights.map(|it| Arc::new(it.to_vec())),
+            ..equations::LeastSquares::of(&points)
+        };
+        let schedule = Schedule::new(points, options, minimum);
+        Some(Self::Curve(Box::new(schedule), between))
     }
 
     /// The next level, or `None` after the last one.
@@ -171,49 +122,30 @@ impl Schedules {
                 let level = match points.len() >= MANY {
                     true => among_threads(|| schedule.next_level()),
                     false => schedule.next_level(),
-                };
+                }?;
                 match between {
-                    Some(between) => level.map(|level| Arc::new(between.of_data(&level))),
+                    Some(between) => Arc::new(between.of_data(&level)),
                     None => level,
                 }
             }
-            Self::Constrained(schedule) => schedule.next_level(),
-            Self::Several(levels) => return levels.next(whole),
+            Self::Constrained(schedule) => schedule.next_level()?,
             Self::Nowhere => return None,
             Self::Surface(schedule) | Self::FairSurface(schedule) => {
-                let level = schedule.next_level()?;
-                let t = whole.directions().map(|it| Arc::clone(&it.parameters));
-                let parameters: Vec<Arc<Vec<f64>>> = match &level.parameters {
-                    Some(moved) => moved.to_vec(),
-                    None => t.collect(),
-                };
+                let mut level = schedule.next_level()?;
                 let (all, given) = (&level.distances, whole.data().len());
                 // Those of points between the given ones are behind them.
-                let of_given = (all.each.len() > given).then(|| {
+                if all.each.len() > given {
                     let unit = normalizing_scale(whole.data().magnitude());
-                    all.of_first(given, unit)
-                });
-                return Some(Fit::new(
-                    whole,
-                    &level.lines,
-                    &parameters,
-                    &level.control_points,
-                    of_given.as_ref().unwrap_or(all),
-                ));
+                    let distances = all.of_first(given, unit);
+                    level = Arc::new(Level {
+                        distances,
+                        ..Level::clone(&level)
+                    });
+                }
+                return Some(Fit::new(whole, &level));
             }
         };
-        level.map(|level| {
-            let Level {
-                line,
-                control_points,
-                distances,
-                parameters,
-                ..
-            } = &*level;
-            let lines = std::slice::from_ref(line);
-            let parameters = std::slice::from_ref(parameters);
-            Fit::new(whole, lines, parameters, control_points, distances)
-        })
+        Some(Fit::new(whole, &level))
     }
 
     /// How it has ended, after the last level.
@@ -222,31 +154,54 @@ impl Schedules {
             Self::Curve(schedule, _) => schedule.outcome(),
             Self::Constrained(schedule) => schedule.outcome(),
             Self::Surface(schedule) | Self::FairSurface(schedule) => schedule.outcome(),
-            Self::Several(levels) => levels.outcome(),
             Self::Nowhere => Some(Outcome::Overflow),
         }
     }
 }
 
-/// The options of a surface, with the control points to begin with, if there are some.
-pub(super) fn surface_options(
+/// The data of a surface.
+fn surface_data(problem: &Problem, settings: &LeastSquares) -> Option<Box<dyn Data>> {
+    let setup = problem.setup();
+    let is_plain = settings.is_plain_surface();
+    // Between sections there are no data.
+    let fair = match (is_plain, setup.sections.is_some()) {
+        (true, true) => FairSurface::unasked(setup, settings),
+        (true, false) => None,
+        (false, _) => FairSurface::new(setup, settings),
+    };
+    let (points, parameters) = (problem.data(), parameters(problem)?);
+    Some(match (fair, problem.is_scattered()) {
+        (Some(fair), _) => Box::new(fair),
+        (None, _) if !is_plain => Box::new(ConstrainedSurface::new(setup, settings)),
+        (None, false) => Box::new(GridData::new(points, problem.grid(), parameters)),
+        (None, true) => {
+            let (poles, tolerance) = (setup.poles(), problem.tolerance());
+            Box::new(ScatteredData::new(points, &parameters, poles, tolerance))
+        }
+    })
+}
+
+/// The parameters of the data in each direction.
+pub(super) fn parameters<const D: usize>(problem: &Problem) -> Option<[Arc<Vec<f64>>; D]> {
+    let all = problem.directions().map(|it| Arc::clone(&it.parameters));
+    all.collect::<Vec<_>>().try_into().ok()
+}
+
+/// The options of a fit with the knots, and the control points, with which a problem begins.
+pub(super) fn options<const D: usize>(
     problem: &Problem,
-    (settings, automatic): (&LeastSquares, &KnotSelection),
-    first: Option<Points>,
-) -> SurfaceOptions {
-    let directions: Vec<&Direction> = problem.directions().collect();
-    let of = |axis: usize| directions[axis.min(directions.len() - 1)];
-    let lines: Vec<Breaks> = problem.directions().filter_map(Breaks::of).collect();
-    let lines = <[Breaks; 2]>::try_from(lines).ok();
-    SurfaceOptions {
-        degrees: [0, 1].map(|axis| of(axis).basis.degree()),
-        periods: [0, 1].map(|axis| of(axis).period()),
+    (settings, automatic): (&LeastSquares, &Settings),
+) -> Option<Options<D>> {
+    let lines: Option<Vec<Breaks>> = problem.directions().map(Breaks::of).collect();
+    let lines = <[Breaks; D]>::try_from(lines?).ok()?;
+    Some(Options {
+        first: problem.start().map(|start| in_lines(start, &lines)),
+        lines,
+        parameters: parameters(problem)?,
         tolerance: problem.tolerance(),
+        max_control_points: std::array::from_fn(|axis| [settings.u, settings.v][axis]),
         correct_parameters: automatic.correct_parameters,
-        max_control_points: [settings.u, settings.v],
-        first: lines.clone().zip(first),
-        coarsest: lines,
-    }
+    })
 }
 
 /// Computes something on one of the threads that share long loops. Any other one would fall asleep
@@ -260,19 +215,13 @@ fn among_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 }
 
 impl Fit {
-    fn new(
-        whole: &Arc<Problem>,
-        lines: &[Breaks],
-        parameters: &[Arc<Vec<f64>>],
-        control_points: &Points,
-        distances: &Distances,
-    ) -> Self {
-        let directions = lines.iter().zip(parameters);
+    fn new<const D: usize>(whole: &Arc<Problem>, level: &Level<D>) -> Self {
+        let directions = level.lines.iter().zip(&level.parameters);
         let directions = directions.map(|(line, t)| line.direction(Arc::clone(t)));
         Self {
             problem: Arc::new(whole.with_directions(directions)),
-            control_points: Arc::new(in_directions(control_points, lines)),
-            error: FitError::of(distances),
+            control_points: Arc::new(in_directions(&level.control_points, &level.lines)),
+            error: FitError::of(&level.distances),
         }
     }
 }

@@ -9,56 +9,40 @@ use super::super::steps::Steps;
 use super::super::values::Values;
 use super::{GAIN, Level, ROUNDING, SLOW, STEPS, STEPS_ALONE, Schedule, Stage};
 use crate::data::points::Points;
-use crate::knot_selection::breaks::Breaks;
-use crate::termination::Outcome;
 
 impl<M: Minimum> Schedule<M> {
     /// The first level.
     pub(super) fn begin(&mut self) {
-        let Some((line, values, control_points)) = self.first() else {
-            self.outcome.get_or_insert(Outcome::Overflow);
-            return;
-        };
-        let fewest = line.control_points() <= self.options.degree + 1;
-        self.issue_new(line, &values, control_points);
+        let ([line], [t]) = (&self.options.lines, &self.options.parameters);
+        let fewest = line.control_points() <= line.degree() + 1;
+        let values = Values::new(line, t);
+        let first = self.options.first.take();
+        let control_points = first.unwrap_or_else(|| self.near_the_data());
+        self.levels.issue(self.level(&values, control_points));
         // Already the minimum.
-        if self.best.is_none() || !fewest {
+        if self.levels.best.is_none() || !fewest {
             self.stage = self.begin_steps(values);
         }
     }
 
-    /// The given curve; or p + 1 control points, at data points that are evenly spaced; with fewer
-    /// data, on the segment between the ends.
-    fn first(&mut self) -> Option<(Breaks, Values, Points)> {
-        if let Some((line, control_points)) = self.options.first.take() {
-            let values = Values::new(&line, &self.parameters);
-            return Some((line, values, control_points));
-        }
-        let (degree, closed) = (self.options.degree, self.options.period.is_some());
-        let (first, last) = (self.parameters[0], self.parameters[self.points.len() - 1]);
-        let end = self.options.period.map_or(last, |period| first + period);
-        let line = Breaks::coarsest(degree, closed, first, end)?;
+    /// Control points at data points that are evenly spaced; with fewer data, on the segment between the ends.
+    fn near_the_data(&self) -> Points {
+        let ([line], data) = (&self.options.lines, self.points.len());
         let count = line.control_points();
-        let control_points = if self.points.len() <= count {
-            equations::start(&line, &self.points)
-        } else {
-            let parts = if closed { count } else { count - 1 };
-            let index = |j: usize| (self.points.len() * j / parts).min(self.points.len() - 1);
-            let lanes = self.points.lanes().iter();
-            Points::from_lanes(
-                lanes.map(|lane| (0..count).map(|j| lane[index(j)]).collect::<Vec<_>>()),
-            )
-        };
-        let values = Values::new(&line, &self.parameters);
-        Some((line, values, control_points))
+        if data <= count {
+            return equations::start(line, &self.points);
+        }
+        let parts = count - line.fixed_ends();
+        let indices = (0..count).map(|j| (data * j / parts).min(data - 1));
+        self.points.selected(indices)
     }
 
     /// Steps from the last level on.
     fn begin_steps(&self, values: Values) -> Stage {
-        let Some(last) = &self.last else {
+        let Some(last) = &self.levels.last else {
             return Stage::Done;
         };
-        if self.options.minima_alone {
+        if !self.minimum.has_steps() {
             return Stage::Growth(values);
         }
         let steps = Steps::new(&values, &last.control_points, &self.points, self.unit);
@@ -67,26 +51,26 @@ impl<M: Minimum> Schedule<M> {
 
     /// One step of conjugate gradients, unless it gains nothing.
     pub(super) fn step(&mut self, mut steps: Box<Steps>, values: Values, done: usize) {
-        let Some(last) = self.last.clone() else {
+        let Some(last) = &self.levels.last else {
             return;
         };
         let mut control_points = last.control_points.clone();
         steps.step(&values, &mut control_points);
-        let level = Arc::new(Level {
-            line: last.line.clone(),
+        let level = Level {
             control_points,
             distances: steps.distances(),
-            parameters: Arc::clone(&self.parameters),
-        });
+            lines: last.lines.clone(),
+            parameters: last.parameters.clone(),
+        };
         let distances = &level.distances;
-        let alone = last.line.control_points() > self.points.len();
+        let alone = last.count() > self.points.len();
         let most = if alone { STEPS_ALONE } else { STEPS };
         let falls = distances.max <= last.distances.max * (1.0 + ROUNDING)
             && distances.rms < last.distances.rms * (1.0 - GAIN)
             && level.control_points.is_finite();
         let slow = distances.rms > SLOW * last.distances.rms && !alone;
         if falls {
-            self.issue(level);
+            self.levels.issue(Arc::new(level));
         }
         self.stage = if falls && !slow && done + 1 < most {
             Stage::Steps(steps, values, done + 1)
@@ -98,31 +82,28 @@ impl<M: Minimum> Schedule<M> {
     /// The least-squares fit over the knots of the last level, and where it is too far from the
     /// data new knots.
     pub(super) fn grow(&mut self, values: &Values) {
-        let Some(last) = self.last.clone() else {
+        let Some(mut last) = self.levels.last.clone() else {
             return;
         };
         let mut nearest = Arc::clone(&last);
-        if let Some(control_points) = self.minimum.minimum(values, None) {
-            nearest = self.level(last.line.clone(), values, control_points);
+        if let Some(level) = self.fit(values, None) {
+            nearest = level;
             if nearest.distances.max < last.distances.max * (1.0 - GAIN) {
-                self.issue(Arc::clone(&nearest));
+                last = Arc::clone(&nearest);
+                self.levels.issue(Arc::clone(&nearest));
             }
         }
-        let tolerance = self.options.tolerance;
-        let Some(last) = self.last.clone() else {
-            return;
-        };
-        if last.distances.max <= tolerance {
+        if self.levels.is_within(&last) {
             self.begin_search(&nearest, values);
             return;
         }
-        let each = &nearest.distances.each;
-        let limits = (self.high - 1, self.options.max_control_points);
-        match grown(&last.line, &self.parameters, each, tolerance, limits) {
-            Some(line) => {
-                let control_points = refine(&last.line, &line, &last.control_points);
-                let values = Values::new(&line, &self.parameters);
-                self.issue_new(line, &values, control_points);
+        let (line, t, each) = (values.line(), values.parameters(), &nearest.distances.each);
+        let limits = (self.high - 1, self.options.max_control_points[0]);
+        match grown(line, t, each, self.options.tolerance, limits) {
+            Some(finer) => {
+                let control_points = refine(line, &finer, &last.control_points);
+                let values = Values::new(&finer, t);
+                self.levels.issue(self.level(&values, control_points));
                 self.stage = self.begin_steps(values);
             }
             None => self.begin_search(&nearest, values),

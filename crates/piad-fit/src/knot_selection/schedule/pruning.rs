@@ -5,9 +5,8 @@ use std::sync::Arc;
 
 use super::super::equations::Minimum;
 use super::super::minimax::Weights;
-use super::super::pruning::{fewer, without};
-use super::super::values::Values;
-use super::{Level, NEAR, Schedule, WEIGHINGS};
+use super::super::pruning::{fewer, in_batches};
+use super::{Level, NEAR, Schedule, Values, WEIGHINGS, values_of};
 use crate::knot_selection::breaks::Breaks;
 
 /// Single knots are removed if there are fewer data than this for each control point.
@@ -19,44 +18,39 @@ const CANDIDATES: usize = 12;
 /// With fewer spans knots are removed one by one.
 const MANY: usize = 64;
 
-/// The most knots that are removed at once, and the fewest, are these parts of all.
-const MOST: usize = 4;
-
-/// See [`MOST`].
+/// At least this part of the knots is removed at once.
 const FEWEST: usize = 128;
 
 impl<M: Minimum> Schedule<M> {
     /// The best level without some of its knots; returns true if there is such a level within the tolerance.
     pub(super) fn prune(&mut self) -> bool {
-        let sparse = |it: &Arc<Level>| SPARSE * it.line.control_points() > self.points.len();
-        let Some(best) = self.best.clone().filter(sparse) else {
+        let sparse = |it: &Arc<Level<1>>| SPARSE * it.count() > self.points.len();
+        let Some(best) = self.levels.best.clone().filter(sparse) else {
             return false;
         };
         self.prune_several(&best) || self.prune_one(&best)
     }
 
     /// Without several knots at once: half as many after each failure.
-    fn prune_several(&mut self, best: &Arc<Level>) -> bool {
-        let spans = best.line.spans();
-        self.batch = self.batch.min(spans / MOST);
-        while spans >= MANY && self.batch > (spans / FEWEST).max(1) {
-            let line = without(&best.line, &best.control_points, self.batch);
-            let level = line.and_then(|line| self.fit_over(line, best, None));
-            if let Some(level) = level.filter(|it| it.distances.max <= self.options.tolerance) {
-                self.issue(level);
-                return true;
-            }
-            self.batch /= 2;
-        }
-        false
+    fn prune_several(&mut self, best: &Level<1>) -> bool {
+        let ([line], mut batch) = (&best.lines, self.batch);
+        let fewest = (line.spans() / FEWEST).max(1);
+        let curve = (line, &best.control_points);
+        let is_found = line.spans() >= MANY
+            && in_batches(&mut batch, curve, fewest, |line| {
+                let level = self.fit_over(line, best);
+                self.levels.accept(level)
+            });
+        self.batch = batch;
+        is_found
     }
 
     /// Without one of its knots.
-    fn prune_one(&mut self, best: &Arc<Level>) -> bool {
-        let tolerance = self.options.tolerance;
-        let enough = (self.prunings / best.line.spans()).clamp(1, CANDIDATES);
-        let mut nearest: Option<Arc<Level>> = None;
-        let candidates = fewer(&best.line, &best.control_points).take(CANDIDATES);
+    fn prune_one(&mut self, best: &Level<1>) -> bool {
+        let ([line], tolerance) = (&best.lines, self.options.tolerance);
+        let enough = (self.prunings / line.spans()).clamp(1, CANDIDATES);
+        let mut nearest: Option<Arc<Level<1>>> = None;
+        let candidates = fewer(line, &best.control_points).take(CANDIDATES);
         for (tried, line) in candidates.enumerate() {
             let largest = nearest
                 .as_ref()
@@ -64,53 +58,36 @@ impl<M: Minimum> Schedule<M> {
             if self.prunings == 0 || tried >= enough && largest <= tolerance {
                 break;
             }
-            let level = self.over(line, best, None);
+            self.prunings -= 1;
+            let level = self.fit_over(line, best);
             nearest = level.filter(|it| it.distances.max < largest).or(nearest);
         }
-        match nearest.and_then(|nearest| self.weighed(nearest)) {
-            Some(level) => self.issue(level),
-            None => return false,
-        }
-        true
+        let level = nearest.and_then(|nearest| self.weighed(nearest));
+        self.levels.accept(level)
     }
 
     /// A level over other knots than the best one has, at its parameters.
-    fn over(&mut self, line: Breaks, best: &Level, weights: Option<&[f64]>) -> Option<Arc<Level>> {
-        self.prunings = self.prunings.checked_sub(1)?;
-        self.fit_over(line, best, weights)
-    }
-
-    /// The same, with the requested number of repetitions.
-    pub(super) fn fit_over(
-        &self,
-        line: Breaks,
-        best: &Level,
-        weights: Option<&[f64]>,
-    ) -> Option<Arc<Level>> {
-        if !line.is_determined(&best.parameters) {
-            return None;
-        }
-        let values = Values::new(&line, &best.parameters);
-        let control_points = self.minimum.minimum(&values, weights)?;
-        let parameters = Arc::clone(&best.parameters);
-        Some(self.level_at(line, &values, control_points, parameters))
+    pub(super) fn fit_over(&self, line: Breaks, best: &Level<1>) -> Option<Arc<Level<1>>> {
+        let [t] = &best.parameters;
+        let is_determined = line.is_determined(t);
+        is_determined.then(|| self.fit(&Values::new(&line, t), None))?
     }
 
     /// A level within the tolerance over the knots of this one, if weights achieve it.
-    fn weighed(&mut self, level: Arc<Level>) -> Option<Arc<Level>> {
-        let tolerance = self.options.tolerance;
+    fn weighed(&mut self, level: Arc<Level<1>>) -> Option<Arc<Level<1>>> {
         let mut weights = Weights::new(self.points.len());
         let mut now = level;
         for _ in 0..WEIGHINGS {
-            if now.distances.max <= tolerance {
+            if self.levels.is_within(&now) {
                 return Some(now);
             }
-            if now.distances.max > NEAR * tolerance {
+            if now.distances.max > NEAR * self.options.tolerance {
                 return None;
             }
             weights.raise(&now.distances.each, now.distances.max);
-            now = self.over(now.line.clone(), &now, Some(weights.values()))?;
+            self.prunings = self.prunings.checked_sub(1)?;
+            now = self.fit(&values_of(&now), Some(weights.values()))?;
         }
-        Some(now).filter(|it| it.distances.max <= tolerance)
+        Some(now).filter(|it| self.levels.is_within(it))
     }
 }

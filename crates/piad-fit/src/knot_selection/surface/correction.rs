@@ -7,14 +7,12 @@
 //! After it the distance of a datum is nearly that from the surface (Hoschek 1988). No parameter moves further than
 //! half of its knot span, nor beyond the ends of an open direction; a closed one wraps around.
 
-use std::ops::Deref;
-use std::sync::Arc;
-
-use super::SurfaceLevel;
+use super::lines::{curves, joined};
 use super::rows::{Rows, Sites};
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::correction::derivative;
+use crate::knot_selection::levels::Level;
 
 /// λ, so that a step is finite where one derivative vanishes, as at a pole.
 const DAMPING: f64 = 1e-6;
@@ -23,82 +21,41 @@ const DAMPING: f64 = 1e-6;
 const PART: f64 = 0.5;
 
 /// The parameters of sorted points after one step, u and v of each; `None` for degrees without derivatives.
-pub(super) fn corrected(
-    sites: &Sites,
-    points: &Points,
-    level: &SurfaceLevel,
-) -> Option<[Vec<f64>; 2]> {
-    let fit = values(sites, &level.lines, level.control_points.lanes());
-    let [u, v] = &level.lines;
-    let [along_u, along_v] = [0, 1].map(|axis| {
-        let line = &level.lines[axis];
-        let lower = Breaks::new(
-            line.degree().checked_sub(1)?,
-            line.is_closed(),
-            line.breaks().to_vec(),
-        )?;
-        let nets = level
-            .control_points
-            .lanes()
-            .iter()
-            .map(|net| slopes(net, &level.lines, &lower, axis));
-        let nets: Vec<Vec<f64>> = nets.collect();
-        let lines = match axis {
-            0 => [lower, v.clone()],
-            _ => [u.clone(), lower],
-        };
-        Some(values(sites, &lines, &nets))
-    });
+pub(super) fn corrected(sites: &Sites, points: &Points, level: &Level<2>) -> Option<[Vec<f64>; 2]> {
+    let fit = values(sites, &level.lines, &level.control_points);
+    let [along_u, along_v] = [0, 1].map(|axis| slopes(sites, level, axis));
     let (along_u, along_v) = (along_u?, along_v?);
-    let moved: Vec<[f64; 2]> = (0..points.len())
-        .map(|i| {
-            let at = |lanes: &[Vec<f64>]| lanes.iter().map(|lane| lane[i]).collect::<Vec<_>>();
-            let left = points
-                .point(i)
-                .zip(at(&fit))
-                .map(|(datum, fit)| datum - fit);
-            let step = step(&left.collect::<Vec<_>>(), &at(&along_u), &at(&along_v));
-            [0, 1].map(|axis| {
-                let t = sites.parameters[axis][sites.places[axis][i] as usize];
-                moved(&level.lines[axis], t, step[axis])
-            })
+    let moved = (0..points.len()).map(|i| {
+        let at = |points: &Points| points.point(i).collect::<Vec<f64>>();
+        let left = points.point(i).zip(fit.point(i));
+        let left: Vec<f64> = left.map(|(datum, fit)| datum - fit).collect();
+        let step = step(&left, &at(&along_u), &at(&along_v));
+        [0, 1].map(|axis| {
+            let t = sites.parameters[axis][sites.places[axis][i] as usize];
+            moved(&level.lines[axis], t, step[axis])
         })
-        .collect();
+    });
+    let moved: Vec<[f64; 2]> = moved.collect();
     Some([0, 1].map(|axis| moved.iter().map(|pair| pair[axis]).collect()))
 }
 
-/// The values of a net at all sites, coordinate by coordinate.
-fn values<L: Deref<Target = [f64]>>(
-    sites: &Sites,
-    lines: &[Breaks; 2],
-    nets: &[L],
-) -> Vec<Vec<f64>> {
-    let rows = Rows::new(sites, lines).without_poles();
-    let apply = |net: &L| {
-        let mut values = vec![0.0; rows.points()];
-        rows.apply(net, &mut values);
-        values
-    };
-    nets.iter().map(apply).collect()
+/// The derivative in a direction at all sites.
+fn slopes(sites: &Sites, level: &Level<2>, axis: usize) -> Option<Points> {
+    let (net, mut lines) = (&level.control_points, level.lines.clone());
+    let (lower, slopes) = derivative(&lines[axis], &curves(net, level.counts(), axis))?;
+    lines[axis] = lower;
+    let net = joined(&slopes, net.dimension(), axis);
+    Some(values(sites, &lines, &net))
 }
 
-/// The net of a derivative of one coordinate.
-fn slopes(net: &[f64], lines: &[Breaks; 2], lower: &Breaks, axis: usize) -> Vec<f64> {
-    let columns = lines[1].control_points();
-    if axis == 1 {
-        let rows = net.chunks(columns);
-        return rows
-            .flat_map(|row| derivative(&lines[1], lower, row))
-            .collect();
+/// The values of a net at all sites.
+fn values(sites: &Sites, lines: &[Breaks; 2], net: &Points) -> Points {
+    let rows = Rows::new(sites, lines).without_poles();
+    let mut values = Points::zeros(net.dimension(), rows.points());
+    for (net, values) in net.lanes().iter().zip(values.lanes_mut()) {
+        rows.apply(net, values);
     }
-    let mut slopes = vec![0.0; lower.control_points() * columns];
-    for column in 0..columns {
-        let curve: Vec<f64> = net.iter().skip(column).step_by(columns).copied().collect();
-        let places = slopes.iter_mut().skip(column).step_by(columns);
-        let values = derivative(&lines[0], lower, &curve);
-        places.zip(values).for_each(|(place, value)| *place = value);
-    }
-    slopes
+    values
 }
 
 /// The step of a point in u and v.
@@ -130,15 +87,4 @@ fn moved(line: &Breaks, t: f64, step: f64) -> f64 {
         moved if moved >= high => (moved - period).max(low),
         moved => moved,
     }
-}
-
-/// Parameters of sorted points in the order in which these were given.
-pub(super) fn in_order(sorted: [Vec<f64>; 2], order: &[u32]) -> [Arc<Vec<f64>>; 2] {
-    sorted.map(|sorted| {
-        let mut given = vec![0.0; sorted.len()];
-        for (&index, t) in order.iter().zip(sorted) {
-            given[index as usize] = t;
-        }
-        Arc::new(given)
-    })
 }

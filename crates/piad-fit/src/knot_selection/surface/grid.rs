@@ -14,13 +14,14 @@
 
 use std::sync::Arc;
 
-use super::lines::{flipped, joined, lines_of, transposed};
-use super::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, SurfaceOptions};
+use super::lines::{along, curves, joined};
+use super::{Data, Fit, Nearest, Options, Parameters, ScatteredData};
 use crate::data::distances::Distances;
 use crate::data::grid::Grid;
 use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::equations::{LeastSquares, Minimum};
+use crate::knot_selection::levels::Level;
 use crate::knot_selection::values::Values;
 
 /// The part of the tolerance for each of the two directions.
@@ -38,7 +39,7 @@ const FAIRNESS: [f64; 4] = [1e-5, 1e-6, 1e-7, 1e-8];
 pub(crate) struct GridData {
     points: Arc<Points>,
     grid: Grid,
-    parameters: [Arc<Vec<f64>>; 2],
+    parameters: Parameters,
     /// The data as curves in u and in v, with a coordinate for each coordinate of each line across.
     curves: [Arc<Points>; 2],
     /// The tolerance of a fit that is as fair as it allows.
@@ -47,15 +48,13 @@ pub(crate) struct GridData {
 
 impl GridData {
     /// Points row by row, where rows are successive in u, at increasing parameters in u and in v.
-    pub(crate) fn new(points: Arc<Points>, grid: Grid, parameters: [Arc<Vec<f64>>; 2]) -> Self {
-        let Grid { rows, columns } = grid;
-        let v = lines_of(&points, rows, columns);
-        let u = lines_of(&transposed(&points, rows, columns), columns, rows);
+    pub(crate) fn new(points: &Arc<Points>, grid: Grid, parameters: Parameters) -> Self {
+        let counts = [grid.rows, grid.columns];
         Self {
-            points,
+            points: Arc::clone(points),
             grid,
             parameters,
-            curves: [Arc::new(u), Arc::new(v)],
+            curves: [0, 1].map(|axis| Arc::new(curves(points, counts, axis))),
             fair_within: None,
         }
     }
@@ -77,15 +76,13 @@ impl GridData {
         let dimension = self.points.dimension();
         let lines = points.dimension() / dimension;
         let mut left = vec![0.0; t.len()];
-        let mut fit = Points::zeros(points.dimension(), t.len());
-        values.apply(fits.lanes(), fit.lanes_mut());
+        let residual = values.residual(&fits, points);
         for k in 0..lines {
             let mut distances = vec![0.0; t.len()];
             for c in 0..dimension {
-                let lane = c * lines + k;
-                let pairs = fit.lane(lane).iter().zip(points.lane(lane));
-                for (sum, (fit, datum)) in distances.iter_mut().zip(pairs) {
-                    *sum = f64::hypot(*sum, datum - fit);
+                let residual = residual.lane(c * lines + k);
+                for (sum, off) in distances.iter_mut().zip(residual) {
+                    *sum = f64::hypot(*sum, *off);
                 }
             }
             for (left, distance) in left.iter_mut().zip(distances) {
@@ -97,18 +94,15 @@ impl GridData {
 
     /// The least-squares surface with this fairness in each direction.
     fn nearest_with(&self, lines: &[Breaks; 2], fairness: f64) -> Option<Nearest> {
-        let columns = self.grid.columns;
         let dimension = self.points.dimension();
         let (along, left_u) = self.project(0, &lines[0], fairness)?;
         let (_, left_v) = self.project(1, &lines[1], fairness)?;
         // The control points of all lines in u, as curves in v.
-        let rows = lines[0].control_points();
-        let between = joined(&along, dimension, columns, rows);
-        let turned = transposed(&between, columns, rows);
-        let curves = Arc::new(lines_of(&turned, rows, columns));
+        let counts = [lines[0].control_points(), self.grid.columns];
+        let between = curves(&joined(&along, dimension, 0), counts, 1);
         let values = Values::new(&lines[1], &self.parameters[1]);
-        let across = minimum(&curves, &values, fairness)?;
-        let control_points = joined(&across, dimension, rows, lines[1].control_points());
+        let across = minimum(&Arc::new(between), &values, fairness)?;
+        let control_points = joined(&across, dimension, 1);
         Some(Nearest {
             distances: self.distances(lines, &control_points),
             control_points,
@@ -131,7 +125,7 @@ impl Data for GridData {
     }
 
     /// With the most fairness within the tolerance, if it has some.
-    fn nearest(&self, lines: &[Breaks; 2], _from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], _from: Option<&Level<2>>) -> Option<Nearest> {
         let Some(tolerance) = self.fair_within else {
             return self.nearest_with(lines, 0.0);
         };
@@ -147,26 +141,18 @@ impl Data for GridData {
     }
 
     fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
-        let Grid {
-            rows: height,
-            columns: width,
-        } = self.grid;
-        let values = [0, 1].map(|axis| Values::new(&lines[axis], &self.parameters[axis]));
-        let rows = lines[0].control_points();
-        let mut squares = vec![0.0; self.points.len()];
-        let unit = normalizing_scale(self.points.magnitude());
-        let mut fit = vec![0.0; width * height];
-        for (x, data) in control_points.lanes().iter().zip(self.points.lanes()) {
-            let mut across = vec![0.0; rows * width];
-            values[1].apply_to_lines(x, &mut across);
-            values[0].apply_to_lines(&flipped(&across, rows, width), &mut fit);
-            let fit = flipped(&fit, width, height);
-            for ((square, fit), data) in squares.iter_mut().zip(&fit).zip(&**data) {
-                let distance = (data - fit) * unit;
-                *square += distance * distance;
-            }
+        let mut counts = lines.each_ref().map(Breaks::control_points);
+        let mut residual = control_points.clone();
+        for axis in [1, 0] {
+            let values = Values::new(&lines[axis], &self.parameters[axis]);
+            residual = along(&residual, counts, axis, |curves| values.points(curves));
+            counts[axis] = self.parameters[axis].len();
         }
-        Distances::of_squares(squares, unit)
+        for (fit, data) in residual.lanes_mut().iter_mut().zip(self.points.lanes()) {
+            let pairs = fit.iter_mut().zip(&**data);
+            pairs.for_each(|(fit, datum)| *fit = datum - *fit);
+        }
+        Distances::of_residual(&residual, normalizing_scale(self.points.magnitude()))
     }
 
     /// The direction with the larger residual.
@@ -180,14 +166,14 @@ impl Data for GridData {
     }
 
     /// With fewer data in a direction than the fewest control points: scattered points.
-    fn undetermined(&self, options: &SurfaceOptions) -> Option<Box<dyn Data>> {
+    fn undetermined(&self, options: &Options<2>) -> Option<Box<dyn Data>> {
         let [u, v] = &self.parameters;
         let columns = self.grid.columns;
         let along = u.iter().flat_map(|&u| std::iter::repeat_n(u, columns));
         let across = u.iter().flat_map(|_| v.iter().copied());
         let parameters = [Arc::new(along.collect()), Arc::new(across.collect())];
         let [rows, columns] = [0, 1].map(|axis| {
-            let fewest = options.degrees[axis] + 1;
+            let fewest = options.lines[axis].degree() + 1;
             self.parameters[axis].len().max(fewest)
         });
         let data = ScatteredData::new(&self.points, &parameters, [false; 2], options.tolerance);
@@ -198,9 +184,8 @@ impl Data for GridData {
 /// Least squares of curves side by side.
 fn minimum(curves: &Arc<Points>, values: &Values, fairness: f64) -> Option<Points> {
     let least_squares = LeastSquares {
-        points: Arc::clone(curves),
-        data_weights: None,
         fairness,
+        ..LeastSquares::of(curves)
     };
     least_squares.minimum(values, None)
 }

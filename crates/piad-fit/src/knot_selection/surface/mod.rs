@@ -36,70 +36,20 @@ mod transfer;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use super::Options;
 use super::breaks::Breaks;
+use super::levels::Level;
 use super::monitor::{Monitor, needed, span_maxima};
 use crate::data::distances::Distances;
 use crate::data::points::Points;
-
-use transfer::following;
 
 pub(crate) use grid::GridData;
 pub(crate) use normal::MOST_FACTOR;
 pub(crate) use scattered::ScatteredData;
 pub(crate) use schedule::SurfaceSchedule;
 
-/// Options of a surface fit; pairs are those of u and v.
-#[derive(Clone, Debug)]
-pub(crate) struct SurfaceOptions {
-    /// The degrees p, q ≥ 1.
-    pub degrees: [usize; 2],
-    /// The periods of closed directions, after which they are back at their first data.
-    pub periods: [Option<f64>; 2],
-    /// The largest distance that is accepted, in data units.
-    pub tolerance: f64,
-    /// True if parameters of scattered points follow the surface.
-    pub correct_parameters: bool,
-    /// The most control points of each direction; never more than data.
-    pub max_control_points: [usize; 2],
-    /// The initial surface; `None` means that of the coarsest knots.
-    pub first: Option<([Breaks; 2], Points)>,
-    /// The coarsest knots with which there is a surface; without them those of p + 1 × q + 1 control
-    /// points.
-    pub coarsest: Option<[Breaks; 2]>,
-}
-
-/// A surface during the search.
-#[derive(Clone, Debug)]
-pub(crate) struct SurfaceLevel {
-    /// The knots in u and in v.
-    pub lines: [Breaks; 2],
-    /// The control points, row by row.
-    pub control_points: Points,
-    /// The distances from the data, in their order.
-    pub distances: Distances,
-    /// The parameters of the data, in their order, where these have moved.
-    pub parameters: Option<[Arc<Vec<f64>>; 2]>,
-}
-
-impl SurfaceLevel {
-    /// The number of control points in u and in v.
-    pub(crate) fn counts(&self) -> [usize; 2] {
-        [0, 1].map(|axis| self.lines[axis].control_points())
-    }
-
-    /// The number of control points.
-    pub(crate) fn count(&self) -> usize {
-        self.counts().iter().product()
-    }
-
-    /// The control points over these lines of about the same surface.
-    pub(crate) fn over(&self, lines: &[Breaks; 2]) -> Points {
-        match self.lines == *lines {
-            true => self.control_points.clone(),
-            false => following(&self.lines, &self.control_points, lines),
-        }
-    }
-}
+/// The parameters of the data in u and in v.
+pub(crate) type Parameters = [Arc<Vec<f64>>; 2];
 
 /// The interface of the schedule to the data.
 pub(crate) trait Data: Debug + Send + Sync {
@@ -114,10 +64,10 @@ pub(crate) trait Data: Debug + Send + Sync {
 
     /// The control points nearest to the data by the sum of squares, if the data determine them, and the residual of
     /// each direction. They may depend on the initial surface.
-    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest>;
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest>;
 
     /// The same without a limit of time, where as many control points as data must lead to all of them.
-    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest> {
         self.nearest(lines, from)
     }
 
@@ -127,13 +77,9 @@ pub(crate) trait Data: Debug + Send + Sync {
     /// The direction in which more knots gain more, for these new knots of each.
     fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize;
 
-    /// The same data with parameters that follow a surface over the same knots, if they can.
-    fn corrected(&self, _level: &SurfaceLevel) -> Option<Box<dyn Data>> {
-        None
-    }
-
-    /// The parameters of the data, in their order, where these have moved.
-    fn moved(&self) -> Option<[Arc<Vec<f64>>; 2]> {
+    /// The same data with parameters that follow a surface over the same knots, if they can, and these in the order of the
+    /// data.
+    fn corrected(&self, _level: &Level<2>) -> Option<(Box<dyn Data>, Parameters)> {
         None
     }
 
@@ -149,7 +95,7 @@ pub(crate) trait Data: Debug + Send + Sync {
     }
 
     /// The same data for surfaces that need not be determined, if even that of the fewest control points is not.
-    fn undetermined(&self, _options: &SurfaceOptions) -> Option<Box<dyn Data>> {
+    fn undetermined(&self, _options: &Options<2>) -> Option<Box<dyn Data>> {
         None
     }
 }
@@ -169,21 +115,21 @@ pub(crate) struct Nearest {
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
     /// The surface.
-    pub level: Arc<SurfaceLevel>,
+    pub level: Arc<Level<2>>,
     /// For each direction, the largest residual at each of its parameters.
     pub left: Arc<[Vec<f64>; 2]>,
 }
 
 impl Fit {
-    /// The nearest surface over some knots, if its distances are finite.
-    fn of(data: &dyn Data, lines: [Breaks; 2], nearest: Nearest) -> Option<Self> {
+    /// A least-squares surface over some knots, if its distances are finite.
+    fn of(lines: [Breaks; 2], parameters: &Parameters, nearest: Nearest) -> Option<Self> {
         let is_finite = nearest.distances.max.is_finite();
         is_finite.then(|| Self {
-            level: Arc::new(SurfaceLevel {
+            level: Arc::new(Level {
                 lines,
                 control_points: nearest.control_points,
                 distances: nearest.distances,
-                parameters: data.moved(),
+                parameters: parameters.clone(),
             }),
             left: Arc::new(nearest.left),
         })

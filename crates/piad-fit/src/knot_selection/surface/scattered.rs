@@ -12,11 +12,11 @@ use super::correction;
 use super::gradients::{Effort, descend, first_gain};
 use super::normal::{Normal, inverses};
 use super::rows::{Rows, Sites};
-use super::{Data, Fit, Nearest, SurfaceLevel};
-use crate::data::aligned::Lane;
+use super::{Data, Fit, Nearest, Parameters};
 use crate::data::distances::Distances;
 use crate::data::points::{Points, normalizing_scale};
 use crate::knot_selection::breaks::Breaks;
+use crate::knot_selection::levels::Level;
 use crate::linear::stencil::Stencil;
 use crate::linear::vectors::dot;
 
@@ -46,8 +46,6 @@ pub(crate) struct ScatteredData {
     enough: f64,
     /// Brings squares to the order of one.
     unit: f64,
-    /// The parameters in the order of the data, where these have moved.
-    moved: Option<[Arc<Vec<f64>>; 2]>,
 }
 
 impl ScatteredData {
@@ -55,7 +53,7 @@ impl ScatteredData {
     /// smallest of them on.
     pub(crate) fn new(
         points: &Points,
-        parameters: &[Arc<Vec<f64>>; 2],
+        parameters: &Parameters,
         poles: [bool; 2],
         tolerance: f64,
     ) -> Self {
@@ -83,7 +81,6 @@ impl ScatteredData {
             order,
             enough: ENOUGH * tolerance,
             unit: normalizing_scale(points.magnitude()),
-            moved: None,
         }
     }
 
@@ -92,36 +89,38 @@ impl ScatteredData {
         Self { most, ..self }
     }
 
-    /// The same data with parameters that follow a surface.
-    pub(crate) fn following(&self, level: &SurfaceLevel) -> Option<Self> {
+    /// The same data with parameters that follow a surface, and these in the order in which the data were given.
+    pub(crate) fn following(&self, level: &Level<2>) -> Option<(Self, Parameters)> {
         let sorted = correction::corrected(&self.sites, &self.points, level)?;
-        let parameters = correction::in_order(sorted, &self.order);
-        let given = |lane: &Lane| {
-            let mut given = vec![0.0; lane.len()];
-            for (&index, x) in self.order.iter().zip(&**lane) {
-                given[index as usize] = *x;
-            }
-            given
-        };
-        let points = Points::from_lanes(self.points.lanes().iter().map(given));
+        let parameters = sorted.map(|sorted| Arc::new(self.in_order(&sorted)));
+        let lanes = self.points.lanes().iter();
+        let points = Points::from_lanes(lanes.map(|lane| self.in_order(lane)));
         let data = Self::new(&points, &parameters, self.sites.poles, self.enough / ENOUGH);
-        Some(Self {
-            most: self.most,
-            moved: Some(parameters),
-            ..data
+        Some((data.with_most(self.most), parameters))
+    }
+
+    /// How far the sorted data are from a surface, times the unit: a coordinate at a time.
+    fn residuals<'a>(
+        &'a self,
+        rows: &'a Rows,
+        control_points: &'a Points,
+    ) -> impl Iterator<Item = Vec<f64>> + 'a {
+        let lanes = control_points.lanes().iter().zip(self.points.lanes());
+        lanes.map(|(x, data)| {
+            let mut residual = vec![0.0; data.len()];
+            rows.apply(x, &mut residual);
+            let pairs = residual.iter_mut().zip(&**data);
+            pairs.for_each(|(r, datum)| *r = (datum - *r) * self.unit);
+            residual
         })
     }
 
     /// The squared distances of the sorted data, times the square of the unit.
     fn squares(&self, rows: &Rows, control_points: &Points) -> Vec<f64> {
         let mut squares = vec![0.0; self.points.len()];
-        let mut fit = vec![0.0; self.points.len()];
-        for (x, data) in control_points.lanes().iter().zip(self.points.lanes()) {
-            rows.apply(x, &mut fit);
-            for ((sum, fit), data) in squares.iter_mut().zip(&fit).zip(&**data) {
-                let distance = (data - fit) * self.unit;
-                *sum += distance * distance;
-            }
+        for residual in self.residuals(rows, control_points) {
+            let pairs = squares.iter_mut().zip(residual);
+            pairs.for_each(|(sum, distance)| *sum += distance * distance);
         }
         squares
     }
@@ -142,19 +141,24 @@ impl ScatteredData {
             left
         });
         Nearest {
-            distances: self.in_order(&squares),
+            distances: self.distances_of(&squares),
             control_points,
             left,
         }
     }
 
-    /// The distances in the order in which the data were given, of the squares of the sorted ones.
-    fn in_order(&self, sorted: &[f64]) -> Distances {
-        let mut squares = vec![0.0; sorted.len()];
-        for (&i, square) in self.order.iter().zip(sorted) {
-            squares[i as usize] = *square;
+    /// Numbers of the sorted data in the order in which these were given.
+    fn in_order(&self, sorted: &[f64]) -> Vec<f64> {
+        let mut given = vec![0.0; sorted.len()];
+        for (&i, x) in self.order.iter().zip(sorted) {
+            given[i as usize] = *x;
         }
-        Distances::of_squares(squares, self.unit)
+        given
+    }
+
+    /// The distances, of the squares of the sorted data.
+    fn distances_of(&self, sorted: &[f64]) -> Distances {
+        Distances::of_squares(self.in_order(sorted), self.unit)
     }
 
     /// The surface near the data, and with little energy, by descent from some control points.
@@ -213,26 +217,23 @@ impl Data for ScatteredData {
         counts[0].saturating_mul(counts[1]) <= self.most
     }
 
-    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest> {
         Some(self.nearest_from(from.map(|it| it.over(lines)), lines, None))
     }
 
-    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest_of_all(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest> {
         let start = from.map(|it| it.over(lines));
         Some(self.nearest_by(Effort::whole, start, lines, None))
     }
 
     fn distances(&self, lines: &[Breaks; 2], control_points: &Points) -> Distances {
         let rows = Rows::new(&self.sites, lines);
-        self.in_order(&self.squares(&rows, control_points))
+        self.distances_of(&self.squares(&rows, control_points))
     }
 
-    fn corrected(&self, level: &SurfaceLevel) -> Option<Box<dyn Data>> {
-        Some(Box::new(self.following(level)?))
-    }
-
-    fn moved(&self) -> Option<[Arc<Vec<f64>>; 2]> {
-        self.moved.clone()
+    fn corrected(&self, level: &Level<2>) -> Option<(Box<dyn Data>, Parameters)> {
+        let (data, parameters) = self.following(level)?;
+        Some((Box::new(data), parameters))
     }
 
     fn prunings(&self) -> usize {
@@ -243,16 +244,7 @@ impl Data for ScatteredData {
     fn prefers(&self, fit: &Fit, finer: &[Breaks; 2]) -> usize {
         let level = &fit.level;
         let rows = Rows::new(&self.sites, &level.lines);
-        let lanes = level.control_points.lanes().iter().zip(self.points.lanes());
-        let residuals: Vec<Vec<f64>> = lanes
-            .map(|(x, data)| {
-                let mut residual = vec![0.0; data.len()];
-                rows.apply(x, &mut residual);
-                let pairs = residual.iter_mut().zip(&**data);
-                pairs.for_each(|(r, datum)| *r = (datum - *r) * self.unit);
-                residual
-            })
-            .collect();
+        let residuals: Vec<Vec<f64>> = self.residuals(&rows, &level.control_points).collect();
         let gain = |axis: usize, line: &Breaks| {
             let mut lines = level.lines.clone();
             lines[axis] = line.clone();

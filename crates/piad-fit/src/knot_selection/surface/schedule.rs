@@ -2,16 +2,18 @@
 
 mod pruning;
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::attempt::Attempt;
-use super::lines::refined;
+use super::lines::along;
 use super::search::Search;
-use super::{Data, Fit, SurfaceLevel, SurfaceOptions};
+use super::{Data, Fit};
 use crate::data::points::Points;
+use crate::knot_selection::Options;
 use crate::knot_selection::breaks::Breaks;
 use crate::knot_selection::growth::grown;
+use crate::knot_selection::insertion::refine;
+use crate::knot_selection::levels::{Level, Levels};
 use crate::termination::Outcome;
 
 /// Where something keeps a surface away from its data, the search ends when this many times more knots lower the root
@@ -32,26 +34,19 @@ const BISECTIONS: usize = 100;
 #[derive(Debug)]
 pub(crate) struct SurfaceSchedule {
     data: Box<dyn Data>,
-    options: SurfaceOptions,
+    options: Options<2>,
     stage: Stage,
-    queue: VecDeque<Arc<SurfaceLevel>>,
-    /// The last level.
-    last: Option<Arc<SurfaceLevel>>,
-    /// The level within the tolerance with the fewest control points.
-    best: Option<Arc<SurfaceLevel>>,
-    /// The level with the smallest largest distance.
-    closest: Option<Arc<SurfaceLevel>>,
+    levels: Levels<2>,
     /// True if more control points were needed than are allowed.
     limited: bool,
     /// The root of the mean square of the last fit of the growth, and how many fits have hardly lowered
     /// it.
-    rms: f64,
+    rms: Option<f64>,
     still: usize,
-    /// The most lines of each direction that are tried to be removed at once.
-    batches: [usize; 2],
+    /// The number of lines of each direction that are tried to be removed at once.
+    batches: [Option<usize>; 2],
     /// Fits that are left for the removal of lines.
     prunings: usize,
-    outcome: Option<Outcome>,
 }
 
 /// The source of the next level.
@@ -73,35 +68,31 @@ enum Stage {
 
 impl SurfaceSchedule {
     /// A fit of data; nothing is computed before the first level is requested.
-    pub(crate) fn new(data: Box<dyn Data>, options: SurfaceOptions) -> Self {
+    pub(crate) fn new(data: Box<dyn Data>, options: Options<2>) -> Self {
         Self {
-            batches: [usize::MAX; 2],
+            batches: [None; 2],
             prunings: data.prunings(),
             data,
+            levels: Levels::new(options.tolerance),
             options,
             stage: Stage::Start,
-            queue: VecDeque::new(),
-            last: None,
-            best: None,
-            closest: None,
             limited: false,
-            rms: f64::INFINITY,
+            rms: None,
             still: 0,
-            outcome: None,
         }
     }
 
     /// How it has ended, after the last level.
     pub(crate) fn outcome(&self) -> Option<Outcome> {
-        self.outcome.filter(|_| self.queue.is_empty())
+        self.levels.outcome()
     }
 
     /// The next level, or `None` after the last one.
-    pub(crate) fn next_level(&mut self) -> Option<Arc<SurfaceLevel>> {
-        while self.queue.is_empty() && self.outcome.is_none() {
+    pub(crate) fn next_level(&mut self) -> Option<Arc<Level<2>>> {
+        while self.levels.lack_one() {
             self.advance();
         }
-        self.queue.pop_front()
+        self.levels.pop()
     }
 
     /// Takes one step, after which there may be a new level.
@@ -122,7 +113,7 @@ impl SurfaceSchedule {
 
     /// The fewest control points of each direction.
     fn fewest(&self) -> [usize; 2] {
-        self.options.degrees.map(|degree| degree + 1)
+        self.options.lines.each_ref().map(|line| line.degree() + 1)
     }
 
     /// The most control points of each direction.
@@ -137,29 +128,14 @@ impl SurfaceSchedule {
 
     /// The first level: the given surface, or the least-squares surface of the fewest control points.
     fn begin(&mut self) -> Stage {
-        if let Some((lines, control_points)) = self.options.first.take() {
-            let level = self.level(lines, control_points);
-            self.issue(&level);
+        let lines = self.options.lines.clone();
+        if let Some(control_points) = self.options.first.take() {
+            self.levels.issue(self.level(lines, control_points));
             return Stage::Steps;
         }
-        let coarsest = |axis: usize| {
-            let t = self.data.parameters(axis);
-            let (start, last) = (*t.first()?, *t.last()?);
-            let period = self.options.periods[axis];
-            let end = period.map_or(last, |period| start + period);
-            Breaks::coarsest(self.options.degrees[axis], period.is_some(), start, end)
-        };
-        let lines = match self.options.coarsest.take() {
-            Some([u, v]) => [Some(u), Some(v)],
-            None => [0, 1].map(coarsest),
-        };
-        let [Some(u), Some(v)] = lines else {
-            self.outcome = Some(Outcome::Overflow);
-            return Stage::Done;
-        };
-        match self.fit([u, v]) {
+        match self.fit(lines) {
             Some(fit) => {
-                self.issue(&fit.level);
+                self.levels.issue(Arc::clone(&fit.level));
                 Stage::Growth(fit)
             }
             None => match self.data.undetermined(&self.options) {
@@ -174,42 +150,40 @@ impl SurfaceSchedule {
 
     /// The least-squares surface over the knots of the last level.
     fn step(&mut self) -> Stage {
-        let Some(last) = self.last.clone() else {
+        let Some(last) = self.levels.last.clone() else {
             return Stage::Done;
         };
         let Some(fit) = self.fit(last.lines.clone()) else {
             return Stage::Done;
         };
         if fit.level.distances.max <= last.distances.max {
-            self.issue(&fit.level);
+            self.levels.issue(Arc::clone(&fit.level));
         }
         Stage::Growth(fit)
     }
 
     /// More knots, until the surface is within the tolerance.
     fn grow(&mut self, fit: Fit) -> Stage {
-        let tolerance = self.options.tolerance;
-        let is_within = self.best.is_some();
-        let fit = match is_within {
-            true => fit,
-            false => self.corrected(fit),
+        let fit = match self.levels.best {
+            Some(_) => fit,
+            None => self.corrected(fit),
         };
-        let is_within = self.best.is_some();
+        let is_within = self.levels.best.is_some();
         if !is_within && self.stands_still(&fit) {
             return Stage::Done;
         }
         if let (false, Some((axis, line)), Some(last)) =
-            (is_within, self.finer(&fit), self.last.clone())
+            (is_within, self.finer(&fit), self.levels.last.clone())
         {
-            let control_points = refined(&last.lines, &last.control_points, axis, &line);
             let mut lines = last.lines.clone();
+            let inserted = |curves: &Points| refine(&lines[axis], &line, curves);
+            let control_points = along(&last.control_points, last.counts(), axis, inserted);
             lines[axis] = line;
-            let inserted = self.level(lines, control_points);
-            self.issue(&inserted);
+            self.levels.issue(self.level(lines, control_points));
             return Stage::Steps;
         }
-        let asked = fit.asked(&*self.data, tolerance);
-        let is_fit_within = fit.level.distances.max <= tolerance;
+        let asked = fit.asked(&*self.data, self.options.tolerance);
+        let is_fit_within = self.levels.is_within(&fit.level);
         let most = self.most_towards(asked);
         let even = self.most_towards([1, 1]);
         let asked = match self.data.allows(asked) {
@@ -228,20 +202,20 @@ impl SurfaceSchedule {
     /// The fit with parameters that have followed it, if that brings it nearer to the data.
     fn corrected(&mut self, fit: Fit) -> Fit {
         let is_near = fit.level.distances.max <= NEAR * self.options.tolerance;
-        let data = match self.options.correct_parameters && is_near {
+        let corrected = match self.options.correct_parameters && is_near {
             true => self.data.corrected(&fit.level),
             false => None,
         };
-        let Some(data) = data else {
+        let Some((data, parameters)) = corrected else {
             return fit;
         };
         let lines = fit.level.lines.clone();
         let nearest = data.nearest(&lines, Some(&fit.level));
-        let moved = nearest.and_then(|nearest| Fit::of(&*data, lines, nearest));
+        let moved = nearest.and_then(|nearest| Fit::of(lines, &parameters, nearest));
         match moved.filter(|it| it.level.distances.rms < fit.level.distances.rms) {
             Some(moved) => {
-                self.data = data;
-                self.issue(&moved.level);
+                (self.data, self.options.parameters) = (data, parameters);
+                self.levels.issue(Arc::clone(&moved.level));
                 moved
             }
             None => fit,
@@ -251,11 +225,11 @@ impl SurfaceSchedule {
     /// Returns true if more knots have not brought the surface nearer for some time, and will not.
     fn stands_still(&mut self, fit: &Fit) -> bool {
         let rms = fit.level.distances.rms;
-        self.still = match rms < (1.0 - GAIN) * self.rms {
+        let before = self.rms.replace(rms);
+        self.still = match before.is_none_or(|before| rms < (1.0 - GAIN) * before) {
             true => 0,
             false => self.still + 1,
         };
-        self.rms = rms;
         self.data.has_floor() && self.still >= STILL
     }
 
@@ -331,21 +305,21 @@ impl SurfaceSchedule {
     /// One redistribution.
     fn attempt(&mut self, mut search: Search, mut attempt: Box<Attempt>) -> Stage {
         let lines = attempt.lines(&*self.data);
-        let from = self.last.as_deref();
+        let from = self.levels.last.as_deref();
         let fit = lines.and_then(|lines| {
             let nearest = match search.is_even() {
                 true => self.data.nearest_of_all(&lines, from),
                 false => self.data.nearest(&lines, from),
             };
-            Fit::of(&*self.data, lines, nearest?)
+            Fit::of(lines, &self.options.parameters, nearest?)
         });
         let Some(fit) = fit else {
             return Self::failed(search);
         };
         if attempt.take(&*self.data, &fit) {
-            self.issue(&fit.level);
+            self.levels.issue(Arc::clone(&fit.level));
         }
-        if fit.level.distances.max <= self.options.tolerance {
+        if self.levels.is_within(&fit.level) {
             search.succeed(fit);
             Stage::Search(search)
         } else if attempt.is_over(self.options.tolerance) {
@@ -363,55 +337,33 @@ impl SurfaceSchedule {
         }
     }
 
-    /// The best level again, unless it is the last one.
+    /// The end, if no level is left.
     fn finish(&mut self) {
-        let end = self.best.clone().or_else(|| self.closest.clone());
-        if let (Some(end), Some(last)) = (end, &self.last)
-            && !Arc::ptr_eq(&end, last)
-        {
-            self.queue.push_back(end);
-        }
         // As many as data would go through all of a grid.
         let all = [0, 1].map(|axis| self.data.parameters(axis).len());
         let most = self.most();
         let fewer = (0..2).any(|axis| most[axis] < all[axis]);
         let limited = self.limited || fewer && self.data.allows(all);
-        self.outcome = Some(match self.best {
-            Some(_) => Outcome::Converged,
-            None if limited => Outcome::Exhausted,
-            None => Outcome::Minimum,
+        self.levels.end(match limited {
+            true => Outcome::Exhausted,
+            false => Outcome::Minimum,
         });
     }
 
     /// The least-squares surface over some knots, if the data determine it.
     fn fit(&self, lines: [Breaks; 2]) -> Option<Fit> {
-        let nearest = self.data.nearest(&lines, self.last.as_deref())?;
-        Fit::of(&*self.data, lines, nearest)
+        let from = self.levels.last.as_deref();
+        let nearest = self.data.nearest(&lines, from)?;
+        Fit::of(lines, &self.options.parameters, nearest)
     }
 
     /// The level of some control points.
-    fn level(&self, lines: [Breaks; 2], control_points: Points) -> Arc<SurfaceLevel> {
-        let distances = self.data.distances(&lines, &control_points);
-        Arc::new(SurfaceLevel {
+    fn level(&self, lines: [Breaks; 2], control_points: Points) -> Arc<Level<2>> {
+        Arc::new(Level {
+            distances: self.data.distances(&lines, &control_points),
             lines,
             control_points,
-            distances,
-            parameters: self.data.moved(),
+            parameters: self.options.parameters.clone(),
         })
-    }
-
-    /// Returns a level, and remembers it if it is the best or the closest.
-    fn issue(&mut self, level: &Arc<SurfaceLevel>) {
-        let within = level.distances.max <= self.options.tolerance;
-        let fewer = |best: &Arc<SurfaceLevel>| level.count() <= best.count();
-        if within && self.best.as_ref().is_none_or(fewer) {
-            self.best = Some(Arc::clone(level));
-        }
-        let closer = |best: &Arc<SurfaceLevel>| level.distances.max < best.distances.max;
-        if self.closest.as_ref().is_none_or(closer) {
-            self.closest = Some(Arc::clone(level));
-        }
-        self.last = Some(Arc::clone(level));
-        self.queue.push_back(Arc::clone(level));
     }
 }

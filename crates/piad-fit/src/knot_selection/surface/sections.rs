@@ -74,11 +74,8 @@ fn between(
     let ends = t.iter().copied().chain(period.map(|period| t[0] + period));
     let ends: Vec<f64> = ends.collect();
     let line = through(&t, &ends, period.is_some())?;
-    let spline = LeastSquares {
-        points: Arc::new(points.selected(order.iter().copied())),
-        data_weights: None,
-        fairness: 0.0,
-    };
+    let section = Arc::new(points.selected(order.iter().copied()));
+    let spline = LeastSquares::of(&section);
     let control_points = spline.minimum(&Values::new(&line, &t), None)?;
     let of_gap = |gap: &[f64]| {
         let (from, to) = (gap[0], gap[1]);
@@ -86,9 +83,7 @@ fn between(
         (1..parts).map(move |k| from + (to - from) * (k as f64 / parts as f64))
     };
     let parameters: Arc<Vec<f64>> = Arc::new(ends.windows(2).flat_map(of_gap).collect());
-    let mut between = Points::zeros(points.dimension(), parameters.len());
-    let values = Values::new(&line, &parameters);
-    values.apply(control_points.lanes(), between.lanes_mut());
+    let between = Values::new(&line, &parameters).points(&control_points);
     // Those beyond the end of a period are in the one before.
     let low = v.iter().copied().fold(f64::INFINITY, f64::min);
     let inside = |t: &f64| match period {

@@ -30,7 +30,7 @@ fn few_knots_are_found() {
             let (levels, outcome) = levels(&points, t.clone(), cubic(tolerance));
             assert_eq!(outcome, Some(Outcome::Converged));
             valid(&points, &levels);
-            let count = levels.last().unwrap().line.control_points();
+            let count = levels.last().unwrap().count();
             assert!(
                 count <= knots.len() + 5,
                 "{tolerance:e}: {count} for {}",
@@ -81,7 +81,7 @@ fn a_larger_tolerance_never_takes_more_control_points() {
         let counts = (0..10).map(|k| {
             let tolerance = 1e-6 * 10_f64.powf(0.4 * f64::from(k));
             let (levels, _) = levels(&points, chord(&points), cubic(tolerance));
-            levels.last().unwrap().line.control_points()
+            levels.last().unwrap().count()
         });
         let counts: Vec<usize> = counts.collect();
         assert!(counts.is_sorted_by(|a, b| a >= b), "{kind}: {counts:?}");
@@ -94,6 +94,6 @@ fn a_chirp_takes_fewer_control_points_than_with_scipy() {
     let points = sampled(1500, 0.0, 1.0, |x| [x, 0.2 * (60.0 * x * x).sin()]);
     let (levels, outcome) = levels(&points, chord(&points), cubic(1e-5));
     assert_eq!(outcome, Some(Outcome::Converged));
-    let count = levels.last().unwrap().line.control_points();
+    let count = levels.last().unwrap().count();
     assert!(count <= 340, "{count}");
 }

@@ -9,10 +9,11 @@ mod table;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use super::Options;
 use super::breaks::Breaks;
 use super::equations::LeastSquares;
+use super::levels::Level;
 use super::schedule::Schedule;
-use super::{Level, Options};
 use crate::data::points::Points;
 use crate::termination::Outcome;
 
@@ -40,33 +41,63 @@ pub(super) fn chord(points: &Points) -> Vec<f64> {
     t
 }
 
-/// Cubic, with chord lengths.
-pub(super) fn cubic(tolerance: f64) -> Options {
-    Options {
-        degree: 3,
-        period: None,
-        tolerance,
-        max_control_points: usize::MAX,
-        correct_parameters: false,
-        first: None,
-        minima_alone: false,
-        freedom: None,
+/// Options of a fit that begins with the coarsest knots.
+#[derive(Clone)]
+pub(super) struct Settings<const D: usize> {
+    pub degrees: [usize; D],
+    pub periods: [Option<f64>; D],
+    pub tolerance: f64,
+    pub max_control_points: [usize; D],
+    pub correct_parameters: bool,
+}
+
+impl<const D: usize> Settings<D> {
+    /// Cubic and open, with as many control points as needed.
+    pub(super) fn cubic(tolerance: f64) -> Self {
+        Self {
+            degrees: [3; D],
+            periods: [None; D],
+            tolerance,
+            max_control_points: [usize::MAX; D],
+            correct_parameters: false,
+        }
     }
+
+    /// The options for data at some parameters.
+    pub(super) fn options(&self, parameters: &[Arc<Vec<f64>>; D]) -> Options<D> {
+        let coarsest = |axis: usize| {
+            let (t, period) = (&parameters[axis], self.periods[axis]);
+            let low = t.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = t.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let end = period.map_or(high, |period| low + period);
+            Breaks::coarsest(self.degrees[axis], period.is_some(), low, end).unwrap()
+        };
+        Options {
+            lines: std::array::from_fn(coarsest),
+            first: None,
+            parameters: parameters.clone(),
+            tolerance: self.tolerance,
+            max_control_points: self.max_control_points,
+            correct_parameters: self.correct_parameters,
+        }
+    }
+}
+
+/// A curve of degree 3.
+pub(super) fn cubic(tolerance: f64) -> Settings<1> {
+    Settings::cubic(tolerance)
 }
 
 /// All levels of a fit, and how it ended.
 pub(super) fn levels(
     points: &Points,
     t: Vec<f64>,
-    options: Options,
-) -> (Vec<Arc<Level>>, Option<Outcome>) {
+    settings: Settings<1>,
+) -> (Vec<Arc<Level<1>>>, Option<Outcome>) {
     let points = Arc::new(points.clone());
-    let minimum = LeastSquares {
-        points: Arc::clone(&points),
-        data_weights: None,
-        fairness: 0.0,
-    };
-    let mut schedule = Schedule::new(points, Arc::new(t), options, minimum);
+    let minimum = LeastSquares::of(&points);
+    let options = settings.options(&[Arc::new(t)]);
+    let mut schedule = Schedule::new(points, options, minimum);
     let mut levels = Vec::new();
     while let Some(level) = schedule.next_level() {
         levels.push(level);
@@ -77,13 +108,13 @@ pub(super) fn levels(
 /// Checks the rules of levels: they start with the fewest control points, go through the ends of
 /// open curves, insertion keeps the curve, and the largest distance never rises while the knots
 /// stay, or their number in redistribution.
-pub(super) fn valid(points: &Points, levels: &[Arc<Level>]) {
-    let first = &levels[0].line;
+pub(super) fn valid(points: &Points, levels: &[Arc<Level<1>>]) {
+    let [first] = &levels[0].lines;
     assert_eq!(first.control_points(), first.degree() + 1);
     let size = points.bounding_diagonal();
     for pair in levels.windows(2) {
         let (before, after) = (&pair[0].distances, &pair[1].distances);
-        let (coarse, fine) = (&pair[0].line, &pair[1].line);
+        let ([coarse], [fine]) = (&pair[0].lines, &pair[1].lines);
         let rises = after.max > before.max * (1.0 + 1e-9) + 1e-14 * size;
         let (from, to) = (coarse.control_points(), fine.control_points());
         assert!(from != to || !rises);
@@ -93,8 +124,8 @@ pub(super) fn valid(points: &Points, levels: &[Arc<Level>]) {
             assert!(pairs.all(|(a, b)| (a - b).abs() < 1e-12 * size));
         }
     }
-    for level in levels.iter().filter(|level| !level.line.is_closed()) {
-        let last = level.line.control_points() - 1;
+    for level in levels.iter().filter(|level| !level.lines[0].is_closed()) {
+        let last = level.count() - 1;
         for (end, datum) in [(0, 0), (last, points.len() - 1)] {
             let mut pairs = level.control_points.point(end).zip(points.point(datum));
             assert!(pairs.all(|(x, p)| x == p));

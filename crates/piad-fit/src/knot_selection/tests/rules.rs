@@ -11,7 +11,7 @@ fn levels_are_pure_functions_of_the_data() {
     let points = profile();
     let fit = || levels(&points, chord(&points), cubic(1e-4)).0;
     for (a, b) in fit().iter().zip(fit()) {
-        assert_eq!(a.line, b.line);
+        assert_eq!(a.lines, b.lines);
         assert_eq!(a.control_points, b.control_points);
         assert_eq!(a.distances.each, b.distances.each);
     }
@@ -48,8 +48,8 @@ fn reversed_data_have_the_reversed_curve() {
         let (back, _) = levels(&reversed, back, cubic(tolerance));
         assert_eq!(forth.len(), back.len());
         let (forth, back) = (forth.last().unwrap(), back.last().unwrap());
-        let count = forth.line.control_points();
-        assert_eq!(count, back.line.control_points());
+        let count = forth.count();
+        assert_eq!(count, back.count());
         for j in 0..count {
             let a: Vec<f64> = forth.control_points.point(j).collect();
             let b: Vec<f64> = back.control_points.point(count - 1 - j).collect();
@@ -95,14 +95,14 @@ fn every_degree() {
     let points = helix();
     let mut counts = Vec::new();
     for degree in 1..=6 {
-        let options = Options {
-            degree,
+        let settings = Settings {
+            degrees: [degree],
             ..cubic(1e-3)
         };
-        let (levels, outcome) = levels(&points, chord(&points), options);
+        let (levels, outcome) = levels(&points, chord(&points), settings);
         assert_eq!(outcome, Some(Outcome::Converged), "degree {degree}");
         valid(&points, &levels);
-        counts.push(levels.last().unwrap().line.control_points());
+        counts.push(levels.last().unwrap().count());
     }
     assert!(
         counts.windows(2).take(3).all(|pair| pair[1] < pair[0]),
@@ -119,14 +119,14 @@ fn closed_curves() {
     let lanes = open.lanes().iter();
     let points = Points::from_lanes(lanes.map(|x| x[..count].to_vec()));
     for (tolerance, most) in [(1e-2, 28), (1e-4, 61)] {
-        let options = Options {
-            period: Some(t[count]),
+        let settings = Settings {
+            periods: [Some(t[count])],
             ..cubic(tolerance)
         };
-        let (levels, outcome) = levels(&points, t[..count].to_vec(), options);
+        let (levels, outcome) = levels(&points, t[..count].to_vec(), settings);
         assert_eq!(outcome, Some(Outcome::Converged));
         valid(&points, &levels);
-        let found = levels.last().unwrap().line.control_points();
+        let found = levels.last().unwrap().count();
         assert!(found <= most, "{tolerance:e}: {found}");
     }
 }
@@ -140,7 +140,7 @@ fn a_few_points() {
         assert_eq!(outcome, Some(Outcome::Converged), "{count}");
         let last = levels.last().unwrap();
         assert!(last.distances.max <= 1e-9);
-        assert_eq!(last.line.control_points(), count.max(4));
+        assert_eq!(last.count(), count.max(4));
         valid(&points, &levels);
     }
 }
@@ -160,14 +160,14 @@ fn nothing_is_within_a_tolerance_of_zero() {
 #[test]
 fn fewer_control_points_than_needed() {
     let points = rose(1501);
-    let options = Options {
-        max_control_points: 30,
+    let settings = Settings {
+        max_control_points: [30],
         ..cubic(1e-3)
     };
-    let (levels, outcome) = levels(&points, chord(&points), options);
+    let (levels, outcome) = levels(&points, chord(&points), settings);
     assert_eq!(outcome, Some(Outcome::Exhausted));
     let last = levels.last().unwrap();
-    assert!(levels.iter().all(|it| it.line.control_points() <= 30));
+    assert!(levels.iter().all(|it| it.count() <= 30));
     assert!(last.distances.max < 6e-3, "{:e}", last.distances.max);
     valid(&points, &levels);
 }
@@ -181,7 +181,7 @@ fn noise() {
     let clean = levels(&curve(0.0), t.clone(), cubic(1e-3));
     let below = levels(&curve(8e-4), t.clone(), cubic(1e-3));
     let above = levels(&curve(2e-3), t, cubic(1e-3));
-    let count = |fit: &(Vec<Arc<Level>>, _)| fit.0.last().unwrap().line.control_points();
+    let count = |fit: &(Vec<Arc<Level<1>>>, _)| fit.0.last().unwrap().count();
     assert!(
         count(&below) <= 2 * count(&clean),
         "{} {}",
@@ -204,7 +204,7 @@ fn repeated_points_and_corners() {
         let (levels, outcome) = levels(&points, t.clone(), cubic(1e-4));
         assert_eq!(outcome, Some(Outcome::Converged));
         valid(&points, &levels);
-        let found = levels.last().unwrap().line.control_points();
+        let found = levels.last().unwrap().count();
         assert!(found <= most, "{found}");
     }
     let point = sampled(50, 0.0, 1.0, |_| [3.0, 4.0]);
@@ -222,7 +222,7 @@ fn magnitude_and_place_do_not_matter() {
         let moved = lanes.map(|x| x.iter().map(|x| factor * x + offset).collect::<Vec<_>>());
         let t: Vec<f64> = chord(&points).iter().map(|t| t * factor).collect();
         let (levels, _) = levels(&Points::from_lanes(moved), t, cubic(1e-4 * factor));
-        levels.last().unwrap().line.control_points()
+        levels.last().unwrap().count()
     };
     let usual = count(1.0, 0.0);
     assert_eq!(count(1e-200, 0.0), usual);
@@ -236,16 +236,16 @@ fn parameters_move_on_request() {
     let points = sampled(400, 0.0, 3.0, |x| [x, (3.0 * x).sin()]);
     let t: Vec<f64> = (0..400).map(f64::from).collect();
     let run = |correct_parameters| {
-        let options = Options {
+        let settings = Settings {
             correct_parameters,
             ..cubic(1e-4)
         };
-        levels(&points, t.clone(), options).0
+        levels(&points, t.clone(), settings).0
     };
     let (fixed, moved) = (run(false), run(true));
-    assert!(fixed.iter().all(|level| *level.parameters == t));
+    assert!(fixed.iter().all(|level| *level.parameters[0] == t));
     let (fixed, moved) = (fixed.last().unwrap(), moved.last().unwrap());
-    assert!(moved.parameters.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(moved.parameters[0].windows(2).all(|pair| pair[0] < pair[1]));
     assert!(moved.distances.max <= 1e-4);
-    assert!(moved.line.control_points() < fixed.line.control_points());
+    assert!(moved.count() < fixed.count());
 }

@@ -56,7 +56,7 @@ fn check(points: &Points, rows: &[Row]) {
         let last = levels.last().unwrap();
         assert_eq!(outcome, Some(Outcome::Converged));
         assert!(last.distances.max <= tolerance);
-        let count = last.line.control_points();
+        let count = last.count();
         assert!(count <= scipy.min(opencascade), "{tolerance:e}: {count}");
         assert!(count <= ours, "{tolerance:e}: {count}");
         valid(points, &levels);

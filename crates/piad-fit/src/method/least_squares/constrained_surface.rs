@@ -9,7 +9,8 @@ use super::settings::LeastSquares;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
-use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel};
+use crate::knot_selection::levels::Level;
+use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData};
 use crate::setup::Setup;
 
 /// The data of a surface, and the objective.
@@ -62,7 +63,7 @@ impl Data for ConstrainedSurface {
         self.scattered.allows(counts)
     }
 
-    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest> {
         let near = from.map(|level| level.over(lines));
         let control_points = self.constrained.minimum(lines, near.as_ref(), None)?;
         Some(self.scattered.with_distances(lines, control_points))

@@ -12,7 +12,8 @@ use crate::basis::direction::Direction;
 use crate::data::distances::Distances;
 use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
-use crate::knot_selection::surface::{Data, Fit, Nearest, ScatteredData, SurfaceLevel, sections};
+use crate::knot_selection::levels::Level;
+use crate::knot_selection::surface::{Data, Fit, Nearest, Parameters, ScatteredData, sections};
 use crate::linear::stencil::Stencil;
 use crate::setup::Setup;
 
@@ -120,7 +121,7 @@ impl Data for FairSurface {
         numbers <= MORE_NUMBERS + of_rows * self.setup.data().len() && self.scattered.allows(counts)
     }
 
-    fn nearest(&self, lines: &[Breaks; 2], from: Option<&SurfaceLevel>) -> Option<Nearest> {
+    fn nearest(&self, lines: &[Breaks; 2], from: Option<&Level<2>>) -> Option<Nearest> {
         let mut start = from.map(|level| level.over(lines));
         let mut nearest: Option<Nearest> = None;
         for settings in &self.settings {
@@ -148,16 +149,14 @@ impl Data for FairSurface {
         self.scattered.prefers(fit, finer)
     }
 
-    fn corrected(&self, level: &SurfaceLevel) -> Option<Box<dyn Data>> {
-        Some(Box::new(Self {
-            scattered: self.scattered.following(level)?,
+    fn corrected(&self, level: &Level<2>) -> Option<(Box<dyn Data>, Parameters)> {
+        let (scattered, parameters) = self.scattered.following(level)?;
+        let data = Self {
+            scattered,
             setup: Arc::clone(&self.setup),
             settings: self.settings.clone(),
-        }))
-    }
-
-    fn moved(&self) -> Option<[Arc<Vec<f64>>; 2]> {
-        self.scattered.moved()
+        };
+        Some((Box::new(data), parameters))
     }
 
     fn has_floor(&self) -> bool {

@@ -4,25 +4,19 @@
 //! The distances of a direction give a knot density, but not that knots around a crease belong together. The lines that
 //! cost least are removed until none can be.
 
-use std::sync::Arc;
-
-use super::super::SurfaceLevel;
-use super::super::lines::{lines_of, transposed};
+use super::super::lines::curves;
 use super::SurfaceSchedule;
-use crate::data::points::Points;
 use crate::knot_selection::breaks::Breaks;
-use crate::knot_selection::pruning::{fewer, without};
+use crate::knot_selection::levels::Level;
+use crate::knot_selection::pruning::{fewer, in_batches};
 
 /// Single lines of a direction that are tried without success.
 const CANDIDATES: usize = 6;
 
-/// At most this part of the lines is removed at once.
-const MOST: usize = 4;
-
 impl SurfaceSchedule {
     /// The best level without some lines of a direction; returns true if there is such a level within the tolerance.
     pub(super) fn prune(&mut self) -> bool {
-        let Some(best) = self.best.clone() else {
+        let Some(best) = self.levels.best.clone() else {
             return false;
         };
         // A line of u has as many control points as there are lines of v.
@@ -33,25 +27,19 @@ impl SurfaceSchedule {
             .any(|axis| self.prune_lines(&best, axis))
     }
 
-    fn prune_lines(&mut self, best: &Arc<SurfaceLevel>, axis: usize) -> bool {
+    fn prune_lines(&mut self, best: &Level<2>, axis: usize) -> bool {
         let line = &best.lines[axis];
-        let curves = curves(best, axis);
-        let mut batch = self.batches[axis].min(line.spans() / MOST);
-        while batch > 1 {
-            self.batches[axis] = batch;
-            let without = without(line, &curves, batch);
-            if without.is_some_and(|line| self.is_within_without(best, axis, line)) {
-                return true;
-            }
-            batch /= 2;
-        }
-        self.batches[axis] = 1;
-        let mut candidates = fewer(line, &curves).take(CANDIDATES);
-        candidates.any(|line| self.is_within_without(best, axis, line))
+        let curves = curves(&best.control_points, best.counts(), axis);
+        let mut batch = self.batches[axis];
+        let mut succeeds = |line| self.is_within_without(best, axis, line);
+        let is_found = in_batches(&mut batch, (line, &curves), 1, &mut succeeds)
+            || fewer(line, &curves).take(CANDIDATES).any(succeeds);
+        self.batches[axis] = batch;
+        is_found
     }
 
     /// Fits over fewer lines of a direction, and returns the level if it is within the tolerance.
-    fn is_within_without(&mut self, best: &SurfaceLevel, axis: usize, line: Breaks) -> bool {
+    fn is_within_without(&mut self, best: &Level<2>, axis: usize, line: Breaks) -> bool {
         if self.prunings == 0 || !line.is_determined(self.data.parameters(axis)) {
             return false;
         }
@@ -59,23 +47,6 @@ impl SurfaceSchedule {
         let mut lines = best.lines.clone();
         lines[axis] = line;
         let fit = self.fit(lines);
-        let within = fit.filter(|fit| fit.level.distances.max <= self.options.tolerance);
-        within.is_some_and(|fit| {
-            self.issue(&fit.level);
-            true
-        })
-    }
-}
-
-/// The control points as curves along a direction, side by side.
-fn curves(level: &SurfaceLevel, axis: usize) -> Points {
-    let [rows, columns] = level.counts();
-    match axis {
-        0 => lines_of(
-            &transposed(&level.control_points, rows, columns),
-            columns,
-            rows,
-        ),
-        _ => lines_of(&level.control_points, rows, columns),
+        self.levels.accept(fit.map(|fit| fit.level))
     }
 }
