@@ -23,7 +23,7 @@ pub use crate::warning::Warning;
 
 /// The version of the arithmetic: programs with the same version compute the same bits. It increases with each change
 /// that changes the bits of any level.
-pub const KERNEL: u32 = 6;
+pub const KERNEL: u32 = 7;
 
 /// Lengths of curves.
 pub mod arc_length {

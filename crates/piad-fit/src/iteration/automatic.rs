@@ -4,7 +4,7 @@
 //! fit with other directions. One level is computed ahead, as only then is known whether a level is
 //! the last one.
 //!
-//! A fit that is within the tolerance at its data and far from them in between continues with a second schedule
+//! A fit that is within the tolerance at its data and far from them in between continues with a more careful schedule
 //! ([`careful`]).
 
 mod alone;
@@ -109,9 +109,7 @@ impl Automatic {
             return None;
         }
         if let Source::Schedule(schedule) = &mut self.source
-            && !schedule.is_careful()
-            && self.now.leaves(Reach::Near)
-            && let Some(careful) = schedule.careful(&self.whole, &self.now)
+            && let Some(careful) = schedule.more_careful(&self.whole, &self.now)
         {
             (*schedule, self.leaves) = (careful, true);
             return schedule.next(&self.whole);

@@ -1,8 +1,9 @@
 //! Points between the data, for curves that deviate there.
 //!
 //! A curve with nearly as many control points as data can be within the tolerance at all of them and deviate far
-//! between them. In that case the fit is repeated with three points between each two data points. They lie between two
-//! curves, both cubic between the data with a common derivative at each datum:
+//! between them. In that case the fit is repeated with three points between each two data points, and with eleven if it
+//! deviates between those: an edge with several knots has room for loops. The points lie between two curves, both cubic
+//! between the data with a common derivative at each datum:
 //!
 //! - that of the parabola through three data (Bessel), which follows circles;
 //! - that of the chord between both neighbours, shorter the more the data turn back: it is straight along long edges,
@@ -23,8 +24,8 @@ use crate::geometry::freedom::{length, limited, part_beside};
 /// The least number of parts that points divide the parameters between two data into.
 const PARTS: usize = 4;
 
-/// The number of such parts of a long edge beside a densely sampled bend.
-const PARTS_OF_STRAIGHT: usize = 12;
+/// The number of such parts of a long edge beside a densely sampled bend, and of all edges in a dense guide.
+const DENSE_PARTS: usize = 12;
 
 /// The largest part of the first curve in the points, and of the difference of both that is freedom.
 const MOST_OF_FIRST: f64 = 0.25;
@@ -48,6 +49,8 @@ pub(crate) struct Guide {
     pub(crate) parameters: Arc<Vec<f64>>,
     /// Distances that do not count.
     pub(crate) freedom: Arc<[f64]>,
+    /// True if there are as many points between all data as on long edges.
+    pub(crate) is_dense: bool,
     /// The parameters of the data.
     of_data: Arc<Vec<f64>>,
     /// The index of each datum among the points.
@@ -62,7 +65,12 @@ impl Guide {
     }
 
     /// Between data at increasing parameters, of a closed curve also between the last and the first.
-    pub(crate) fn new(data: &Points, parameters: &Arc<Vec<f64>>, period: Option<f64>) -> Self {
+    pub(crate) fn new(
+        data: &Points,
+        parameters: &Arc<Vec<f64>>,
+        period: Option<f64>,
+        is_dense: bool,
+    ) -> Self {
         let line = Line::new(data, parameters, period);
         let mut points = Points::new(data.dimension());
         let (mut t, mut freedom, mut places) = (Vec::new(), Vec::new(), Vec::new());
@@ -75,7 +83,7 @@ impl Guide {
                 break;
             }
             let [from, to] = [line.parameter(i), line.parameter(i + 1)];
-            let parts = line.parts(i);
+            let parts = if is_dense { DENSE_PARTS } else { line.parts(i) };
             for part in (1..parts).map(|k| k as f64 / parts as f64) {
                 let (point, free) = line.between(i, part);
                 points.push(&point);
@@ -87,6 +95,7 @@ impl Guide {
             points: Arc::new(points),
             parameters: Arc::new(t),
             freedom: freedom.into(),
+            is_dense,
             of_data: Arc::clone(parameters),
             data: places,
         }
@@ -218,7 +227,7 @@ impl<'a> Line<'a> {
     fn parts(&self, gap: usize) -> usize {
         let [before, after] = self.parts_of_freedom(gap);
         match before.min(after) < 1.0 {
-            true => PARTS_OF_STRAIGHT,
+            true => DENSE_PARTS,
             false => PARTS,
         }
     }
@@ -277,7 +286,7 @@ mod tests {
             let data = Points::from_flat(2, &outline.concat());
             let count = data.len() as f64 + 0.25;
             let t = (0..data.len()).map(|i| i as f64 / count).collect();
-            let guide = Guide::new(&data, &Arc::new(t), period);
+            let guide = Guide::new(&data, &Arc::new(t), period, false);
             let gaps = data.len() - usize::from(period.is_none());
             assert!(guide.points.len() >= data.len() + 3 * gaps);
             assert!(guide.parameters.windows(2).all(|pair| pair[0] < pair[1]));
@@ -300,7 +309,7 @@ mod tests {
         let circle = (0..count).flat_map(|k| [angle(k).cos(), angle(k).sin()]);
         let data = Points::from_flat(2, &circle.collect::<Vec<_>>());
         let t = Arc::new((0..count).map(|k| k as f64).collect());
-        let guide = Guide::new(&data, &t, Some(count as f64));
+        let guide = Guide::new(&data, &t, Some(count as f64), false);
         for (k, freedom) in guide.freedom.iter().enumerate() {
             let off = guide.points.point(k).fold(0.0, f64::hypot) - 1.0;
             assert!(

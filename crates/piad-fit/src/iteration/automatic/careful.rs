@@ -1,4 +1,4 @@
-//! The second schedule of a fit, which keeps it near its data where there are none: curves with points between the
+//! Schedules that keep a fit near its data where there are none: curves with points between the
 //! data, surfaces with the most fairness that their tolerance allows. A fit that still deviates from its data has
 //! stalled.
 
@@ -23,10 +23,9 @@ const FAIRNESS: f64 = 1e-6;
 /// The largest deviation of a fit from its data in gaps.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Reach {
-    /// Beyond this number of control points the fit continues: a curve should need only a part of the freedom of its
-    /// data.
+    /// Beyond this the fit continues: a curve should need only a part of the freedom of its data.
     Near,
-    /// A fit that has continued has stalled beyond this.
+    /// Beyond this a fit has stalled, or continues once more.
     Far,
 }
 
@@ -42,14 +41,17 @@ impl Reach {
 }
 
 impl Schedules {
-    /// Returns true if it keeps the fit near its data in gaps.
-    pub(super) fn is_careful(&self) -> bool {
-        !matches!(self, Self::Curve(_, None) | Self::Surface(_))
-    }
-
-    /// The schedule that keeps the fit near its data where there are none: of curves from a level on, of surfaces from
-    /// the coarsest knots on.
-    pub(super) fn careful(&self, whole: &Problem, now: &Fit) -> Option<Self> {
+    /// The schedule that keeps a fit nearer to its data where there are none: of curves from a level on, of surfaces
+    /// from the coarsest knots on. `None` if the fit is near them, or nothing keeps it nearer.
+    pub(super) fn more_careful(&self, whole: &Problem, now: &Fit) -> Option<Self> {
+        let (reach, is_dense) = match self {
+            Self::Curve(_, None) | Self::Surface(_) => (Reach::Near, false),
+            Self::Curve(_, Some(Between::Guide(guide))) if !guide.is_dense => (Reach::Far, true),
+            _ => return None,
+        };
+        if !now.leaves(reach) {
+            return None;
+        }
         if whole.v().is_some() {
             return Self::careful_surface(whole);
         }
@@ -57,7 +59,7 @@ impl Schedules {
         let problem = &*now.problem;
         let u = problem.u();
         let lines = [Breaks::of(u)?];
-        let guide = Guide::new(problem.data(), &u.parameters, u.period());
+        let guide = Guide::new(problem.data(), &u.parameters, u.period(), is_dense);
         let most = Guide::most_control_points(problem.data().len());
         let options = Options {
             first: Some(in_lines(&now.control_points, &lines)),
