@@ -48,7 +48,7 @@ fn wrong_data_are_named() {
     assert!(knots(&[0.0; 9]).contains("so that it is empty"));
     let five = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
     assert!(
-        knots(&five).contains("0 is there 5 times"),
+        knots(&five).contains("0 occurs 5 times"),
         "{}",
         knots(&five)
     );
