@@ -334,7 +334,7 @@ async fn files_have_meshes() {
     }
     for (query, parameter, expected) in [
         ("&piece=3", "piece", "pieces 1 to 2"),
-        ("&piece=x", "piece", "no number of a piece"),
+        ("&piece=x", "piece", "not the number of a piece"),
         (
             "&surface.parameters.unfolding=flat",
             "surface.parameters.unfolding",

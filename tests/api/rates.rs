@@ -184,7 +184,7 @@ async fn wrong_queries_are_refused() {
     for (query, part, reason) in [
         ("points=1".into(), "points", "between 2 and 500"),
         ("points=501".into(), "points", "between 2 and 500"),
-        ("points=many".into(), "points", "no whole number"),
+        ("points=many".into(), "points", "not a whole number"),
         (
             "points=11&parameters=chord_length".into(),
             "parameters",

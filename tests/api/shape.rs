@@ -279,7 +279,7 @@ async fn what_cannot_be_measured_is_refused() {
         ("samples=1000001", "samples", "1000000 in all"),
         ("by=time", "by", "expected length"),
         ("spacing=0", "spacing", "more than 0"),
-        ("spacing=x", "spacing", "no distance"),
+        ("spacing=x", "spacing", "not a distance"),
         ("spacing=1&samples=5", "spacing", "give one of them"),
     ] {
         assert_query_refused(&server, &path, query, parameter, reason).await;
