@@ -31,7 +31,12 @@ CLIENT = "clients/python/README.md"
 SECTIONS = ["Without a server", "Five minutes", "Many fits at once", "Without waiting", "While a point is dragged", "Derivatives", "Plots"]
 
 
-PAGES = [("README.md", "From Python and CAD"), ("docs/how-to/constraints-and-patches.md", "Patches that join"), *((CLIENT, section) for section in SECTIONS)]
+PAGES = [
+    ("README.md", "From Python and CAD"),
+    ("docs/how-to/constraints-and-patches.md", "Patches that join"),
+    ("docs/tutorials/stream-into-a-plug-in.md", "The program"),
+    *((CLIENT, section) for section in SECTIONS),
+]
 
 
 @pytest.mark.parametrize(("page", "section"), PAGES)
