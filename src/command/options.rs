@@ -274,8 +274,16 @@ impl JobOptions {
     }
 }
 
+/// Only one of these is allowed, so each overrides both.
+const TOLERANCES: [&str; 2] = ["tolerance", "relative_tolerance"];
+
 /// Overrides fields. A method of another kind has other settings, so it replaces the method.
 pub(super) fn merge(fields: &mut Map<String, Value>, over: Map<String, Value>) {
+    if TOLERANCES.iter().any(|name| over.contains_key(*name)) {
+        TOLERANCES
+            .iter()
+            .for_each(|name| drop(fields.remove(*name)));
+    }
     for (name, value) in over {
         let before = fields.get_mut(&name);
         match (before.and_then(Value::as_object_mut), value) {
@@ -378,6 +386,14 @@ mod tests {
         );
         merge(&mut fields, object(json!({"method": {"kind": "direct"}})));
         assert_eq!(fields["method"], json!({"kind": "direct"}));
+        merge(
+            &mut fields,
+            object(json!({"stop": {"relative_tolerance": 2}})),
+        );
+        assert_eq!(
+            fields["stop"],
+            json!({"max_iterations": 5, "relative_tolerance": 2})
+        );
     }
 
     #[test]

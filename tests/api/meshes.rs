@@ -395,6 +395,6 @@ async fn trimmed_meshes_end_at_their_boundary() {
     assert_eq!(server.fit(&cloud).await["state"], "converged");
     let cloud = json!({"surface": {"scattered": points}});
     server
-        .assert_refused(&cloud, "/method", "only least_squares fits them")
+        .assert_refused(&cloud, "/method", "fit a surface with least_squares")
         .await;
 }

@@ -214,7 +214,7 @@ mod tests {
             let count = 9 - usize::from(expected);
             assert_eq!((imported.closed, imported.points.len()), (expected, count));
             assert_eq!(imported.lines.len(), count);
-            assert!(imported.notices[0].contains("The last point is the first one"));
+            assert!(imported.notices[0].contains("The last point equals the first"));
         }
         let open = outline.replace("2.4e-16", "1e-6");
         assert!(!read(&open, &HINTS).unwrap().closed);

@@ -34,10 +34,10 @@ pub(super) fn closed(part: &mut Part, hints: &Hints) -> bool {
     }
     let what = match (closed, hints.closed) {
         (true, _) => "the curve is closed, and the point is kept once",
-        (false, None) => "with a corner there or few points, so the curve stays open",
-        (false, Some(_)) => "and the curve stays open, as requested",
+        (false, None) => "the curve stays open, as there is a corner or there are few points",
+        (false, Some(_)) => "the curve stays open, as requested or for its basis",
     };
-    let notice = format!("The last point is the first one again: {what}.");
+    let notice = format!("The last point equals the first: {what}.");
     part.notices.push(notice);
     closed
 }

@@ -82,7 +82,7 @@ pub(super) fn check_scattered(request: &Request) -> Result<(), Invalid> {
         return Err(Invalid::at(
             Place::Method,
             format!(
-                "scattered points have no order, and {method} needs one: only least_squares fits them, and only surfaces"
+                "scattered points have no order, and {method} needs one: fit a surface with least_squares, such as control_points auto"
             ),
         ));
     }

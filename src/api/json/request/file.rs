@@ -261,7 +261,7 @@ fn parts_of_job(
             shape.entry("parameters").or_insert("auto".into());
         }
         if list == "scattered" && !is_mesh && !shape.contains_key("parameters") {
-            let detail = "the file does not show the rows of a surface: say how many rows and columns there are, such as 40x60, or give surface.parameters for scattered points, such as project";
+            let detail = "the file does not show the rows of a surface: give their number and that of the columns, such as 40x60, or surface.parameters for scattered points, such as auto";
             return Err(Problem::at_parameter(SIZE, detail));
         }
         shape.insert(list.to_owned(), json!([]));

@@ -71,7 +71,7 @@ fn wrong_data_are_named() {
         "closed: the last control point is not the first one"
     );
     let zero = DirectionData { degree: 0, ..own };
-    assert!(error(zero, None).starts_with("degree: it is 0"));
+    assert!(error(zero, None).starts_with("degree: 0 is out of range"));
     let ring = ring();
     let mut points = Points::from_flat(2, &ring.points.to_flat());
     points.lanes_mut()[0][6] += 0.1;

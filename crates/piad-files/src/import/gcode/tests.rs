@@ -130,7 +130,10 @@ fn statements_without_a_path_are_skipped() {
 #[test]
 fn errors_name_their_lines() {
     for (text, detail) in [
-        ("G1 X1 Y1\nG1 X#5 Y[2]\n", "line 2: \"X#5 Y[2]\" is not a word"),
+        (
+            "G1 X1 Y1\nG1 X#5 Y[2]\n",
+            "line 2: \"X#5 Y[2]\" is not a word",
+        ),
         ("G20 G1 X1 Y1\nX2\nG21\n", "line 3: the units change here"),
         ("G0 X1 Y1\nX2\n", "there are no points in the file"),
     ] {
