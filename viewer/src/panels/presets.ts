@@ -25,6 +25,13 @@ const NEAR_SCAN = 4e-3;
 const STIFF = 1e-9;
 // Interpolation through more points than these is seldom what somebody wants.
 const FEW = 400;
+// The fields of curves and surfaces that the settings of a preset do not go with.
+const LOST: Readonly<Record<PresetKind, readonly string[]>> = {
+  through: ["trim", "polyline"],
+  within: ["ends", "creases", "trim"],
+  smooth: ["ends", "creases", "trim", "corners", "polyline"],
+  scan: ["ends", "corners", "creases", "polyline"],
+};
 // What second differences of neighbours have in common: two thirds less of noise, and about as much of a smooth line.
 const NOISY = -0.3;
 
@@ -63,17 +70,18 @@ export function withPreset(request: Fields, kind: PresetKind): Fields {
   const { method: _, stop, ...rest } = kind === "scan" ? asScan(request) : request;
   const limit = at(stop, "/max_iterations");
   const others: Fields = limit === undefined ? {} : { max_iterations: limit };
-  const bare = without(rest, kind === "through" ? ["trim"] : kind === "scan" ? ["ends", "corners", "creases"] : ["ends", "creases", "trim"]);
+  const robust: Fields = at(request, "/method/robust") === true ? { robust: true } : {};
+  const bare = without(rest, LOST[kind]);
   const end = (rules: Fields): Fields => (Object.keys(rules).length === 0 ? bare : { ...bare, stop: rules });
   switch (kind) {
     case "through":
       return end(others);
     case "within":
-      return { ...end({ relative_tolerance: NEAR, ...others }), method: { kind: "least_squares", control_points: "auto" } };
+      return { ...end({ relative_tolerance: NEAR, ...others }), method: { kind: "least_squares", control_points: "auto", ...robust } };
     case "smooth":
-      return { ...end(others), method: { kind: "least_squares", control_points: manyOf(request), fairness: "auto" } };
+      return { ...end(others), method: { kind: "least_squares", control_points: manyOf(request), fairness: "auto", ...robust } };
     case "scan":
-      return put({ ...end({ relative_tolerance: NEAR_SCAN, ...others }), method: { kind: "least_squares", control_points: "auto", fairness: STIFF } }, "/surface/trim", true);
+      return put({ ...end({ relative_tolerance: NEAR_SCAN, ...others }), method: { kind: "least_squares", control_points: "auto", fairness: STIFF, ...robust } }, "/surface/trim", true);
   }
 }
 
