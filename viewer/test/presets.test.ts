@@ -150,7 +150,7 @@ describe("a file that is dropped", () => {
     await visit.standing(/^(converged|stalled|not yet)/);
     await says(visit.page.locator(".label"), /trimmed to the data: 1 piece/);
     const posted = visit.posted();
-    await visit.page.getByLabel("Fit as").selectOption({ label: "Curve, in the given order" });
+    await visit.page.getByLabel("Fit as").selectOption({ label: "Curve, in given order" });
     await until(async () => visit.posted() > posted, "it is fitted as a curve");
     assert.equal(last(visit).curve?.points.length, 900);
     await end(visit);

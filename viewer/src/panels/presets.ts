@@ -1,7 +1,7 @@
 /** Settings by what the data are. */
 
 import { type Fields, type Json, at, isFields, put } from "./pointer.js";
-import { dataOf, shapeOf } from "./draft.js";
+import { dataOf, shapeOf, sizeOf } from "./draft.js";
 
 export interface Preset {
   readonly kind: "through" | "within" | "smooth" | "scan";
@@ -34,6 +34,8 @@ const LOST: Readonly<Record<PresetKind, readonly string[]>> = {
 };
 // What second differences of neighbours have in common: two thirds less of noise, and about as much of a smooth line.
 const NOISY = -0.3;
+// Second differences below this part of the size of the data are rounding, not noise.
+const ROUNDING = 1e-6;
 
 /** True if a preset can be used for the data of a request. */
 export function suits(request: Fields, kind: PresetKind): boolean {
@@ -151,5 +153,5 @@ function isNoisy(request: Fields): boolean {
       before = bend;
     }
   }
-  return alone > 0 && together / alone < NOISY;
+  return Math.sqrt(alone / data.count) > ROUNDING * sizeOf(request) && together / alone < NOISY;
 }

@@ -29,7 +29,7 @@ export interface Changes {
 }
 
 const ARRANGEMENTS = {
-  curve: "Curve, in the given order",
+  curve: "Curve, in given order",
   nearest: "Curve, to next neighbours",
   grid: "Surface, in rows",
   sections: "Surface, through sections",
