@@ -43,6 +43,8 @@ export interface View {
   readonly measuring: boolean;
   /** True if several jobs are drawn in one scene, not side by side. */
   readonly overlaid: boolean;
+  /** The job that is drawn before the others in one scene; null as long as none is chosen. */
+  readonly front: string | null;
   readonly layers: Layers;
   /** The data point that is looked at, of the first job. */
   readonly selection: Place | null;
@@ -56,7 +58,7 @@ export const UNITS = ["mm", "m", "in"] as const;
 
 const LAYERS: Layers = { data: true, polygon: false, spikes: false, comb: false, heat: false, zebra: false, between: false };
 
-const BEGINNING: View = { jobs: [], iteration: "latest", playing: false, speed: 1, looping: false, editing: false, unit: "", measuring: false, overlaid: false, layers: LAYERS, selection: null };
+const BEGINNING: View = { jobs: [], iteration: "latest", playing: false, speed: 1, looping: false, editing: false, unit: "", measuring: false, overlaid: false, front: null, layers: LAYERS, selection: null };
 
 /** The view that a link names; what it does not say is as at the beginning. */
 export function viewOf(hash: string): View {

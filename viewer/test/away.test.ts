@@ -82,7 +82,7 @@ describe("a server that goes away", () => {
       const { id } = await server.job(SHORT);
       const visit = await Visit.to(browser, `${server.url}#job=${id}`);
       await visit.standing(/^converged/);
-      await visit.page.locator("[data-field='/method/kind'] select").waitFor();
+      await visit.page.locator(".presets").waitFor();
       await visit.whole();
       await server.stop();
       await visit.page.getByRole("tab", { name: "Jobs" }).click();

@@ -57,6 +57,23 @@ describe("the heading", () => {
     await visit.end();
   });
 
+  test("says how long a job runs of which nothing comes", PATIENT, async () => {
+    const { id } = await server.job(CURVE);
+    const visit = await Visit.to(browser, server.url);
+    let release = () => {};
+    const held = new Promise<void>((resolve) => (release = resolve));
+    await visit.page.route(/\/events/, async (route) => {
+      await held;
+      await route.continue();
+    });
+    await visit.page.evaluate((hash) => (location.hash = hash), `#job=${id}`);
+    await visit.standing(/^running for [345] s, no iteration yet$/);
+    await visit.standing(/^running for [67] s/);
+    release();
+    await visit.standing(/^converged/);
+    await visit.end();
+  });
+
   test("is that of the edit while a point is dragged, and of the old fit after it is undone", PATIENT, async () => {
     const { id } = await server.job(CURVE);
     const visit = await Visit.to(browser, `${server.url}#job=${id}`);

@@ -113,6 +113,36 @@ describe("a fit", () => {
     await visit.end();
   });
 
+  test("has error vectors within the view, where the errors are less than samples tell", PATIENT, async () => {
+    const points = numbers(15).map((i) => numbers(15).map((j) => [i / 7, j / 7, Math.cos(2 * Math.hypot(i / 7 - 1, j / 7 - 1))]));
+    const visit = await open([{ name: "near", surface: { points }, stop: { relative_tolerance: 1e-10 } }]);
+    const before = (await visit.drawn()).share;
+    await visit.press(layer(visit, "spikes"));
+    await says(visit.page.locator(".label .scale"), /^error vectors × \d/);
+    const { share } = await visit.still();
+    assert.ok(share < before + 0.12, `${share} of the view after ${before}`);
+    await visit.end();
+  });
+
+  test("is brought before the others of its scene by a click", PATIENT, async () => {
+    const again = { ...CURVE, name: "again", method: { kind: "chebyshev" } };
+    const visit = await open([CURVE, again]);
+    await visit.press(visit.page.getByRole("button", { name: "Overlay" }));
+    const name = (title: string) => visit.page.getByRole("button", { name: title, exact: true });
+    await name("arch").waitFor();
+    const before = await visit.still();
+    await visit.press(name("arch"));
+    await becomes(() => name("arch").getAttribute("aria-pressed"), "true");
+    await until(async () => (await visit.difference(before, 60)) > 0.001, "it is drawn last");
+    await visit.press(name("arch"));
+    await becomes(() => name("arch").getAttribute("aria-pressed"), "false");
+    const [x, y] = await visit.leftmost();
+    await visit.pressAt(x, y);
+    await becomes(() => visit.page.locator(".forward[aria-pressed=true]").count(), 1);
+    assert.deepEqual(await visit.axe(), []);
+    await visit.end();
+  });
+
   test("is compared in one scene, with the difference as colours", PATIENT, async () => {
     const other = { ...SADDLE, name: "other", method: { kind: "least_squares", control_points: 5 } };
     const visit = await open([SADDLE, other]);

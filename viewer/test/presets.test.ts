@@ -25,10 +25,10 @@ const FILES = {
 };
 
 interface Request {
-  readonly method?: { kind: string; control_points?: unknown; fairness?: unknown };
+  readonly method?: { kind: string; control_points?: unknown; fairness?: unknown; robust?: boolean };
   readonly stop?: { tolerance?: number; relative_tolerance?: number };
-  readonly curve?: { points: number[][]; closed?: boolean; order?: string };
-  readonly surface?: { scattered?: number[][]; trim?: unknown };
+  readonly curve?: { points: number[][]; closed?: boolean; order?: string; corners?: unknown; polyline?: boolean };
+  readonly surface?: { scattered?: number[][]; trim?: unknown; creases?: unknown };
 }
 
 describe("a file that is dropped", () => {
@@ -82,8 +82,8 @@ describe("a file that is dropped", () => {
     await becomes(() => preset(visit), "within");
     await says(visit.page.locator(".data"), /column 3 \(speed\) is not read/);
     const posted = visit.posted();
-    await visit.page.getByLabel("Columns").fill("x=1,y=3");
-    await visit.page.getByLabel("Columns").press("Tab");
+    await visit.page.getByLabel("Columns", { exact: true }).fill("x=1,y=3");
+    await visit.page.getByLabel("Columns", { exact: true }).press("Tab");
     await until(async () => visit.posted() > posted, "it is fitted with other columns");
     assert.equal(last(visit).curve!.points[10]![1], 10);
     assert.deepEqual(last(visit).method, method);
@@ -103,6 +103,43 @@ describe("a file that is dropped", () => {
     await end(visit);
   });
 
+  test("of a noisy measurement can have outliers, which another preset leaves out, too", PATIENT, async () => {
+    const visit = await open();
+    await dropped(visit, "noisy");
+    const outliers = visit.page.getByLabel(/^Leave out outliers/);
+    await visit.press(outliers);
+    await until(async () => last(visit).method?.robust === true, "they are left out");
+    assert.equal(last(visit).method?.fairness, "auto");
+    await becomes(() => preset(visit), "smooth");
+    await visit.press(visit.page.getByText("Within a tolerance"));
+    await until(async () => last(visit).method?.control_points === "auto", "it is fitted within a tolerance");
+    assert.equal(last(visit).method?.robust, true);
+    await becomes(() => outliers.isChecked(), true);
+    await end(visit);
+  });
+
+  test("can turn at corners, have straight edges, and creases", PATIENT, async () => {
+    const visit = await open();
+    await dropped(visit, "few");
+    await visit.press(visit.page.getByLabel(/^Turn at corners/));
+    await until(async () => last(visit).curve?.corners === "auto", "it turns");
+    await visit.press(visit.page.getByText("Within a tolerance"));
+    await visit.press(visit.page.getByLabel(/^Straight edges/));
+    await until(async () => last(visit).curve?.polyline === true, "its edges are fitted");
+    await visit.standing(/^converged/);
+    await visit.press(visit.page.getByText("Smooth a noisy"));
+    await until(async () => last(visit).method?.fairness === "auto", "it is smoothed");
+    assert.deepEqual([last(visit).curve?.corners, last(visit).curve?.polyline], [undefined, undefined]);
+    await visit.drop("roof.json", JSON.stringify({ surface: { points: numbers(9).map((i) => numbers(5).map((j) => [i, j, Math.abs(i - 4) + j / 9])) } }));
+    await visit.page.getByLabel("Creases along rows").fill("5");
+    await visit.page.getByLabel("Creases along rows").press("Tab");
+    await until(async () => last(visit).surface?.creases !== undefined, "it has a crease");
+    assert.deepEqual(last(visit).surface!.creases, { u: [4] });
+    await visit.standing(/^converged/);
+    assert.deepEqual(await visit.axe(), []);
+    await end(visit);
+  });
+
   test("of a scan becomes a trimmed surface, and can be a curve", PATIENT, async () => {
     const visit = await open();
     const { surface } = await dropped(visit, "scan");
@@ -113,7 +150,7 @@ describe("a file that is dropped", () => {
     await visit.standing(/^(converged|stalled|not yet)/);
     await says(visit.page.locator(".label"), /trimmed to the data: 1 piece/);
     const posted = visit.posted();
-    await visit.page.getByLabel("Fit as").selectOption({ label: "Curve, in the order of the points" });
+    await visit.page.getByLabel("Fit as").selectOption({ label: "Curve, in given order" });
     await until(async () => visit.posted() > posted, "it is fitted as a curve");
     assert.equal(last(visit).curve?.points.length, 900);
     await end(visit);

@@ -38,6 +38,14 @@ describe("the page", () => {
     await visit.end();
   });
 
+  test("links to documents that the server has", PATIENT, async () => {
+    const visit = await Visit.to(browser, server.url);
+    const links = await visit.page.locator("#about a").evaluateAll((all) => all.map((link) => (link as HTMLAnchorElement).href));
+    assert.deepEqual(links, [`${server.url}docs`, `${server.url}openapi.json`]);
+    for (const link of links) assert.equal((await fetch(link)).status, 200, link);
+    await visit.end();
+  });
+
   test("the same example is the same job", PATIENT, async () => {
     const { jobs: was } = await server.get<{ jobs: unknown[] }>("v1/jobs");
     const visit = await Visit.to(browser, server.url);

@@ -19,6 +19,8 @@ export interface Level {
 
 // After a lost connection, in milliseconds.
 const AGAIN = 3000;
+// A job of which nothing has come for this long is slow, in milliseconds.
+const SLOW = 3000;
 
 /** A job that is followed from its first iteration to its end. */
 export class Fit {
@@ -38,6 +40,8 @@ export class Fit {
   /** Where its data are; null until they are here. */
   axes: Axes | null = null;
   readonly geometry = new GeometryCache(this);
+  readonly #opened = performance.now();
+  #heard = performance.now();
   readonly #client: Client;
   readonly #changed: () => void;
   readonly #axes: () => readonly Axes[];
@@ -69,6 +73,14 @@ export class Fit {
   /** The number of the newest iteration; -1 before the first. */
   get latest(): number {
     return this.levels.length - 1;
+  }
+
+  /** How many seconds a job that runs has been looked at, if nothing has come of it for a while; else null. */
+  get slow(): number | null {
+    const now = performance.now();
+    if (this.end !== null || this.problem !== null || now - this.#heard < SLOW) return null;
+    const started = Date.parse(this.job?.status.started_at ?? "");
+    return Math.max(now - this.#opened, Date.now() - started || 0) / 1000;
   }
 
   get signal(): AbortSignal {
@@ -185,6 +197,7 @@ export class Fit {
     let controls: Counts = this.levels.at(-1)?.controls ?? 0;
     for await (const { event, data } of stream.events()) {
       this.problem = null;
+      this.#heard = performance.now();
       if (event === "job") {
         this.head = data;
         controls = this.levels.at(-1)?.controls ?? data.control_points;

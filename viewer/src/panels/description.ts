@@ -146,7 +146,7 @@ function last(ref: string): string {
 
 /** Words without marks, line breaks and lists. */
 function plain(words: string): string {
-  return words.split("\n\n")[0]!.replace(/\s*Default: `[^`]*`\.?/, "").replace(/\s*Only with (`\w+`(, )?)+\./, "").replace(/[`]/g, "").replace(/_/g, " ").replace(/\s+/g, " ").trim();
+  return words.split("\n\n")[0]!.replace(/\s*Default: `[^`]*`\.?/, "").replace(/\s*Only with (`\w+`(, )?)+\./, "").replace(/ \(\d{3}\)/g, "").replace(/[`]/g, "").replace(/_/g, " ").replace(/\s+/g, " ").trim();
 }
 
 /** Words as a sentence. */

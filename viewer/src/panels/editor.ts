@@ -7,6 +7,7 @@ import { el } from "../html.js";
 import type { Store } from "../store.js";
 import { fromOne, sentence } from "../text/errors.js";
 import { whenReleased } from "../ui/press.js";
+import { Choices } from "./choices.js";
 import { Complaints } from "./complaints.js";
 import { type Description, spoken } from "./description.js";
 import { dataOf } from "./draft.js";
@@ -26,6 +27,7 @@ export class Editor {
   readonly #text: RequestText;
   readonly #complaints = new Complaints();
   readonly #presets = el("fieldset", { class: "presets" }, el("legend", {}, "How to fit the data"));
+  readonly #choices: Choices;
   readonly #advanced: HTMLDetailsElement;
   readonly #buttons: readonly HTMLButtonElement[];
   #points: unknown;
@@ -45,8 +47,9 @@ export class Editor {
       radio.addEventListener("change", () => this.#choose(kind));
       this.#presets.append(el("label", {}, radio, el("span", {}, el("b", {}, title), el("span", {}, about))));
     }
+    this.#choices = new Choices(() => draft.value.request, (request) => this.#fit(request));
     this.#advanced = el("details", { class: "advanced" }, el("summary", {}, "Advanced"), form.element, text.element);
-    this.element = el("form", { novalidate: true, autocomplete: "off" }, this.#presets, form.head, this.#advanced, el("div", { role: "alert" }, this.#complaints.element), el("footer", {}, help, el("div", { class: "row" }, fit, compare)));
+    this.element = el("form", { novalidate: true, autocomplete: "off" }, this.#presets, this.#choices.element, form.head, this.#advanced, el("div", { role: "alert" }, this.#complaints.element), el("footer", {}, help, el("div", { class: "row" }, fit, compare)));
     this.element.addEventListener("submit", (event) => {
       event.preventDefault();
       send("replace");
@@ -89,6 +92,7 @@ export class Editor {
     this.#complaints.refresh(request);
     const none = dataOf(request) === null && Object.keys(request).length === 0;
     for (const button of this.#buttons) button.disabled = none;
+    this.#choices.refresh(request);
     const preset = presetOf(request);
     for (const radio of this.#presets.querySelectorAll("input")) {
       radio.checked = radio.value === preset;
@@ -98,7 +102,11 @@ export class Editor {
 
   /** Another preset fits again. */
   #choose(kind: (typeof PRESETS)[number]["kind"]): void {
-    this.#draft.set({ request: withPreset(this.#draft.value.request, kind), touched: true });
+    this.#fit(withPreset(this.#draft.value.request, kind));
+  }
+
+  #fit(request: Fields): void {
+    this.#draft.set({ request, touched: true });
     this.#send("replace");
   }
 

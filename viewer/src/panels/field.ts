@@ -148,7 +148,7 @@ function listOf({ kind }: FieldOptions, control: Control): HTMLElement[] {
 /** A value that is none of the choices is shown as one more. */
 function select(control: HTMLSelectElement, value: Json | undefined, { usual, needed }: FieldOptions): void {
   control.querySelector("[data-given]")?.remove();
-  const text = value === undefined ? "" : typeof value === "string" ? value : JSON.stringify(value);
+  const text = value === undefined ? (needed === true ? usual : "") : typeof value === "string" ? value : JSON.stringify(value);
   const wanted = text === usual && needed !== true ? "" : text;
   const known = [...control.options].some((option) => option.value === wanted);
   if (!known) {

@@ -1,7 +1,7 @@
 /** Settings by what the data are. */
 
 import { type Fields, type Json, at, isFields, put } from "./pointer.js";
-import { dataOf, shapeOf } from "./draft.js";
+import { dataOf, shapeOf, sizeOf } from "./draft.js";
 
 export interface Preset {
   readonly kind: "through" | "within" | "smooth" | "scan";
@@ -25,8 +25,17 @@ const NEAR_SCAN = 4e-3;
 const STIFF = 1e-9;
 // Interpolation through more points than these is seldom what somebody wants.
 const FEW = 400;
+// The fields of curves and surfaces that the settings of a preset do not go with.
+const LOST: Readonly<Record<PresetKind, readonly string[]>> = {
+  through: ["trim", "polyline"],
+  within: ["ends", "creases", "trim"],
+  smooth: ["ends", "creases", "trim", "corners", "polyline"],
+  scan: ["ends", "corners", "creases", "polyline"],
+};
 // What second differences of neighbours have in common: two thirds less of noise, and about as much of a smooth line.
 const NOISY = -0.3;
+// Second differences below this part of the size of the data are rounding, not noise.
+const ROUNDING = 1e-6;
 
 /** True if a preset can be used for the data of a request. */
 export function suits(request: Fields, kind: PresetKind): boolean {
@@ -63,17 +72,18 @@ export function withPreset(request: Fields, kind: PresetKind): Fields {
   const { method: _, stop, ...rest } = kind === "scan" ? asScan(request) : request;
   const limit = at(stop, "/max_iterations");
   const others: Fields = limit === undefined ? {} : { max_iterations: limit };
-  const bare = without(rest, kind === "through" ? ["trim"] : kind === "scan" ? ["ends", "corners", "creases"] : ["ends", "creases", "trim"]);
+  const robust: Fields = at(request, "/method/robust") === true ? { robust: true } : {};
+  const bare = without(rest, LOST[kind]);
   const end = (rules: Fields): Fields => (Object.keys(rules).length === 0 ? bare : { ...bare, stop: rules });
   switch (kind) {
     case "through":
       return end(others);
     case "within":
-      return { ...end({ relative_tolerance: NEAR, ...others }), method: { kind: "least_squares", control_points: "auto" } };
+      return { ...end({ relative_tolerance: NEAR, ...others }), method: { kind: "least_squares", control_points: "auto", ...robust } };
     case "smooth":
-      return { ...end(others), method: { kind: "least_squares", control_points: manyOf(request), fairness: "auto" } };
+      return { ...end(others), method: { kind: "least_squares", control_points: manyOf(request), fairness: "auto", ...robust } };
     case "scan":
-      return put({ ...end({ relative_tolerance: NEAR_SCAN, ...others }), method: { kind: "least_squares", control_points: "auto", fairness: STIFF } }, "/surface/trim", true);
+      return put({ ...end({ relative_tolerance: NEAR_SCAN, ...others }), method: { kind: "least_squares", control_points: "auto", fairness: STIFF, ...robust } }, "/surface/trim", true);
   }
 }
 
@@ -143,5 +153,5 @@ function isNoisy(request: Fields): boolean {
       before = bend;
     }
   }
-  return alone > 0 && together / alone < NOISY;
+  return Math.sqrt(alone / data.count) > ROUNDING * sizeOf(request) && together / alone < NOISY;
 }

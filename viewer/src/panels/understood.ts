@@ -29,11 +29,11 @@ export interface Changes {
 }
 
 const ARRANGEMENTS = {
-  curve: "Curve, in the order of the points",
-  nearest: "Curve, from neighbour to neighbour",
+  curve: "Curve, in given order",
+  nearest: "Curve, to next neighbours",
   grid: "Surface, in rows",
   sections: "Surface, through sections",
-  scattered: "Surface, from scattered points",
+  scattered: "Surface, scattered points",
 } as const;
 
 type Arrangement = keyof typeof ARRANGEMENTS;
@@ -97,7 +97,7 @@ function ofFile({ input, reading, parts }: Source, changes: Changes): HTMLElemen
     fields.push(choice("Part", [...each, ...all], reading.part ?? "1", (part) => changes.reading({ ...reading, part })));
   }
   if (isTable(input)) {
-    const columns = el("input", { type: "text", id: "understood-columns", value: reading.columns ?? "", placeholder: "by their names, or the first ones", autocomplete: "off", spellcheck: "false", title: "Numbers or names: x=2,y=3 or easting,northing" });
+    const columns = el("input", { type: "text", id: "understood-columns", value: reading.columns ?? "", placeholder: "by name, or the first", autocomplete: "off", spellcheck: "false", title: "Numbers or names: x=2,y=3 or easting,northing" });
     columns.addEventListener("change", () => {
       const { columns: _, ...rest } = reading;
       changes.reading(columns.value.trim() === "" ? rest : { ...rest, columns: columns.value.trim() });

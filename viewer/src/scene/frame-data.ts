@@ -167,7 +167,7 @@ export function range({ levels, head }: Fit): [number, number] {
   return [Math.min(Math.max(tolerance, most * 1e-12), most / 10) || least, most];
 }
 
-function spikesOf(data: Data, { at }: Distances, largest: number): { segments: Float32Array; scale: number } {
+function spikesOf(data: Data, { at, lengths }: Distances, largest: number): { segments: Float32Array; scale: number } {
   const { axes, dimension, rows, columns } = data;
   const scale = Math.max(1, round125((SPIKE * axes.radius) / largest));
   const grid = { rows, columns, dimension };
@@ -176,11 +176,14 @@ function spikesOf(data: Data, { at }: Distances, largest: number): { segments: F
   const segments = new Float32Array(shown.length * 6);
   for (let to = 0; to < shown.length; to++) {
     const i = shown[to]!;
+    const span = Math.hypot(...Array.from({ length: dimension }, (_, axis) => data.exact[i * dimension + axis]! - at[i * dimension + axis]!));
+    // Between samples there is more than an error of 10⁻⁹ that the cubic gets wrong: no vector is longer than the largest error.
+    const shorter = span > lengths[i]! ? lengths[i]! / span : 1;
     for (let axis = 0; axis < 3; axis++) {
       const foot = from[i * 3 + axis]!;
       // 32 bits do not tell near points apart: the difference is that of the exact numbers.
       const value = dimension === 1 ? (axis === (data.isSurface ? 2 : 1) ? 0 : -1) : axis < dimension ? axis : -1;
-      const way = value < 0 ? 0 : data.exact[i * dimension + value]! - at[i * dimension + value]!;
+      const way = value < 0 ? 0 : (data.exact[i * dimension + value]! - at[i * dimension + value]!) * shorter;
       segments[to * 6 + axis] = foot;
       // From far away a sum would not arrive at the data point.
       segments[to * 6 + 3 + axis] = scale > 1 ? foot + way * scale : data.positions[i * 3 + axis]!;

@@ -158,6 +158,7 @@ export class SceneController implements Listener {
       this.#hang();
       this.#together();
     }
+    this.viewport.front = isTogether ? (this.fitViews.find(({ fit }) => fit.id === value.front)?.figure ?? null) : null;
     const plays = ({ fit }: FitView) => this.fitViews.length <= MOST_STREAMED_FITS && (value.playing || (value.iteration === "latest" && fit.end === null));
     const pace = this.#still.matches ? 0 : Math.min(GLIDE, value.playing ? this.pace : GLIDE);
     this.fitViews.forEach((fitView, i) => {

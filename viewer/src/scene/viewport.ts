@@ -28,6 +28,8 @@ export class Viewport {
   palette: Palette = palette();
   /** True if all figures are drawn in one scene. */
   isOverlaid = false;
+  /** The figure that is drawn before all others of one scene; null if they are where they are. */
+  front: Figure | null = null;
   readonly #listeners: (() => void)[] = [];
   readonly #canvas2d = new Canvas2d();
   readonly #root: HTMLElement;
@@ -145,19 +147,29 @@ export class Viewport {
     const { perspective } = this.camera;
     this.#each(1, (figure, cell) => this.isOverlaid || this.#canvas2d.draw([figure], perspective, cell, isMoving));
     const [cell] = this.cells();
-    if (this.isOverlaid && cell !== undefined) this.#canvas2d.draw(this.#figures, perspective, cell, isMoving);
+    if (this.isOverlaid && cell !== undefined) this.#canvas2d.draw(this.#ordered, perspective, cell, isMoving);
   }
 
   #render(webgl: WebGL, isMoving: boolean): void {
     const begin = performance.now();
     webgl.clear(this.#width, this.#height);
-    this.#each(this.#ratio, (figure, cell) => webgl.draw(figure, this.camera.perspective, cell));
+    this.#each(this.#ratio, (figure, cell) => {
+      if (figure === this.front) webgl.clearDepth();
+      webgl.draw(figure, this.camera.perspective, cell);
+    });
     if (!isMoving || webgl.isUndecided) webgl.time(begin);
   }
 
+  /** In the order in which they are drawn. */
+  get #ordered(): readonly Figure[] {
+    const { front } = this;
+    return front !== null && this.isOverlaid && this.#figures.includes(front) ? [...this.#figures.filter((figure) => figure !== front), front] : this.#figures;
+  }
+
   #each(ratio: number, draw: (figure: Figure, cell: Cell) => void): void {
+    const figures = this.#ordered;
     this.cells().forEach((cell, i) => {
-      const figure = this.#figures[i];
+      const figure = figures[i];
       if (figure === undefined) return;
       figure.setSize(cell.width, cell.height, ratio, this.palette);
       draw(figure, cell);

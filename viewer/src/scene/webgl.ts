@@ -57,6 +57,11 @@ export class WebGL {
     this.#renderer.clear();
   }
 
+  /** What is drawn from now on lies before what there is. */
+  clearDepth(): void {
+    this.#renderer.clearDepth();
+  }
+
   draw({ scene }: Figure, camera: PerspectiveCamera, { x, y, width, height }: Cell): void {
     const bottom = this.#height - y - height;
     this.#renderer.setViewport(x, bottom, width, height);

@@ -9,7 +9,7 @@ export function sentence(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
 }
 
-/** A sentence of the server, which counts points from 0, with points that are counted from 1, as the page does. */
+/** A sentence of the server, which counts points from 0, with points that are counted from 1, and settings named as on the page. */
 export function fromOne(words: string): string {
-  return words.replace(/\b(points?|rows?|columns?) (\d+)/gi, (_, what: string, number: string) => `${what} ${Number(number) + 1}`);
+  return words.replace(/"robust": true\b/, "“Leave out outliers”").replace(/\b(points?|rows?|columns?) (\d+)/gi, (_, what: string, number: string) => `${what} ${Number(number) + 1}`);
 }

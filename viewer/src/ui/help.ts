@@ -28,7 +28,11 @@ export function help(): void {
   const close = el("button", { type: "button", class: "plain", onclick: () => dialog.close() }, "Close");
   const dialog = el("dialog", { class: "question keys", "aria-label": "Keys" }, el("h2", {}, "Keys"), el("dl", {}, ...rows), close);
   document.body.append(dialog);
-  const open = () => !dialog.open && dialog.showModal();
+  const open = () => {
+    if (!dialog.open) dialog.showModal();
+    // The focus is on the button at the end.
+    dialog.scrollTop = 0;
+  };
   byId("help").addEventListener("click", open);
   addEventListener("keydown", ({ key, target, ctrlKey, altKey, metaKey }) => {
     if (key !== "?" || ctrlKey || altKey || metaKey) return;

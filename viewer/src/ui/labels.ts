@@ -30,7 +30,11 @@ const NARROW = 300;
 export function labels(app: App, scene: SceneController, root: HTMLElement): void {
   const layer = el("div", { class: "labels" });
   root.append(layer);
+  let timer = 0;
   const update = () => {
+    // What takes long is counted.
+    clearTimeout(timer);
+    if (app.fits.shown.some(({ end, problem }) => end === null && problem === null)) timer = window.setTimeout(update, 1000);
     const cells = scene.viewport.cells();
     const many = scene.fitViews.length > 1;
     layer.classList.toggle("stacked", scene.viewport.isOverlaid);
@@ -80,7 +84,9 @@ function nothing(): HTMLElement {
 function about(app: App, fitView: FitView, many: boolean, isNarrow: boolean, difference: number | null): Node[] {
   const { fit } = fitView;
   const close = el("button", { type: "button", class: "icon", "aria-label": `Take ${fit.title} off the screen`, onclick: () => app.close(fit.id) }, icon("close"));
-  const head = el("div", { class: "head" }, el("h2", {}, fit.title), many && close);
+  const isFront = app.view.value.front === fit.id;
+  const forward = el("button", { type: "button", class: "forward", title: "Draw it before the others", "aria-pressed": String(isFront), onclick: () => app.view.set({ front: isFront ? null : fit.id }) }, fit.title);
+  const head = el("div", { class: "head" }, el("h2", {}, many && app.view.value.overlaid ? forward : fit.title), many && close);
   const k = fitView.shownOf(app.view.value);
   const level = fitView.held ?? fit.levels[k];
   const error = short(level?.error.max);
@@ -109,6 +115,8 @@ function stateOf({ held, fit: { end, job } }: FitView): api.JobState {
 function standing({ held, fit }: FitView): string {
   const { end, latest, problem } = fit;
   if (held !== null) return "preview of the edit";
+  const { slow } = fit;
+  if (slow !== null) return `running for ${count(Math.round(slow))} s, ${latest < 0 ? "no iteration yet" : `iteration ${count(latest + 1)} takes long`}`;
   if (latest < 0) return problem === null ? "…" : isGone(problem) ? "not there" : "not reached";
   if (end === null) return `running, iteration ${count(latest)}`;
   return `${STATES[end.state]} in ${count(end.iterations)} ${end.iterations === 1 ? "iteration" : "iterations"}`;

@@ -12,6 +12,8 @@ import { axisName, placeName, short } from "../text/numbers.js";
 
 // How near the pointer has to come, in pixels.
 export const NEAR = 13;
+// The pointer goes less far in a click than this, in pixels.
+const STILL = 4;
 // Where the pointer rests this long the curvature is asked for, in milliseconds.
 const REST = 250;
 
@@ -123,6 +125,14 @@ export function pointer(app: App, scene: SceneController, root: HTMLElement, isB
   canvas.addEventListener("pointermove", (event) => {
     last = event;
     frame ||= requestAnimationFrame(show);
+  });
+  let pressed: readonly [number, number] | null = null;
+  canvas.addEventListener("pointerdown", ({ offsetX, offsetY }) => (pressed = [offsetX, offsetY]));
+  canvas.addEventListener("pointerup", ({ offsetX, offsetY, pointerType }) => {
+    const { overlaid, measuring, editing } = app.view.value;
+    if (!overlaid || measuring || editing || pressed === null || Math.hypot(offsetX - pressed[0], offsetY - pressed[1]) > STILL) return;
+    const found = find(scene, offsetX, offsetY, undefined, pointerType === "touch" ? 24 : undefined);
+    if (found !== null && scene.fitViews.length > 1) app.view.set({ front: found.fitView.fit.id });
   });
   app.view.subscribe((now, before) => now.jobs !== before.jobs && clear());
   canvas.addEventListener("pointerleave", clear);
