@@ -27,7 +27,7 @@ use crate::log_throttle::LogThrottle;
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// The shortest time between two log lines about the same repeated event.
-const TELLING: Duration = Duration::from_secs(10);
+const LOG_INTERVAL: Duration = Duration::from_secs(10);
 
 /// Timeouts of connections beyond the limits, which are for short health checks.
 const BEYOND: Times = Times {
@@ -40,7 +40,7 @@ impl ServerContext {
     /// Accepts connections until the server stops; returns when all of them have ended.
     pub(super) async fn serve(self, mut listeners: Vec<Listener>) {
         let mut tasks = JoinSet::new();
-        let mut failures = LogThrottle::new(TELLING);
+        let mut failures = LogThrottle::new(LOG_INTERVAL);
         let mut stopping = self.stopping.clone();
         let context = Arc::new(self);
         loop {
@@ -155,7 +155,7 @@ impl ServerContext {
 
 /// Log lines about connections beyond the limits.
 pub(super) fn overloads() -> Mutex<LogThrottle> {
-    Mutex::new(LogThrottle::new(TELLING))
+    Mutex::new(LogThrottle::new(LOG_INTERVAL))
 }
 
 /// The next connection at any of the addresses, which take turns.

@@ -19,6 +19,7 @@ import pytest
 from shapes import CURVE, FITS, SURFACE
 
 import piad
+from piad.geometry.plots import _abscissas
 
 
 @pytest.fixture(autouse=True)
@@ -74,7 +75,7 @@ def test_values_are_drawn_over_their_parameters(client: piad.Client, folder: Pat
     assert np.array_equal(np.transpose(dots.get_data()), data)
     assert np.allclose(line.get_ydata()[[0, -1]], values[[0, -1], 0], atol=1e-9)
     # The control polygon of a line is the line.
-    straight = piad.plot(piad.Curve(result.curve.basis, piad.plotting._abscissas(result.curve.basis)[:, None]))
+    straight = piad.plot(piad.Curve(result.curve.basis, _abscissas(result.curve.basis)[:, None]))
     assert np.allclose(*straight.get_lines()[1].get_data(), rtol=1e-14)
     heights = client.fit(np.array(SURFACE)[..., 2:], parameters="uniform")
     assert ink(piad.plot(heights), folder / "heights.png") > 0.02

@@ -39,7 +39,7 @@ pub(super) struct Guard {
 }
 
 /// The shortest time between log lines about unauthenticated requests, so that these do not flood the log.
-pub(super) const TELLING: Duration = Duration::from_secs(1);
+pub(super) const LOG_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Answers a request for the tenant of its token, or denies it.
 pub(super) async fn authorize(

@@ -44,7 +44,7 @@ pub(crate) fn router(app: App, hosts: Hosts) -> Router {
         access,
         methods: Arc::clone(&methods),
         counters: app.jobs.resources().counters.clone(),
-        strangers: Arc::new(Mutex::new(LogThrottle::new(authorize::TELLING))),
+        strangers: Arc::new(Mutex::new(LogThrottle::new(authorize::LOG_INTERVAL))),
     });
     let guard = guard.map(|guard| middleware::from_fn_with_state(guard, authorize::authorize));
     let log = TraceLayer::new_for_http().make_span_with(span);

@@ -1,4 +1,4 @@
-"""What can be asked of a fit: the names of its settings and their types, defined once for all functions that take them."""
+"""The settings of fits, with their types, defined once for all functions that take them."""
 
 from __future__ import annotations
 
@@ -27,21 +27,22 @@ MethodKind = Literal[
     "custom",
 ]
 Method = Union[MethodKind, Mapping[str, Any]]
-"""The kind of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
+"""The name of a method, or an object with its settings: `{"kind": "weighted", "omega": 1.2}`."""
 
 ControlPoints = Union[PerDirection[int], Literal["auto"]]
-"""How many control points least squares has; "auto": as few as the tolerance needs."""
+"""The number of control points of least squares; "auto": the fewest that meet the tolerance."""
 
 Rational = Literal["homogeneous", "fixed"]
 Knots = Union[Literal["data", "averaged", "spread", "adaptive"], Sequence[float]]
 End = Union[Literal["estimated", "repeated", "natural"], Mapping[str, Any]]
-"""How a direction ends on one side: a word, or an object with a `derivative`, `derivatives` or a `tangent`."""
+"""The end condition on one side of a direction: a name, or an object with a `derivative`, `derivatives` or a
+`tangent`."""
 Ends = Union[Literal["estimated", "repeated", "natural"], Mapping[Literal["start", "end"], End]]
-"""How a direction ends: a word for both sides, or an object with an end for each."""
+"""The end conditions of a direction: a name for both sides, or an object with one for each side."""
 SurfaceEnds = Union[Ends, Mapping[Literal["u", "v"], Ends]]
-"""How a surface ends: as a curve, in both directions or in each."""
+"""The end conditions of a surface: those of a curve, for both directions or for each."""
 Corners = Union[Literal["auto"], Mapping[Literal["angle"], float], Sequence[int]]
-"""The points at which a curve may turn: "auto", by an angle in degrees, or by their indices."""
+"""The corners of a curve: "auto", a smallest angle in degrees, or indices of points."""
 Parameters = Union[Literal["chord_length", "centripetal", "uniform"], Sequence[float]]
 ScatteredParameters = Union[
     Literal["auto", "project"],
@@ -52,17 +53,17 @@ ScatteredParameters = Union[
     Mapping[Literal["foot_points"], Mapping[str, Any]],
     Sequence[Sequence[float]],
 ]
-"""Of scattered points: u and v of each, shape (n, 2), `"auto"`, the surface on which they are, such as
-`{"project": "cylinder", "axis": [0, 0, 1]}`, the triangles of a mesh whose vertices they are,
-`{"triangles": [[0, 1, 2], …]}`, or a job on whose surface their foot points are:
+"""Parameters of scattered points: u and v of each, shape (n, 2); `"auto"`; the surface they are on, such as
+`{"project": "cylinder", "axis": [0, 0, 1]}`, the triangles of the mesh with these vertices,
+`{"triangles": [[0, 1, 2], …]}`, or a job whose surface gives their foot points:
 `{"foot_points": {"job": job.id}}`."""
 
 SampleCount = Union[int, tuple[int, int]]
-"""The number of points of a curve, or the numbers in u and in v of a surface."""
+"""The number of samples of a curve, or the numbers in u and v of a surface."""
 
 
 class Settings(TypedDict, total=False):
-    """Settings of a fit; those that are missing or None are left to the server."""
+    """Settings of a fit; missing ones and those that are None get the server's defaults."""
 
     basis: PerDirection[BasisKind]
     degree: Optional[PerDirection[int]]
@@ -133,7 +134,7 @@ def spelled_out(settings: type) -> Callable[[F], F]:
 
 
 def check_names(function: Callable[..., Any], given: Mapping[str, Any], settings: type) -> None:
-    """A `TypeError` that names the function if it does not have one of these settings."""
+    """Raises a `TypeError` that names the function if one of these settings is unknown."""
     for name in given:
         if name not in settings.__annotations__:
             raise TypeError(f"{function.__qualname__}() got an unexpected keyword argument {name!r}")

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @spelled_out(Settings)
 def fit(points: Any, *, url: Optional[str] = None, timeout: Optional[float] = None, **settings: Unpack[Settings]) -> Result:
-    """The curve or the surface of these points: `piad.fit(points, tolerance=0.01, control_points="auto")`.
+    """Fits a curve or a surface to points: `piad.fit(points, tolerance=0.01, control_points="auto")`.
 
-    `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension); `Client.create` says
-    what the settings mean. Waits for the end, `timeout` seconds at most. A fit that has not reached its tolerance is
-    a result, too, with the warning `NotConverged`.
+    `points` of a curve have the shape (n, dimension), of a surface (rows, columns, dimension); `Client.create` describes
+    the settings. Waits at most `timeout` seconds. A fit that has not reached its tolerance also returns a result, with
+    the warning `NotConverged`.
 
     `url` is that of a server, by default the one in the variable PIAD_URL; the token for it is in PIAD_TOKEN. Without
     a URL a server is started for this process, which all fits share and which ends with the process.
@@ -42,7 +42,7 @@ def fit_file(
     timeout: Optional[float] = None,
     **settings: Unpack[FileSettings],
 ) -> Result:
-    """The curve or the surface of the points of a file. `read` says how it is read, `fit` what the rest means."""
+    """Fits a curve or a surface to the points of a file. See `read` for reading and `fit` for the other settings."""
     check_names(fit_file, settings, FileSettings)
     return _client(url).fit_file(file, timeout=timeout, **settings)
 
@@ -51,7 +51,7 @@ def fit_file(
 def read(
     file: Union[str, bytes, PathLike[str]], /, *, url: Optional[str] = None, **settings: Unpack[PointSettings]
 ) -> FilePoints:
-    """The points of a file, and what was found out about it: `Client.read_points`, at the server that `fit` uses."""
+    """Reads the points of a file, with notes about how it was read: `Client.read_points` at the server of `fit`."""
     check_names(read, settings, PointSettings)
     return _client(url).read_points(file, **settings)
 

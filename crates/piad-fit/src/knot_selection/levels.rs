@@ -48,7 +48,7 @@ pub(super) struct Levels<const D: usize> {
 }
 
 impl<const D: usize> Levels<D> {
-    /// None yet.
+    /// No levels yet.
     pub(super) fn new(tolerance: f64) -> Self {
         Self {
             tolerance,
@@ -66,7 +66,7 @@ impl<const D: usize> Levels<D> {
     }
 
     /// Returns true if the next level has to be found.
-    pub(super) fn lack_one(&self) -> bool {
+    pub(super) fn is_next_missing(&self) -> bool {
         self.queue.is_empty() && self.outcome.is_none()
     }
 
@@ -80,7 +80,7 @@ impl<const D: usize> Levels<D> {
         level.distances.max <= self.tolerance
     }
 
-    /// Returns a level, and remembers it if it is the best or the closest.
+    /// Queues a level, and keeps it if it is the best or the closest.
     pub(super) fn issue(&mut self, level: Arc<Level<D>>) {
         let fewer = |best: &Arc<Level<D>>| level.count() <= best.count();
         if self.is_within(&level) && self.best.as_ref().is_none_or(fewer) {
@@ -94,7 +94,7 @@ impl<const D: usize> Levels<D> {
         self.queue.push_back(level);
     }
 
-    /// Returns a level if there is one within the tolerance, and true in that case.
+    /// Queues a level that is there and within the tolerance; returns true in that case.
     pub(super) fn accept(&mut self, level: Option<Arc<Level<D>>>) -> bool {
         match level.filter(|it| self.is_within(it)) {
             Some(level) => self.issue(level),

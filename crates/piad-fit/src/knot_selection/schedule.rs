@@ -132,7 +132,7 @@ impl<M: Minimum> Schedule<M> {
 
     /// The next level, or `None` after the last one.
     pub(crate) fn next_level(&mut self) -> Option<Arc<Level<1>>> {
-        while self.levels.lack_one() {
+        while self.levels.is_next_missing() {
             self.advance();
         }
         self.levels.pop()

@@ -12,6 +12,7 @@ from . import geomdl, net, occ, rhino, scipy
 from .basis import Basis
 from .derivative import checked, differentiated, quotient
 from .picture import curve_picture
+from .plots import curve_plot
 from .shown import Shown
 
 
@@ -111,6 +112,9 @@ class Curve(Shown):
 
     def _picture(self) -> str:
         return curve_picture(self)
+
+    def _plot(self, ax: Any, net: bool, data: Any, samples: Optional[int], style: dict[str, Any]) -> Any:
+        return curve_plot(self, ax, net, data, samples or 200, style)
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.BSpline` (`extrapolate="periodic"` if the curve is closed).

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any, Protocol
 
-from .._arrays import Array, as_lists
-from .shapes import CurveLike, SurfaceLike
+from .._arrays import as_lists
+from .shapes import EvaluatedCurve, EvaluatedSurface
 
 _WIDTH, _HEIGHT, _MARGIN = 480.0, 300.0, 8.0
 
@@ -15,18 +14,6 @@ _WIDTH, _HEIGHT, _MARGIN = 480.0, 300.0, 8.0
 _SAMPLES, _LINES, _MOST_POINTS = 300, 13, 200
 
 Line = list[tuple[float, float]]
-
-
-class EvaluatedCurve(CurveLike, Protocol):
-    """A curve whose points are known."""
-
-    def evaluate(self, u: Any) -> Array: ...
-
-
-class EvaluatedSurface(SurfaceLike, Protocol):
-    """A surface whose points are known."""
-
-    def evaluate(self, u: Any, v: Any) -> Array: ...
 
 
 def curve_picture(curve: EvaluatedCurve) -> str:

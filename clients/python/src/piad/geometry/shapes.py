@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Protocol
+from typing import Any, Optional, Protocol
 
 from .._arrays import Array
 from .basis import Basis
@@ -50,3 +50,15 @@ class SurfaceLike(Protocol):
     @property
     def dimension(self) -> int: ...
     def as_bspline(self) -> SurfaceLike: ...
+
+
+class EvaluatedCurve(CurveLike, Protocol):
+    """A curve whose points are known."""
+
+    def evaluate(self, u: Any) -> Array: ...
+
+
+class EvaluatedSurface(SurfaceLike, Protocol):
+    """A surface whose points are known."""
+
+    def evaluate(self, u: Any, v: Any) -> Array: ...

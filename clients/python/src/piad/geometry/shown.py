@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal, Optional, Protocol, Union
 
 from .._blocking import run
+from ._optional import load
 
 
 class Export(Protocol):
@@ -56,9 +57,11 @@ class Shown:
         self, *, ax: Any = None, net: bool = True, data: Any = None, samples: Optional[int] = None, **style: Any
     ) -> Any:
         """Draws it with matplotlib, as `piad.plot` does, and returns the axes."""
-        from ..plotting import plot
+        load("matplotlib.pyplot", "piad[plot]")
+        return self._plot(ax, net, data, samples, style)
 
-        return plot(self, ax=ax, net=net, data=data, samples=samples, **style)  # type: ignore[arg-type]
+    def _plot(self, ax: Any, net: bool, data: Any, samples: Optional[int], style: dict[str, Any]) -> Any:
+        raise NotImplementedError
 
     def _picture(self) -> str:
         raise NotImplementedError

@@ -14,6 +14,7 @@ from .basis import Basis
 from .boundary import Boundary, Side, boundary
 from .derivative import Orders, checked, differentiated, quotient
 from .picture import surface_picture
+from .plots import surface_plot
 from .shown import Shown
 
 
@@ -136,6 +137,9 @@ class Surface(Shown):
 
     def _picture(self) -> str:
         return surface_picture(self)
+
+    def _plot(self, ax: Any, net: bool, data: Any, samples: Optional[int], style: dict[str, Any]) -> Any:
+        return surface_plot(self, ax, net, data, samples or 40, style)
 
     def to_scipy(self, *, homogeneous: bool = False) -> Any:
         """A `scipy.interpolate.NdBSpline`, to be called with points (u, v).

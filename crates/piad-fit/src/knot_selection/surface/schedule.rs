@@ -89,7 +89,7 @@ impl SurfaceSchedule {
 
     /// The next level, or `None` after the last one.
     pub(crate) fn next_level(&mut self) -> Option<Arc<Level<2>>> {
-        while self.levels.lack_one() {
+        while self.levels.is_next_missing() {
             self.advance();
         }
         self.levels.pop()
